@@ -1,0 +1,118 @@
+"""FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
+
+from dataclasses import dataclass
+
+from friction_audit.interaction.interaction import Caution
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Coefficient:
+    """A value with its 95 % interval; NaN where the log (or the method) cannot give it."""
+
+    value: float
+    low: float
+    high: float
+
+
+UNDETERMINED = Coefficient(value=float("nan"), low=float("nan"), high=float("nan"))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class CoefficientHistory:
+    """Coefficients after each cycle that counts, m rows; NaN where a window cannot give one.
+
+    Attributes:
+        cycle: Number of the cycle among all of the joint's cycles, from 1, shape (m,).
+        start_s: Start of the cycle. [s]
+        stop_s: Stop of the cycle: the moment at which the estimate becomes known. [s]
+        coulomb_nm: Coulomb coefficient, shape (m,). [N m]
+        coulomb_low_nm: Lower end of its 95 % interval.
+        coulomb_high_nm: Upper end.
+        viscous_nms_per_rad: Viscous coefficient. [N m s/rad]
+        viscous_low_nms_per_rad: Lower end of its 95 % interval.
+        viscous_high_nms_per_rad: Upper end.
+        net_energy_j: Net energy input since the first cycle's start, E_cyclic of the paper. [J]
+        dissipated_j: What friction took in this cycle. [J]
+    """
+
+    cycle: Float
+    start_s: Float
+    stop_s: Float
+    coulomb_nm: Float
+    coulomb_low_nm: Float
+    coulomb_high_nm: Float
+    viscous_nms_per_rad: Float
+    viscous_low_nms_per_rad: Float
+    viscous_high_nms_per_rad: Float
+    net_energy_j: Float
+    dissipated_j: Float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueRegression:
+    """The same coefficients from a robust regression of the torque itself, for comparison.
+
+    Attributes:
+        coulomb: Coulomb coefficient. [N m]
+        viscous: Viscous coefficient. [N m s/rad]
+        offset_nm: Constant part of the torque. [N m]
+        inertia_kg_m2: Coefficient of the acceleration. [kg m^2]
+        residual_rms_nm: Root mean square of what is left. [N m]
+        samples: Rows used.
+    """
+
+    coulomb: Coefficient
+    viscous: Coefficient
+    offset_nm: float
+    inertia_kg_m2: float
+    residual_rms_nm: float
+    samples: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointFriction:
+    """Friction of one joint.
+
+    Attributes:
+        joint: Number for people.
+        name: Name in the log.
+        model: ``"combined"``, ``"coulomb"`` or ``"viscous"``.
+        cycles: Cycles that count.
+        rejected_cycles: Cycles left out.
+        moving_s: Time above the initiation threshold. [s]
+        coulomb: Over the whole log. [N m]
+        viscous: Over the whole log. [N m s/rad]
+        offset_nm: Torque offset found beside them, NaN if not fitted. [N m]
+        gravity_error_nm: Amplitude of the gravity error found beside them, NaN if not fitted. [N m]
+        condition_number: Of the scaled regression matrix.
+        correlation: Between the Coulomb and the viscous coefficient.
+        regression: The torque-domain comparison, or None.
+        history: Coefficients over time.
+        reason: Why there is no estimate, as a sentence with the motion that would help; empty if there is one.
+    """
+
+    joint: int
+    name: str
+    model: str
+    cycles: int
+    rejected_cycles: int
+    moving_s: float
+    coulomb: Coefficient
+    viscous: Coefficient
+    offset_nm: float
+    gravity_error_nm: float
+    condition_number: float
+    correlation: float
+    regression: TorqueRegression | None
+    history: CoefficientHistory
+    reason: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class FrictionHistory:
+    """Friction of all joints of a log."""
+
+    estimator: str
+    joints: tuple[JointFriction, ...]
+    warnings: tuple[Caution, ...] = ()

@@ -1,0 +1,87 @@
+"""What a reader is: one record per container format."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from friction_audit.joint_log import Finding, Float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ReadOptions:
+    """What the user says about how to read a log; the defaults leave every choice to the reader.
+
+    Attributes:
+        topic: Topic to read, for files that hold several.
+        mapping: Channel (or ``"t"``) -> name in the file, ``{i}`` standing for the joint's index, or names
+            separated by commas; wins over every guess.
+        robot: Robot stated by the user, wins over the log's own names.
+        time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
+        allow_short: Read a log that looks like a libfranka exception log all the same.
+    """
+
+    topic: str | None = None
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    robot: str | None = None
+    time_scale: float = 1.0
+    allow_short: bool = False
+
+
+@dataclass(eq=False, kw_only=True, slots=True)
+class Recording:
+    """What a reader hands over, names and units translated, before the recording is vetted.
+
+    The arrays belong to the receiver, which may work in place.
+
+    Attributes:
+        t: Time since an origin of the reader's choice, shape (n,); any order, repeats allowed. [s]
+        channels: Channel of JointLog -> array of shape (n, j), Fortran order, NaN where nothing was recorded.
+        joint_names: One name per joint.
+        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
+        start_s: Unix time of t = 0, or None when the clock does not tell. [s]
+        robot: Robot told by joint names or message types, or ``"unknown"``.
+        topic: Topic read, or None.
+        mapping: Channel -> name in the file, with ``{i}``.
+        findings: What the reader itself noticed (a truncated file, a topic without content).
+    """
+
+    t: Float
+    channels: dict[str, Float]
+    joint_names: tuple[str, ...]
+    clock: str = "column"
+    start_s: float | None = None
+    robot: str = "unknown"
+    topic: str | None = None
+    mapping: Mapping[str, str] = field(default_factory=dict)
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Topic:
+    """A topic (or table) found in a file, for ``info`` and for messages."""
+
+    name: str
+    type: str
+    messages: int | None
+    readable: bool
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Reader:
+    """A container format.
+
+    Attributes:
+        name: Name of the format, shown to people and stored in results.
+        suffixes: File name endings, lower case, with the dot.
+        recognises: True if this file (or directory) is of this format, from its content; never raises.
+        read: Reads it.
+        topics: Lists what is in it.
+        summary: One line for the documentation.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    recognises: Callable[[Path], bool]
+    read: Callable[[Path, ReadOptions], Recording]
+    topics: Callable[[Path], tuple[Topic, ...]]
+    summary: str

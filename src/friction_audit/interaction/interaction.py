@@ -1,0 +1,91 @@
+"""Interaction: the torque F_m at the friction port, its sign and its provenance.
+
+With B the reflected inertia behind the sensor, u the torque of an active compensator and tau_f the friction:
+
+    B ddq = F_m + u - tau_f,    tau_f * dq >= 0 is the dissipated power.
+"""
+
+from dataclasses import dataclass
+
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueChoice:
+    """How the interaction torque was made; stored in every result.
+
+    Attributes:
+        source: ``"interaction"``, ``"tau_ext"`` or ``"tau_J"``.
+        gravity: ``"logged"``, ``"model"``, ``"none"`` (still in the torque) or ``"absent"`` (the source has none).
+        inertia: ``"model"`` or ``"none"``.
+        drive: ``"hand"`` or ``"robot"``.
+        sign: +1 or -1, the factor on the source torque.
+        sign_proved: True if the net energy proves the sign on most of the moving joints.
+        sign_turned: True if the log's energy turned the sign against the first reading.
+        robot: The rigid-body model used, or ``"none"``.
+        payload: mass [kg], x, y, z [m] in the flange frame, or None.
+        model_rate_hz: Rate at which the model was evaluated, or None. [Hz]
+        formula: The balance in words, for people.
+    """
+
+    source: str
+    gravity: str
+    inertia: str
+    drive: str
+    sign: int
+    sign_proved: bool
+    sign_turned: bool
+    robot: str
+    payload: tuple[float, float, float, float] | None
+    model_rate_hz: float | None
+    formula: str
+
+    @property
+    def gravity_in_torque(self) -> bool:
+        """True if gravity is still in F_m."""
+        return self.gravity == "none"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Caution:
+    """Something the user must know about a result.
+
+    Attributes:
+        code: Stable short name.
+        message: One sentence.
+        joint: Joint number for people (1..n), or None.
+    """
+
+    code: str
+    message: str
+    joint: int | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Interaction:
+    """What friction sees: motion and torque at the friction port, n samples of j joints.
+
+    Attributes:
+        t: Time, strictly increasing from 0, shape (n,). [s]
+        q: Joint position, shape (n, j). [rad]
+        dq: Joint velocity, shape (n, j). [rad/s]
+        torque: Interaction torque F_m, positive when it drives the joint towards positive velocity, (n, j). [N m]
+        compensation: Torque u of everything a logged compensator did (its passivity controller included),
+            shape (n, j), or None. [N m]
+        hand_speed: Speed of the end effector, shape (n,), or None when nobody asked for it. [m/s]
+        joint_numbers: Number for people (1..n of the log) of each column.
+        joint_names: Name of each column.
+        choice: How the torque was made.
+        warnings: What the user must know.
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    torque: Float
+    compensation: Float | None
+    hand_speed: Float | None
+    joint_numbers: tuple[int, ...]
+    joint_names: tuple[str, ...]
+    choice: TorqueChoice
+    warnings: tuple[Caution, ...] = ()

@@ -1,0 +1,194 @@
+"""JointLog: what was recorded, in SI units and libfranka symbols.
+
+Holding a ``JointLog`` is the proof that its invariants hold; nobody checks them again.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+
+Float = NDArray[np.float64]
+
+JOINT_CHANNELS = (
+    "q",
+    "dq",
+    "tau_J",
+    "tau_J_d",
+    "tau_ext_hat_filtered",
+    "gravity",
+    "tau_interaction",
+    "tau_compensation",
+    "tau_passivity",
+    "temperature",
+)
+"""Channels with one column per joint, in the order in which they are written to files."""
+
+TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
+"""Channels from which the interaction torque can be made; a log has at least one of them."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Finding:
+    """Something noticed about a recording while it was read, with its amount and what was done about it.
+
+    Attributes:
+        code: Stable short name, e.g. ``"stale_samples"``.
+        message: One sentence for people: what, how much, what was done.
+        joint: Joint number for people (1..n), or None when the whole log is meant.
+        amount: The size of it, in the unit that the message names.
+        damaged: True if part of the input was lost or left out (exit code 6).
+    """
+
+    code: str
+    message: str
+    joint: int | None = None
+    amount: float | None = None
+    damaged: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Source:
+    """Where a log came from and how it was understood.
+
+    Attributes:
+        path: The path as the user gave it.
+        sha256: Content hash of the file (of all files, in sorted order, for a directory).
+        format: Name of the reader that read it.
+        robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, from joint names or message types.
+        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
+        start_s: Unix time of the first sample, or None when the clock does not tell. [s]
+        topic: Topic that was read, or None for tables.
+        channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
+        findings: What was noticed about the recording.
+    """
+
+    path: str
+    sha256: str
+    format: str
+    robot: str = "unknown"
+    clock: str = "column"
+    start_s: float | None = None
+    topic: str | None = None
+    channels: Mapping[str, str] = MappingProxyType({})
+    findings: tuple[Finding, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointLog:
+    """A recorded joint log: n samples of j joints.
+
+    Arrays of shape (n, j) are float64, finite, read-only, and best laid out column by column (Fortran order):
+    every step works through one joint at a time.
+
+    Attributes:
+        t: Time since the first sample, strictly increasing, t[0] = 0, shape (n,). [s]
+        q: Joint position, shape (n, j). [rad]
+        dq: Joint velocity, shape (n, j). [rad/s]
+        tau_J: Measured link-side torque, gravity and payload included, shape (n, j). [N m]
+        tau_J_d: Desired link-side torque, without gravity. [N m]
+        tau_ext_hat_filtered: The vendor's estimate of the external torque, low-pass filtered. [N m]
+        gravity: Gravity torque as logged (libfranka ``Model::gravity``). [N m]
+        tau_interaction: A column that already is the interaction torque F_m. [N m]
+        tau_compensation: Torque of a friction compensator that was active, positive towards positive motion. [N m]
+        tau_passivity: Torque of that compensator's passivity controller, logged apart from it. [N m]
+        temperature: Joint temperature. [degC]
+        joint_names: One name per joint, in the order of the columns.
+        source: Where the log came from.
+
+    Raises:
+        InputError: If a shape, the clock or a value breaks the promise, or no torque channel is there.
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    tau_J: Float | None = None
+    tau_J_d: Float | None = None
+    tau_ext_hat_filtered: Float | None = None
+    gravity: Float | None = None
+    tau_interaction: Float | None = None
+    tau_compensation: Float | None = None
+    tau_passivity: Float | None = None
+    temperature: Float | None = None
+    joint_names: tuple[str, ...]
+    source: Source
+
+    def __post_init__(self) -> None:
+        """Prove the invariants and make the arrays read-only."""
+        _check_clock(self.t, self.source.path)
+        shape = (len(self.t), len(self.joint_names))
+        for name in JOINT_CHANNELS:
+            _check_channel(name, getattr(self, name), shape, self.source.path)
+        if all(getattr(self, name) is None for name in TORQUE_CHANNELS):
+            raise InputError(f"{self.source.path}: no torque channel; expected one of {', '.join(TORQUE_CHANNELS)}")
+        for array in (self.t, *self.channels().values()):
+            array.setflags(write=False)
+
+    def channels(self) -> dict[str, Float]:
+        """Return the per-joint channels that were recorded, by name, in the order of JOINT_CHANNELS."""
+        found = ((name, getattr(self, name)) for name in JOINT_CHANNELS)
+        return {name: array for name, array in found if array is not None}
+
+    @property
+    def duration_s(self) -> float:
+        """Time from the first to the last sample. [s]"""
+        return float(self.t[-1])
+
+    @property
+    def rate_hz(self) -> float:
+        """Sampling rate, from the median time step. [Hz]"""
+        return 1.0 / float(np.median(np.diff(self.t)))
+
+    def take_joints(self, columns: Sequence[int]) -> "JointLog":
+        """Return the log of some joints only, given by column (0-based)."""
+        if tuple(columns) == tuple(range(len(self.joint_names))):
+            return self
+        kept = {name: array[:, list(columns)] for name, array in self.channels().items()}
+        return replace(self, **kept, joint_names=tuple(self.joint_names[c] for c in columns))
+
+    def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
+        """Return the samples with start_s <= t < stop_s; the clock starts at 0 again.
+
+        Raises:
+            InputError: If fewer than two samples lie in the window.
+        """
+        if start_s is None and stop_s is None:
+            return self
+        first = 0 if start_s is None else int(np.searchsorted(self.t, start_s))
+        last = len(self.t) if stop_s is None else int(np.searchsorted(self.t, stop_s))
+        if last - first < MINIMUM_SAMPLES:
+            raise InputError(
+                f"{self.source.path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
+                f"{self.duration_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {self.duration_s:g} s; "
+                "choose another --t-start/--t-end"
+            )
+        kept = {name: array[first:last] for name, array in self.channels().items()}
+        return replace(self, t=self.t[first:last] - self.t[first], **kept)
+
+
+MINIMUM_SAMPLES = 2
+
+
+def _check_clock(t: Float, path: str) -> None:
+    if t.ndim != 1 or t.dtype != np.float64 or len(t) < MINIMUM_SAMPLES:
+        raise InputError(f"{path}: {t.size} samples; at least {MINIMUM_SAMPLES} are needed for a joint log")
+    if t[0] != 0.0 or not np.isfinite(t[-1]) or not np.all(t[1:] > t[:-1]):
+        raise InputError(f"{path}: time must start at 0 and increase strictly")
+
+
+def _check_channel(name: str, array: Float | None, shape: tuple[int, int], path: str) -> None:
+    if array is None:
+        return
+    if array.shape != shape or array.dtype != np.float64:
+        raise InputError(f"{path}: {name} has shape {array.shape} {array.dtype}; expected {shape} float64")
+    # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
+    if not np.isfinite(array.sum()) and not np.isfinite(array).all():
+        raise InputError(f"{path}: {name} holds values that are not finite")
+
+
+assert tuple(f.name for f in fields(JointLog))[1:-2] == JOINT_CHANNELS
