@@ -1,1 +1,1 @@
-"""cli"""
+"""The command line: read, one library call, write."""

@@ -1,1 +1,1 @@
-"""cycles"""
+"""Interaction -> EnergyCycles: segmentation and energy sums."""

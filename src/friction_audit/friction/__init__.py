@@ -1,1 +1,1 @@
-"""friction"""
+"""EnergyCycles -> FrictionHistory: the estimators of the paper and the better ones."""

@@ -1,1 +1,1 @@
-"""report"""
+"""Any result -> table, JSON, figures."""

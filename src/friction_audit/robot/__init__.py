@@ -1,1 +1,1 @@
-"""robot"""
+"""The rigid-body model of the arm: gravity, inverse dynamics, hand velocity; payload. Pinocchio does the dynamics."""

@@ -1,1 +1,1 @@
-"""simulate"""
+"""Settings and a seed -> JointLog with known truth."""
