@@ -4,8 +4,7 @@ Holding a ``JointLog`` is the proof that its invariants hold; nobody checks them
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
-from types import MappingProxyType
+from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +73,7 @@ class Source:
     clock: str = "column"
     start_s: float | None = None
     topic: str | None = None
-    channels: Mapping[str, str] = MappingProxyType({})
+    channels: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()
 
 

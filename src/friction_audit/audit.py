@@ -1,0 +1,60 @@
+"""The chain on one log, one line per step."""
+
+from dataclasses import dataclass, field
+
+from friction_audit.cycles import segment_cycles
+from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.cycles.settings import CycleSettings
+from friction_audit.friction import estimate_friction
+from friction_audit.friction.history import FrictionHistory
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.interaction import extract_interaction
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.settings import TorqueSettings
+from friction_audit.joint_log import JointLog
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AuditSettings:
+    """All settings of the chain.
+
+    Attributes:
+        joints: Numbers (1..n) of the joints to look at, or None for all.
+        t_start_s: Start of the window, or None. [s]
+        t_stop_s: End of the window, or None. [s]
+        torque: The interaction torque.
+        cycles: The segmentation.
+        friction: The estimate.
+    """
+
+    joints: tuple[int, ...] | None = None
+    t_start_s: float | None = None
+    t_stop_s: float | None = None
+    torque: TorqueSettings = field(default_factory=TorqueSettings)
+    cycles: CycleSettings = field(default_factory=CycleSettings)
+    friction: FrictionSettings = field(default_factory=FrictionSettings)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Estimate:
+    """The result of ``estimate``: every step of the chain and the settings that made it."""
+
+    log: JointLog
+    interaction: Interaction
+    cycles: EnergyCycles
+    friction: FrictionHistory
+    settings: AuditSettings
+
+
+def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
+    """Estimate the friction of the joints of a log.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    log = log.take_window(settings.t_start_s, settings.t_stop_s)
+    interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=settings.cycles.cycles_from == "hand")
+    cycles = segment_cycles(interaction, settings.cycles)
+    friction = estimate_friction(interaction, cycles, settings.friction)
+    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)

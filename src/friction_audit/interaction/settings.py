@@ -1,0 +1,49 @@
+"""What the user may say about the torque that friction sees."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from friction_audit.errors import UsageError
+
+TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
+GRAVITIES = ("auto", "logged", "model", "none")
+INERTIAS = ("auto", "model", "none")
+DRIVES = ("auto", "hand", "robot")
+ROBOTS = ("auto", "panda", "fr3", "none")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueSettings:
+    """Choices of the interaction torque; ``"auto"`` leaves them to the log.
+
+    Attributes:
+        torque: Source channel, one of TORQUES.
+        gravity: Where gravity comes from, one of GRAVITIES.
+        inertia: Whether inertial and Coriolis torque is removed, one of INERTIAS.
+        drive: Who moves the joint, one of DRIVES.
+        robot: Whose rigid-body model may be used, one of ROBOTS.
+        urdf: A URDF that replaces the built-in model, or None.
+        payload: mass [kg] and centre of mass x, y, z [m] in the flange frame, or None.
+        gravity_vector: Gravity in the base frame. [m/s^2]
+        model_rate_hz: Rate at which the rigid-body model is evaluated. [Hz]
+
+    Raises:
+        UsageError: If a choice is not one of the names.
+    """
+
+    torque: str = "auto"
+    gravity: str = "auto"
+    inertia: str = "auto"
+    drive: str = "auto"
+    robot: str = "auto"
+    urdf: Path | None = None
+    payload: tuple[float, float, float, float] | None = None
+    gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    model_rate_hz: float = 100.0
+
+    def __post_init__(self) -> None:
+        """Check every choice against its names."""
+        checks = (("torque", TORQUES), ("gravity", GRAVITIES), ("inertia", INERTIAS), ("drive", DRIVES), ("robot", ROBOTS))
+        for name, allowed in checks:
+            if getattr(self, name) not in allowed:
+                raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
