@@ -54,7 +54,8 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         InputError: If the log lacks a channel that the settings ask for.
     """
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
-    interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=settings.cycles.cycles_from == "hand")
+    hand = settings.cycles.cycles_from == "hand"
+    interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     cycles = segment_cycles(interaction, settings.cycles)
     friction = estimate_friction(interaction, cycles, settings.friction)
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)

@@ -5,6 +5,7 @@ Holding a ``JointLog`` is the proof that its invariants hold; nobody checks them
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -147,7 +148,7 @@ class JointLog:
         """Return the log of some joints only, given by column (0-based)."""
         if tuple(columns) == tuple(range(len(self.joint_names))):
             return self
-        kept = {name: array[:, list(columns)] for name, array in self.channels().items()}
+        kept: dict[str, Any] = {name: array[:, list(columns)] for name, array in self.channels().items()}
         return replace(self, **kept, joint_names=tuple(self.joint_names[c] for c in columns))
 
     def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
@@ -166,7 +167,7 @@ class JointLog:
                 f"{self.duration_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {self.duration_s:g} s; "
                 "choose another --t-start/--t-end"
             )
-        kept = {name: array[first:last] for name, array in self.channels().items()}
+        kept: dict[str, Any] = {name: array[first:last] for name, array in self.channels().items()}
         return replace(self, t=self.t[first:last] - self.t[first], **kept)
 
 

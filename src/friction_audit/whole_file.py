@@ -1,6 +1,5 @@
 """Outputs are written whole or not at all: into a temporary neighbour, then renamed into place."""
 
-import os
 import shutil
 import tempfile
 from collections.abc import Iterator
@@ -38,5 +37,5 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
 def _replace(draft: Path, path: Path) -> None:
     """Put the draft in place; a directory cannot be renamed over another one, so the old one steps aside first."""
     if path.is_dir():
-        os.replace(path, draft.with_name("replaced"))
-    os.replace(draft, path)
+        path.replace(draft.with_name("replaced"))
+    draft.replace(path)

@@ -2,11 +2,10 @@
 
 An energy cycle is the half-open interval [start, stop) of samples from one termination to the next (paper, section
 III): the joint is slow at both ends, so its kinetic energy cancels and the work left is what friction took. Sums are
-trapezoid integrals on the real stamps over [t[start], t[stop]]; neighbours share the sample at the border and nothing
-else.
+trapezoid integrals on the real stamps over [t[start], t[stop]]; neighbours share the border sample and nothing else.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,9 +14,50 @@ from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
 
+KEPT, GAP, OPEN, SMALL, ONE_WAY = range(5)
 REASONS = ("", "gap", "open", "small", "one_way")
-"""Why a cycle is left out of the estimates: kept, a gap in the log, open in position while gravity is in the torque,
+"""Why a cycle is left out of the estimates: kept, a hole in the log, open in position while gravity is in the torque,
 not every joint has moved enough, the joint never reversed."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class EnergySums:
+    """Energy sums over pieces of motion; every array has the same shape.
+
+    Attributes:
+        work_j: Integral of F_m dq dt, the net energy input. [J]
+        compensation_j: Integral of u dq dt, the energy that a logged compensator put in. [J]
+        path_rad: Integral of sgn(dq) dq dt, with the sign of the filtered velocity: noise adds no path. [rad]
+        rectified_path_rad: Integral of |dq| dt, as (14) prints it. [rad]
+        square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
+        displacement_rad: Change of q: the work of one newton metre of torque offset. [rad]
+        gravity_x_rad: Integral of g_x dq dt: the work per newton metre of gravity error along x of the joint's frame.
+        gravity_y_rad: The same along y.
+        half_square_speed_change: Change of dq^2 / 2 of the filtered velocity: kinetic energy per inertia. [rad^2/s^2]
+    """
+
+    work_j: Float
+    compensation_j: Float
+    path_rad: Float
+    rectified_path_rad: Float
+    square_speed_rad2_s: Float
+    displacement_rad: Float
+    gravity_x_rad: Float
+    gravity_y_rad: Float
+    half_square_speed_change: Float
+
+    @property
+    def dissipated_j(self) -> Float:
+        """What friction took: the net energy of (10), in signs where a compensator's work counts positive. [J]"""
+        return self.work_j + self.compensation_j
+
+    def rows(self, index: NDArray[np.bool_] | NDArray[np.int64]) -> "EnergySums":
+        """Return the rows selected by a mask or by indices."""
+        return EnergySums(**{f.name: getattr(self, f.name)[index] for f in fields(self)})
+
+    def total(self) -> "EnergySums":
+        """Return the sums over the last axis."""
+        return EnergySums(**{f.name: getattr(self, f.name).sum(axis=-1) for f in fields(self)})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -27,22 +67,17 @@ class EnergyCycles:
     Attributes:
         joint: Column of the Interaction (0-based), shape (m,).
         start: First sample, shape (m,).
-        stop: Border sample (the next cycle's start), shape (m,).
+        stop: Border sample, the next cycle's start, shape (m,).
         start_s: t[start]. [s]
         stop_s: t[stop]. [s]
-        work_j: Integral of F_m dq dt, the net energy input of the cycle. [J]
-        compensation_j: Integral of u dq dt, the energy that a logged compensator put in. [J]
-        path_rad: Integral of sgn(dq) dq dt, with the sign of the noise-free velocity. [rad]
-        speed_path_rad2_s: Integral of dq^2 dt. [rad^2/s]
-        displacement_rad: q[stop] - q[start]. [rad]
-        sin_change: sin q[stop] - sin q[start].
-        cos_change: cos q[stop] - cos q[start].
-        half_square_speed_change: (dq[stop]^2 - dq[start]^2) / 2, from the filtered velocity. [rad^2/s^2]
         peak_speed_rad_s: Largest filtered speed. [rad/s]
-        open: True where the joint does not end where it began.
-        reason: Index into REASONS; 0 where the cycle counts.
-        initiation_rad_s: Threshold used per joint of the Interaction, shape (j,). [rad/s]
-        termination_rad_s: Threshold used per joint, shape (j,). [rad/s]
+        sums: Over the whole cycle, arrays of shape (m,).
+        parts: Over parts of equal path, arrays of shape (m, PARTS); they add up to ``sums``.
+        open: True where a joint does not end where it began, shape (m,).
+        reason: Index into REASONS; KEPT where the cycle counts, shape (m,).
+        initiation: Threshold used per joint of the Interaction, shape (j,). [rad/s, m/s for hand cycles]
+        termination: Threshold used per joint, shape (j,). [rad/s, m/s for hand cycles]
+        moving_s: Time above the initiation threshold per joint of the Interaction, shape (j,). [s]
     """
 
     joint: Int
@@ -50,24 +85,24 @@ class EnergyCycles:
     stop: Int
     start_s: Float
     stop_s: Float
-    work_j: Float
-    compensation_j: Float
-    path_rad: Float
-    speed_path_rad2_s: Float
-    displacement_rad: Float
-    sin_change: Float
-    cos_change: Float
-    half_square_speed_change: Float
     peak_speed_rad_s: Float
+    sums: EnergySums
+    parts: EnergySums
     open: NDArray[np.bool_]
     reason: Int
-    initiation_rad_s: Float
-    termination_rad_s: Float
+    initiation: Float
+    termination: Float
+    moving_s: Float
+
+    @property
+    def work_j(self) -> Float:
+        """Net energy input per cycle. [J]"""
+        return self.sums.work_j
 
     @property
     def dissipated_j(self) -> Float:
-        """What friction took per cycle: E_net = work of the hand + work of the compensator, (10) in SI signs. [J]"""
-        return self.work_j + self.compensation_j
+        """What friction took per cycle. [J]"""
+        return self.sums.dissipated_j
 
     def of_joint(self, column: int) -> "EnergyCycles":
         """Return the rows of one joint."""
@@ -75,7 +110,9 @@ class EnergyCycles:
 
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        per_joint = ("initiation_rad_s", "termination_rad_s")
-        kept = {name: getattr(self, name) for name in self.__slots__}
-        kept |= {name: column[mask] for name, column in kept.items() if name not in per_joint}
-        return EnergyCycles(**kept)
+        kept = {f.name: getattr(self, f.name) for f in fields(self)}
+        kept |= {name: kept[name][mask] for name in PER_CYCLE}
+        return EnergyCycles(**kept | {"sums": self.sums.rows(mask), "parts": self.parts.rows(mask)})
+
+
+PER_CYCLE = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")

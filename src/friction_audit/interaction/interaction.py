@@ -7,6 +7,9 @@ With B the reflected inertia behind the sensor, u the torque of an active compen
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from friction_audit.joint_log import Float
 
 
@@ -73,6 +76,9 @@ class Interaction:
         compensation: Torque u of everything a logged compensator did (its passivity controller included),
             shape (n, j), or None. [N m]
         hand_speed: Speed of the end effector, shape (n,), or None when nobody asked for it. [m/s]
+        gravity_direction: x and y of the direction of gravity in each joint's own frame (z along the axis), at the
+            samples of ``gravity_index``, shape (g, j, 2), or None when the arm's kinematics are not known.
+        gravity_index: Samples at which the direction was evaluated, from 0 to n - 1, shape (g,), or None.
         joint_numbers: Number for people (1..n of the log) of each column.
         joint_names: Name of each column.
         choice: How the torque was made.
@@ -85,6 +91,8 @@ class Interaction:
     torque: Float
     compensation: Float | None
     hand_speed: Float | None
+    gravity_direction: Float | None = None
+    gravity_index: NDArray[np.int64] | None = None
     joint_numbers: tuple[int, ...]
     joint_names: tuple[str, ...]
     choice: TorqueChoice

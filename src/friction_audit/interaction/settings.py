@@ -10,6 +10,13 @@ GRAVITIES = ("auto", "logged", "model", "none")
 INERTIAS = ("auto", "model", "none")
 DRIVES = ("auto", "hand", "robot")
 ROBOTS = ("auto", "panda", "fr3", "none")
+CHOICES = (
+    ("torque", TORQUES),
+    ("gravity", GRAVITIES),
+    ("inertia", INERTIAS),
+    ("drive", DRIVES),
+    ("robot", ROBOTS),
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,7 +50,6 @@ class TorqueSettings:
 
     def __post_init__(self) -> None:
         """Check every choice against its names."""
-        checks = (("torque", TORQUES), ("gravity", GRAVITIES), ("inertia", INERTIAS), ("drive", DRIVES), ("robot", ROBOTS))
-        for name, allowed in checks:
+        for name, allowed in CHOICES:
             if getattr(self, name) not in allowed:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")

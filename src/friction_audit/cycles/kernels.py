@@ -1,0 +1,106 @@
+"""The two truly sequential loops of the segmentation, compiled."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+WORK, COMPENSATION, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(6)
+SUMS = 6
+
+
+@njit(cache=True)
+def find_borders(velocity: Float, initiation: float, termination: float) -> NDArray[np.int64]:
+    """Find the samples at which the motion terminates.
+
+    A cycle begins when the speed exceeds ``initiation`` and ends when it falls below ``termination``. If the speed
+    dips below ``termination`` and rises again without the velocity ever changing sign, the joint did not come to
+    rest: both humps are one stroke.
+
+    Args:
+        velocity: Filtered velocity, or a speed (then nothing is merged unless it stays above zero), shape (n,).
+        initiation: Threshold that begins a cycle.
+        termination: Threshold that ends it.
+
+    Returns:
+        Border samples, shape (m + 1,): cycle c is [borders[c], borders[c + 1]); empty without a complete cycle.
+    """
+    borders = np.empty(len(velocity) + 1, np.int64)
+    count = 0
+    moving = abs(velocity[0]) > termination
+    if not moving:
+        borders[0] = 0
+        count = 1
+    direction = 0.0
+    rested = True
+    for i in range(len(velocity)):
+        v = velocity[i]
+        if moving:
+            if abs(v) < termination:
+                moving = False
+                rested = False
+                borders[count] = i
+                count += 1
+        else:
+            rested = rested or v * direction <= 0.0
+            if abs(v) > initiation:
+                if not rested and count > 1:
+                    count -= 1
+                moving = True
+                direction = v
+    return borders[:count].copy() if count > 1 else np.empty(0, np.int64)
+
+
+@njit(cache=True)
+def add_up(
+    t: Float, dq: Float, filtered: Float, torque: Float, compensation: Float, borders: NDArray[np.int64], parts: int
+) -> tuple[Float, NDArray[np.int64], Float]:
+    """Add up energies over parts of equal path of each cycle, by the trapezoid rule on the real stamps.
+
+    Args:
+        t: Time, shape (n,). [s]
+        dq: Velocity as measured, shape (n,). [rad/s]
+        filtered: Velocity, filtered without phase, shape (n,). [rad/s]
+        torque: Interaction torque F_m, shape (n,). [N m]
+        compensation: Torque u of a logged compensator, shape (n,), or of length 0 when there is none. [N m]
+        borders: Border samples, shape (m + 1,).
+        parts: Number of parts per cycle.
+
+    Returns:
+        sums, shape (m, parts, SUMS), indexed by the constants above; the border samples of the parts,
+        shape (m, parts + 1); and peak filtered speed and longest time step, shape (m, 2).
+    """
+    cycles = len(borders) - 1
+    sums = np.zeros((cycles, parts, SUMS))
+    edges = np.empty((cycles, parts + 1), np.int64)
+    extremes = np.zeros((cycles, 2))
+    for c in range(cycles):
+        start, stop = borders[c], borders[c + 1]
+        total = 0.0
+        for i in range(start, stop):
+            step = t[i + 1] - t[i]
+            total += 0.5 * (abs(filtered[i]) + abs(filtered[i + 1])) * step
+            extremes[c, 0] = max(extremes[c, 0], abs(filtered[i]))
+            extremes[c, 1] = max(extremes[c, 1], step)
+        k, gone = 0, 0.0
+        edges[c, 0] = start
+        for i in range(start, stop):
+            half = 0.5 * (t[i + 1] - t[i])
+            v0, v1 = dq[i], dq[i + 1]
+            sums[c, k, WORK] += half * (torque[i] * v0 + torque[i + 1] * v1)
+            if len(compensation) > 0:
+                sums[c, k, COMPENSATION] += half * (compensation[i] * v0 + compensation[i + 1] * v1)
+            sums[c, k, PATH] += half * (np.sign(filtered[i]) * v0 + np.sign(filtered[i + 1]) * v1)
+            sums[c, k, RECTIFIED] += half * (abs(v0) + abs(v1))
+            sums[c, k, SQUARE] += half * (v0 * v0 + v1 * v1)
+            gone += half * (abs(filtered[i]) + abs(filtered[i + 1]))
+            if k < parts - 1 and gone >= total * (k + 1) / parts and stop - i > parts - k:
+                k += 1
+                edges[c, k] = i + 1
+        for rest in range(k + 1, parts + 1):
+            edges[c, rest] = stop
+        for k in range(parts):
+            first, last = filtered[edges[c, k]], filtered[edges[c, k + 1]]
+            sums[c, k, HALF_SQUARE] = 0.5 * (last * last - first * first)
+    return sums, edges, extremes

@@ -1,0 +1,167 @@
+"""Interaction -> EnergyCycles."""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.cycles import kernels
+from friction_audit.cycles.closure import close_runs, end_to_end
+from friction_audit.cycles.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, PER_CYCLE, SMALL, EnergyCycles, EnergySums
+from friction_audit.cycles.gravity_columns import gravity_work
+from friction_audit.cycles.settings import CycleSettings
+from friction_audit.cycles.thresholds import thresholds_from_log
+from friction_audit.cycles.velocity import filter_velocity
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.joint_log import Float
+
+PARTS = 8
+"""Parts of equal path into which each cycle is cut. Within a stroke the speed runs through its whole range, so the
+parts tell Coulomb from viscous friction even where all strokes are equally fast."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Detector:
+    """The signal whose rest defines the cycles, and its thresholds."""
+
+    signal: Float
+    initiation: float
+    termination: float
+
+    @property
+    def borders(self) -> NDArray[np.int64]:
+        return kernels.find_borders(self.signal, self.initiation, self.termination)
+
+
+def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
+    """Find the energy cycles of every joint and add up their energies.
+
+    Args:
+        interaction: Motion and torque at the friction port.
+        settings: Thresholds and rules.
+
+    Returns:
+        All cycles, those left out included, with the reason.
+    """
+    rate_hz = 1.0 / float(np.median(np.diff(interaction.t)))
+    hand = _hand_detector(interaction, settings, rate_hz) if settings.cycles_from == "hand" else None
+    joints = [_segment_joint(interaction, c, settings, rate_hz, hand) for c in range(len(interaction.joint_numbers))]
+    cycles = _join(joints)
+    return replace(cycles, reason=_common_reason(cycles, settings)) if hand else cycles
+
+
+def _segment_joint(
+    interaction: Interaction, column: int, settings: CycleSettings, rate_hz: float, hand: _Detector | None
+) -> EnergyCycles:
+    dq = interaction.dq[:, column]
+    filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+    own = _detector(dq, filtered, settings, rate_hz, (settings.initiation_rad_s, settings.termination_rad_s))
+    detector = hand or own
+    borders = detector.borders
+    if interaction.choice.gravity_in_torque and len(borders):
+        borders = close_runs(interaction.q, borders, settings.closure_rad)
+    moving_s = float(np.mean(np.abs(filtered) > own.initiation) * (interaction.t[-1] - interaction.t[0]))
+    return _add_up(
+        interaction, column, settings, filtered, borders, (detector.initiation, detector.termination, moving_s)
+    )
+
+
+def _hand_detector(interaction: Interaction, settings: CycleSettings, rate_hz: float) -> _Detector:
+    assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
+    filtered = filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+    fixed = (settings.hand_initiation_m_s, settings.hand_termination_m_s)
+    return _detector(interaction.hand_speed, np.abs(filtered), settings, rate_hz, fixed)
+
+
+def _detector(
+    measured: Float, filtered: Float, settings: CycleSettings, rate_hz: float, fixed: tuple[float, float]
+) -> _Detector:
+    if settings.thresholds == "auto":
+        fixed = thresholds_from_log(measured, filtered, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
+    return _Detector(signal=filtered, initiation=fixed[0], termination=fixed[1])
+
+
+def _add_up(
+    interaction: Interaction,
+    column: int,
+    settings: CycleSettings,
+    filtered: Float,
+    borders: NDArray[np.int64],
+    thresholds: tuple[float, float, float],
+) -> EnergyCycles:
+    """Add up the energies of one joint over its cycles and say which of them count."""
+    borders = borders if len(borders) else np.zeros(1, np.int64)
+    nothing = np.empty(0)
+    u = nothing if interaction.compensation is None else interaction.compensation[:, column]
+    raw, edges, extremes = kernels.add_up(
+        interaction.t, interaction.dq[:, column], filtered, interaction.torque[:, column], u, borders, PARTS
+    )
+    start, stop = borders[:-1], borders[1:]
+    parts = _name_sums(raw, interaction, column, edges)
+    reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
+    is_open = end_to_end(reach, start, stop) > settings.closure_rad
+    too_long = extremes[:, 1] > settings.maximum_gap_s
+    return EnergyCycles(
+        joint=np.full(len(start), column),
+        start=start,
+        stop=stop,
+        start_s=interaction.t[start],
+        stop_s=interaction.t[stop],
+        peak_speed_rad_s=extremes[:, 0],
+        sums=parts.total(),
+        parts=parts,
+        open=is_open,
+        reason=_reason(parts.total(), is_open & interaction.choice.gravity_in_torque, too_long),
+        initiation=np.array(thresholds[:1]),
+        termination=np.array(thresholds[1:2]),
+        moving_s=np.array(thresholds[2:]),
+    )
+
+
+def _name_sums(raw: Float, interaction: Interaction, column: int, edges: NDArray[np.int64]) -> EnergySums:
+    gravity_x, gravity_y = gravity_work(interaction, column, edges)
+    return EnergySums(
+        work_j=raw[:, :, kernels.WORK],
+        compensation_j=raw[:, :, kernels.COMPENSATION],
+        path_rad=raw[:, :, kernels.PATH],
+        rectified_path_rad=raw[:, :, kernels.RECTIFIED],
+        square_speed_rad2_s=raw[:, :, kernels.SQUARE],
+        displacement_rad=np.diff(interaction.q[edges, column], axis=1),
+        gravity_x_rad=gravity_x,
+        gravity_y_rad=gravity_y,
+        half_square_speed_change=raw[:, :, kernels.HALF_SQUARE],
+    )
+
+
+def _reason(sums: EnergySums, open_with_gravity: NDArray[np.bool_], too_long: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Say why each cycle is left out; a joint that never reversed has no closed path at all."""
+    reason = np.full(len(too_long), KEPT)
+    reason[open_with_gravity] = OPEN
+    reason[too_long] = GAP
+    # The net path of a closed path is short against its length, whether it closes within one cycle or over several.
+    if abs(sums.displacement_rad.sum()) > ONE_WAY_SHARE * sums.path_rad.sum():
+        reason[:] = ONE_WAY
+    return reason
+
+
+ONE_WAY_SHARE = 0.95
+
+
+def _common_reason(cycles: EnergyCycles, settings: CycleSettings) -> NDArray[np.int64]:
+    """Leave out hand cycles in which some joint has hardly moved: all joints are updated together or not at all."""
+    joints = len(cycles.initiation)
+    path = cycles.sums.path_rad.reshape(joints, -1)
+    small = np.tile((path < settings.minimum_path_rad).any(axis=0), joints)
+    return np.where((cycles.reason == KEPT) & small, SMALL, cycles.reason)
+
+
+def _join(joints: list[EnergyCycles]) -> EnergyCycles:
+    per_joint = ("initiation", "termination", "moving_s")
+    columns = {name: np.concatenate([getattr(c, name) for c in joints]) for name in (*PER_CYCLE, *per_joint)}
+    sums, parts = (
+        EnergySums(
+            **{f.name: np.concatenate([getattr(getattr(c, which), f.name) for c in joints]) for f in fields(EnergySums)}
+        )
+        for which in ("sums", "parts")
+    )
+    return EnergyCycles(**columns, sums=sums, parts=parts)
