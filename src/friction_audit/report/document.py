@@ -1,0 +1,78 @@
+"""What all JSON documents share: numbers without NaN, where the log came from, warnings, text."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from friction_audit import __version__
+from friction_audit.audit import Estimate
+from friction_audit.joint_log import JointLog
+
+Document = dict[str, Any]
+
+
+def new_document(kind: str) -> Document:
+    """Return the head of a document of a kind, e.g. ``"estimate"``."""
+    return {"schema": f"friction-audit/{kind}/1", "version": __version__}
+
+
+def to_json(value: Any) -> Any:  # noqa: ANN401 - any value of a result or of settings
+    """Return the value as JSON knows it: NaN and infinity as null, arrays and tuples as lists, paths as text."""
+    match value:
+        case Mapping():
+            return {str(key): to_json(item) for key, item in value.items()}
+        case np.ndarray() | np.generic():
+            return to_json(value.tolist())
+        case list() | tuple():
+            return [to_json(item) for item in value]
+        case float():
+            return value if math.isfinite(value) else None
+        case Path():
+            return str(value)
+    return value
+
+
+def write_document(document: Document) -> str:
+    """Return the document as text, with a newline at its end."""
+    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def source_document(log: JointLog) -> Document:
+    """Return where a log came from and how long it is."""
+    source = log.source
+    return {
+        "path": source.path,
+        "sha256": source.sha256,
+        "format": source.format,
+        "robot": source.robot,
+        "clock": source.clock,
+        "topic": source.topic,
+        "start_s": to_json(source.start_s),
+        "channels": dict(source.channels),
+        "joints": len(log.joint_names),
+        "samples": len(log.t),
+        "rate_hz": to_json(log.rate_hz),
+        "duration_s": to_json(log.duration_s),
+    }
+
+
+def settings_document(estimate: Estimate, reading: Mapping[str, object]) -> Document:
+    """Return all settings, defaults included, and the choices that the log made where the user left them open.
+
+    Args:
+        estimate: The result.
+        reading: How the log was read: options of the reader by name.
+    """
+    settings = to_json(asdict(estimate.settings))
+    chosen = to_json(asdict(estimate.interaction.choice))
+    return {
+        "reading": to_json(dict(reading)),
+        **settings,
+        "torque_chosen": chosen,
+        "cycles_per_point": estimate.settings.friction.cycles_per_point,
+    }

@@ -1,0 +1,94 @@
+"""Estimate -> JSON document ``friction-audit/estimate/1``."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from friction_audit.audit import Estimate
+from friction_audit.friction.history import Coefficient, CoefficientHistory, JointFriction, TorqueRegression
+from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
+from friction_audit.report.notices import estimate_notices
+
+
+def estimate_document(estimate: Estimate, reading: Mapping[str, object] = MappingProxyType({})) -> Document:
+    """Return the document of an estimate.
+
+    Args:
+        estimate: The result.
+        reading: How the log was read: options of the reader by name.
+    """
+    return {
+        **new_document("estimate"),
+        "source": source_document(estimate.log),
+        "settings": settings_document(estimate, reading),
+        "warnings": [notice._asdict() for notice in estimate_notices(estimate)],
+        "estimator": estimate.friction.estimator,
+        "joints": [_joint(joint) for joint in estimate.friction.joints],
+    }
+
+
+def _joint(joint: JointFriction) -> Document:
+    return {
+        "joint": joint.joint,
+        "name": joint.name,
+        "model": joint.model,
+        "cycles": joint.cycles,
+        "rejected_cycles": joint.rejected_cycles,
+        "moving_s": to_json(joint.moving_s),
+        "coulomb_nm": _coefficient(joint.coulomb),
+        "viscous_nms_per_rad": _coefficient(joint.viscous),
+        "offset_nm": to_json(joint.offset_nm),
+        "gravity_error_nm": to_json(joint.gravity_error_nm),
+        "condition_number": to_json(joint.condition_number),
+        "correlation": to_json(joint.correlation),
+        "reason": joint.reason or None,
+        "regression": _regression(joint.regression),
+        "history": _history(joint.history),
+    }
+
+
+def _coefficient(coefficient: Coefficient) -> Document | None:
+    """Return value and interval; null for a coefficient that the model lacks or the log cannot determine."""
+    value = to_json(coefficient.value)
+    return None if value is None else {"value": value, "ci95": to_json([coefficient.low, coefficient.high])}
+
+
+def _regression(regression: TorqueRegression | None) -> Document | None:
+    if regression is None:
+        return None
+    return {
+        "coulomb_nm": _coefficient(regression.coulomb),
+        "viscous_nms_per_rad": _coefficient(regression.viscous),
+        "offset_nm": to_json(regression.offset_nm),
+        "inertia_kg_m2": to_json(regression.inertia_kg_m2),
+        "residual_rms_nm": to_json(regression.residual_rms_nm),
+        "samples": int(regression.samples),
+    }
+
+
+def _history(history: CoefficientHistory) -> list[Document]:
+    rows = zip(
+        history.cycle.tolist(),
+        to_json(history.start_s),
+        to_json(history.stop_s),
+        to_json(history.coulomb_nm),
+        zip(to_json(history.coulomb_low_nm), to_json(history.coulomb_high_nm), strict=True),
+        to_json(history.viscous_nms_per_rad),
+        zip(to_json(history.viscous_low_nms_per_rad), to_json(history.viscous_high_nms_per_rad), strict=True),
+        to_json(history.net_energy_j),
+        to_json(history.dissipated_j),
+        strict=True,
+    )
+    return [
+        {
+            "cycle": int(cycle),
+            "start_s": start,
+            "stop_s": stop,
+            "coulomb_nm": coulomb,
+            "coulomb_nm_ci95": list(coulomb_interval),
+            "viscous_nms_per_rad": viscous,
+            "viscous_nms_per_rad_ci95": list(viscous_interval),
+            "net_energy_j": energy,
+            "dissipated_j": dissipated,
+        }
+        for cycle, start, stop, coulomb, coulomb_interval, viscous, viscous_interval, energy, dissipated in rows
+    ]

@@ -1,0 +1,33 @@
+"""Estimate -> figures; the order is that of the command line."""
+
+from friction_audit.report.figures.coefficients import draw_coefficients
+from friction_audit.report.figures.energy import draw_energy
+from friction_audit.report.figures.figure_kind import FigureKind
+from friction_audit.report.figures.save import save_figure
+from friction_audit.report.figures.signals import draw_signals
+from friction_audit.report.figures.velocity_torque import draw_velocity_torque
+
+FIGURES = (
+    FigureKind(
+        name="velocity-torque",
+        draw=draw_velocity_torque,
+        summary="interaction torque against velocity, raw and filtered, with the fitted friction on it",
+    ),
+    FigureKind(
+        name="energy",
+        draw=draw_energy,
+        summary="net energy over time, the cycles shaded, their zero-velocity points marked",
+    ),
+    FigureKind(
+        name="coefficients",
+        draw=draw_coefficients,
+        summary="friction coefficients over time with their 95 % intervals",
+    ),
+    FigureKind(
+        name="signals",
+        draw=draw_signals,
+        summary="velocity and interaction torque over time, the cycles shaded",
+    ),
+)
+
+__all__ = ["FIGURES", "FigureKind", "save_figure"]

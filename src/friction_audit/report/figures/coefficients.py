@@ -1,0 +1,85 @@
+"""Friction coefficients over time: a step at each cycle's end, where the estimate becomes known."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.audit import Estimate
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
+from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, SHEET_IN, figure_style
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+LABELS = ("Coulomb [N m]", "Viscous [N m s/rad]")
+
+
+def draw_coefficients(estimate: Estimate, joint: int | None) -> "Figure":
+    """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
+    with figure_style():
+        if joint is None:
+            joints = all_series(estimate)
+            figure = new_figure(SHEET_IN, 0.6 + 1.15 * len(joints))
+            pairs = figure.subplots(len(joints), 2, squeeze=False, sharex=True)
+        else:
+            joints = (joint_series(estimate, joint),)
+            figure = new_figure(COLUMN_IN, 3.2)
+            pairs = figure.subplots(2, 1, sharex=True, squeeze=False).T
+        found = [_draw_joint(pair, series) for pair, series in zip(pairs, joints, strict=True)]
+        add_legend(figure, max(found, key=len))
+        figure.align_ylabels()
+        figure.supxlabel("Time [s]", fontsize=7.5)
+        return figure
+
+
+def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]":
+    """Draw both coefficients of one joint; return the legend's entries."""
+    friction, history = series.friction, series.friction.history
+    coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
+    names = ("viscous_nms_per_rad", "viscous_low_nms_per_rad", "viscous_high_nms_per_rad")
+    viscous = (getattr(history, names[0]), getattr(history, names[1]), getattr(history, names[2]))
+    found: list[list[Artist]] = []
+    rows = zip(pair, (coulomb, viscous), (friction.coulomb, friction.viscous), LABELS, strict=True)
+    for axes, (value, low, high), whole, label in rows:
+        found.append(_draw_coefficient(axes, history.stop_s, value, low, high, whole, end_s=float(series.t[-1])))
+        axes.set_xlim(series.t[0], series.t[-1])
+        label_panel(axes, series.name if axes is pair[0] else "")
+        axes.set_ylabel(label)
+        if not found[-1]:
+            axes.set_yticks([])
+            say_in_panel(axes, series.not_determined or "not determined", characters=44)
+    return max(found, key=len)
+
+
+def _draw_coefficient(
+    axes: "Axes", stop_s: Float, value: Float, low: Float, high: Float, whole: Coefficient, *, end_s: float
+) -> "list[Artist]":
+    """Draw one coefficient as steps with its band, and its whole-log value; return the legend's entries."""
+    handles: list[Artist] = []
+    if np.isfinite(value).any():
+        # The last step holds until the log ends.
+        t, middle, lower, upper = (np.append(a, b) for a, b in _held(stop_s, value, low, high, end_s))
+        handles += axes.step(t, middle, where="post", color=FILTERED, label="window of cycles")
+        handles.append(axes.fill_between(t, lower, upper, step="post", color=FILTERED, alpha=0.22, lw=0, label="95 %"))
+    if np.isfinite(whole.value):
+        handles.append(axes.axhline(whole.value, color=FITTED, lw=0.9, ls=(0, (4, 1.5)), label="whole log"))
+    if np.isfinite(whole.low + whole.high):
+        handles.append(axes.axhspan(whole.low, whole.high, color=FITTED, alpha=0.18, lw=0, label="95 %, whole log"))
+    return handles
+
+
+def _held(
+    stop_s: Float, value: Float, low: Float, high: Float, end_s: float
+) -> tuple[tuple[Float, float], tuple[Float, float], tuple[Float, float], tuple[Float, float]]:
+    """Return every column with the value that continues it to the end of the log."""
+    return (
+        (stop_s, max(end_s, float(stop_s[-1]))),
+        (value, float(value[-1])),
+        (low, float(low[-1])),
+        (high, float(high[-1])),
+    )

@@ -1,0 +1,88 @@
+"""Net energy over time: rises by what friction takes, cycle by cycle."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.audit import Estimate
+from friction_audit.joint_log import Float
+from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
+from friction_audit.report.figures.layout import (
+    add_legend,
+    cycle_handles,
+    label_panel,
+    new_figure,
+    say_in_panel,
+    shade_cycles,
+)
+from friction_audit.report.figures.style import (
+    BORDER,
+    COLUMN_IN,
+    DISSIPATED,
+    FILTERED,
+    SHEET_IN,
+    figure_style,
+)
+from friction_audit.report.figures.thinning import thin_extremes
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMNS = 2
+SMALLEST_ENERGY_J = 0.01
+"""Half height of the panel of a joint that stands still. [J]"""
+
+
+def draw_energy(estimate: Estimate, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet."""
+    with figure_style():
+        joints = all_series(estimate) if joint is None else (joint_series(estimate, joint),)
+        columns = min(len(joints), COLUMNS)
+        rows = -(-len(joints) // columns)
+        width, height = (COLUMN_IN, 2.4) if columns == 1 else (SHEET_IN, 0.6 + 1.4 * rows)
+        figure = new_figure(width, height)
+        panels = figure.subplots(rows, columns, squeeze=False).ravel()
+        found = [_draw_panel(axes, series) for axes, series in zip(panels, joints, strict=False)]
+        for axes in panels[len(joints) :]:
+            axes.remove()
+        add_legend(figure, max(found, key=len) + cycle_handles(joints))
+        figure.supxlabel("Time [s]", fontsize=7.5)
+        figure.supylabel("Net energy [J]", fontsize=7.5)
+        return figure
+
+
+def net_energy(series: JointSeries) -> Float:
+    """Return the integral of F_m dq dt, zero at the first cycle's start (at t = 0 without one), shape (n,). [J]"""
+    power = series.torque * series.dq
+    energy = np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * np.diff(series.t))])
+    first = int(series.cycles.start[0]) if len(series.cycles.start) else 0
+    return np.asarray(energy - energy[first], dtype=np.float64)
+
+
+def dissipated_stairs(series: JointSeries) -> tuple[Float, Float]:
+    """Return the borders of the cycles and what friction took up to each of them. [s], [J]"""
+    cycles = series.cycles
+    edges = np.concatenate([cycles.start_s[:1], cycles.stop_s])
+    return edges, np.concatenate([np.zeros(min(len(edges), 1)), np.cumsum(cycles.dissipated_j)])
+
+
+def _draw_panel(axes: "Axes", series: JointSeries) -> "list[Artist]":
+    """Draw one joint; return the legend's entries."""
+    shade_cycles(axes, series)
+    energy = net_energy(series)
+    handles: list[Artist] = [*axes.plot(*thin_extremes(series.t, energy), color=FILTERED, lw=0.9, label="net energy")]
+    edges, stairs = dissipated_stairs(series)
+    if len(edges):
+        handles.extend(axes.step(edges, stairs, where="post", color=DISSIPATED, lw=0.9, label="dissipated, per cycle"))
+        borders = np.concatenate([series.cycles.start[:1], series.cycles.stop])
+        marks = axes.plot(series.t[borders], energy[borders], "o", color=BORDER, ms=2.0, mew=0, zorder=5)
+        marks[0].set_label("zero velocity")
+        handles.extend(marks)
+    axes.set_xlim(series.t[0], series.t[-1])
+    if np.ptp(energy) < SMALLEST_ENERGY_J:
+        axes.set_ylim(-SMALLEST_ENERGY_J, SMALLEST_ENERGY_J)
+    label_panel(axes, series.name)
+    say_in_panel(axes, series.not_determined, characters=44)
+    return handles

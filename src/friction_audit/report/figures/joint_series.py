@@ -1,0 +1,64 @@
+"""What a figure needs of one joint, cut out of an Estimate."""
+
+from dataclasses import dataclass
+
+from friction_audit.audit import Estimate
+from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.errors import UsageError
+from friction_audit.friction.history import JointFriction
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointSeries:
+    """One joint's signals, cycles and friction.
+
+    Attributes:
+        number: Joint number for people.
+        name: Name in the log.
+        t: Time, shape (n,). [s]
+        dq: Velocity, shape (n,). [rad/s]
+        torque: Interaction torque, shape (n,). [N m]
+        cycles: Its cycles; start and stop are indices into the arrays above.
+        friction: Its coefficients.
+    """
+
+    number: int
+    name: str
+    t: Float
+    dq: Float
+    torque: Float
+    cycles: EnergyCycles
+    friction: JointFriction
+
+    @property
+    def not_determined(self) -> str:
+        """The sentence for a panel without an estimate; empty if there is one."""
+        return f"not determined: {self.friction.reason}" if self.friction.reason else ""
+
+
+def joint_series(estimate: Estimate, joint: int) -> JointSeries:
+    """Return the series of a joint, given by its number for people.
+
+    Raises:
+        UsageError: If the result does not hold that joint.
+    """
+    numbers = estimate.interaction.joint_numbers
+    if joint not in numbers:
+        held = ", ".join(map(str, numbers))
+        raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
+    column = numbers.index(joint)
+    return JointSeries(
+        number=joint,
+        name=estimate.interaction.joint_names[column],
+        t=estimate.interaction.t,
+        dq=estimate.interaction.dq[:, column],
+        torque=estimate.interaction.torque[:, column],
+        cycles=estimate.cycles.of_joint(column),
+        friction=next(found for found in estimate.friction.joints if found.joint == joint),
+    )
+
+
+def all_series(estimate: Estimate) -> tuple[JointSeries, ...]:
+    """Return the series of every joint of a result, in order."""
+    return tuple(joint_series(estimate, joint) for joint in estimate.interaction.joint_numbers)

@@ -1,0 +1,87 @@
+"""Sheets, panels, legends and the sentences of empty panels."""
+
+from collections.abc import Sequence
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+from friction_audit.report.figures.joint_series import JointSeries
+from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, REJECTED, SHADE
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+MOST_SHADED = 80
+"""Cycles in one panel above which stripes would only be grey."""
+TICKS_ON_SHEET = 4
+TICKS_IN_COLUMN = 6
+
+
+def new_figure(width_in: float, height_in: float) -> "Figure":
+    """Return an empty figure that no screen and no global state knows of."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def label_panel(axes: "Axes", name: str) -> None:
+    """Write the joint's name above the upper left corner and keep the ticks few."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_title(name, loc="left")
+    ticks = TICKS_IN_COLUMN if is_narrow(axes.get_figure(root=True)) else TICKS_ON_SHEET
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
+
+
+def say_in_panel(axes: "Axes", sentence: str, *, characters: int) -> None:
+    """Write a sentence into a panel, wrapped, on a ground that keeps it readable."""
+    if not sentence:
+        return
+    axes.text(
+        0.5,
+        0.5,
+        fill(sentence, characters),
+        transform=axes.transAxes,
+        ha="center",
+        va="center",
+        fontsize=6.5,
+        color=BORDER,
+        bbox={"facecolor": "white", "edgecolor": MUTED, "linewidth": 0.4, "pad": 2.5, "alpha": 0.92},
+        zorder=10,
+    )
+
+
+def shade_cycles(axes: "Axes", series: JointSeries) -> None:
+    """Shade every other cycle of a joint and hatch the ones left out of the estimates."""
+    cycles = series.cycles
+    shaded = len(cycles.joint) <= MOST_SHADED
+    for row, (start, stop, reason) in enumerate(zip(cycles.start_s, cycles.stop_s, cycles.reason, strict=True)):
+        if shaded and reason == 0 and row % 2 == 0:
+            axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
+        if shaded and reason != 0:
+            axes.axvspan(start, stop, facecolor="none", edgecolor=REJECTED, hatch="/////", linewidth=0, zorder=0)
+
+
+def cycle_handles(all_series: Sequence[JointSeries]) -> "list[Artist]":
+    """Return the legend's entries for what shade_cycles drew on the panels of these joints."""
+    from matplotlib.patches import Patch
+
+    counts = [len(series.cycles.joint) for series in all_series]
+    shown = [series for series, count in zip(all_series, counts, strict=True) if 0 < count <= MOST_SHADED]
+    handles: list[Artist] = [Patch(facecolor=SHADE, label="cycle (every other)")] if shown else []
+    if any((series.cycles.reason != 0).any() for series in shown):
+        handles.append(Patch(facecolor="none", edgecolor=REJECTED, hatch="/////", linewidth=0, label="cycle left out"))
+    return handles
+
+
+def add_legend(figure: "Figure", handles: "Sequence[Artist]") -> None:
+    """Write one legend above all panels, as wide as the figure allows."""
+    if handles:
+        figure.legend(handles=list(handles), loc="outside upper center", ncols=2 if is_narrow(figure) else 6)
+
+
+def is_narrow(figure: "Figure | None") -> bool:
+    """Return True for a figure of one column of a paper."""
+    return figure is not None and figure.get_figwidth() <= COLUMN_IN

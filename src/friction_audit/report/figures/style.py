@@ -1,0 +1,59 @@
+"""How every figure looks: sizes for a two-column paper, colours that everybody can tell apart."""
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+COLUMN_IN = 3.5
+"""Width of a figure of one joint: a column of a two-column paper. [in]"""
+SHEET_IN = 7.0
+"""Width of a sheet of all joints: the page. [in]"""
+
+# Okabe and Ito's colours, distinguishable with any colour vision.
+RAW = "#9ecae8"
+FILTERED = "#004c80"
+FITTED = "#d55e00"
+DISSIPATED = "#e69f00"
+BORDER = "#000000"
+SHADE = "#e9e9e9"
+REJECTED = "#cc79a7"
+MUTED = "#555555"
+
+RC: dict[str, Any] = {
+    "font.size": 7.5,
+    "axes.labelsize": 7.5,
+    "axes.titlesize": 7.5,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 3.0,
+    "axes.linewidth": 0.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "xtick.major.width": 0.5,
+    "ytick.major.width": 0.5,
+    "xtick.major.size": 2.5,
+    "ytick.major.size": 2.5,
+    "legend.fontsize": 7,
+    "legend.frameon": False,
+    "legend.handlelength": 1.6,
+    "legend.columnspacing": 1.2,
+    "lines.linewidth": 0.8,
+    "hatch.linewidth": 0.4,
+    "figure.constrained_layout.h_pad": 0.02,
+    "figure.constrained_layout.w_pad": 0.02,
+    "savefig.dpi": 300,
+    "pdf.fonttype": 42,
+    "svg.hashsalt": "friction-audit",
+}
+
+
+@contextmanager
+def figure_style() -> Iterator[None]:
+    """Use the figures' style inside the block."""
+    from matplotlib import rc_context, rcParamsDefault
+
+    # The user's own matplotlibrc must not change what a result looks like.
+    settings: Any = {name: value for name, value in rcParamsDefault.items() if name != "backend"} | RC
+    with rc_context(settings):
+        yield

@@ -1,0 +1,187 @@
+"""Interaction torque against velocity: the friction curve as the arm drew it, and the fitted one on it."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.audit import Estimate
+from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.friction.history import JointFriction
+from friction_audit.joint_log import Float
+from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
+from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.smoothing import CUTOFF_HZ, cutoff_hz, median_rate_hz, smooth
+from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, RAW, SHEET_IN, figure_style
+from friction_audit.report.figures.thinning import MOST_POINTS, every_nth
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+COLUMNS = 4
+ARROWS = 6
+ARROW_LENGTH = 0.06
+"""Of a panel's width."""
+NEAR_REST = 0.2
+"""Share of the peak speed below which no arrow is drawn: there the curve is steep and crowded."""
+POINTS_PER_PERIOD = 10
+"""Samples of the filtered curve per period of its highest frequency: enough for a smooth line."""
+SMALLEST_SPEED_RAD_S = 0.1
+"""Half width of the panel of a joint that stands still. [rad/s]"""
+
+
+class Loop(NamedTuple):
+    """The filtered curve: velocity, torque, and how much of the log it shows."""
+
+    dq: Float
+    torque: Float
+    every: int
+
+
+def draw_velocity_torque(estimate: Estimate, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet."""
+    with figure_style():
+        if joint is None:
+            return _draw_sheet(all_series(estimate))
+        series = joint_series(estimate, joint)
+        figure = new_figure(COLUMN_IN, 2.9)
+        handles = _draw_panel(figure.subplots(), series, characters=40)
+        add_legend(figure, handles)
+        figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
+        figure.supylabel("Interaction torque [N m]", fontsize=7.5)
+        return figure
+
+
+def _draw_sheet(joints: tuple[JointSeries, ...]) -> "Figure":
+    rows = -(-len(joints) // COLUMNS)
+    columns = min(len(joints), COLUMNS)
+    figure = new_figure(SHEET_IN, 0.5 + 1.75 * rows)
+    panels = figure.subplots(rows, columns, squeeze=False).ravel()
+    handles: list[Artist] = []
+    for axes, series in zip(panels, joints, strict=False):
+        found = _draw_panel(axes, series, characters=24)
+        handles = found if len(found) > len(handles) else handles
+    for axes in panels[len(joints) :]:
+        axes.remove()
+    # The numbers differ from panel to panel, so the sheet's legend cannot show them.
+    for handle in handles[2:]:
+        handle.set_label("fitted friction")
+    add_legend(figure, handles)
+    figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
+    figure.supylabel("Interaction torque [N m]", fontsize=7.5)
+    return figure
+
+
+def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[Artist]":
+    """Draw one joint; return raw, filtered and (if there is an estimate) fitted curve for the legend."""
+    from matplotlib.lines import Line2D
+
+    thinned = every_nth(len(series.t))
+    axes.plot(series.dq[thinned], series.torque[thinned], ".", color=RAW, ms=1.2, mew=0, rasterized=True)
+    # In the legend the marks are larger, or nobody would see them.
+    raw = Line2D([], [], color=RAW, marker=".", ls="", ms=5, mew=0)
+    loop = filtered_loop(series)
+    filtered = axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True)[0]
+    _add_arrows(axes, series)
+    raw.set_label("raw" if thinned.step == 1 else f"raw, every {thinned.step}th sample")
+    shown = "" if loop.every == 1 else f", every {loop.every}th cycle"
+    filtered.set_label(f"filtered, zero phase, {cutoff_hz(series.t):.3g} Hz{shown}")
+    handles: list[Artist] = [raw, filtered]
+    if not series.not_determined:
+        handles.extend(_draw_fit(axes, series))
+    reach = max(SMALLEST_SPEED_RAD_S, 1.05 * float(np.abs(series.dq).max()))
+    axes.set_xlim(-reach, reach)
+    label_panel(axes, series.name)
+    say_in_panel(axes, series.not_determined, characters=characters)
+    return handles
+
+
+def filtered_loop(series: JointSeries) -> Loop:
+    """Return the filtered curve, thinned to smooth lines; of a long log every k-th cycle, gaps between them as NaN."""
+    step = max(1, int(median_rate_hz(series.t) / (POINTS_PER_PERIOD * CUTOFF_HZ)))
+    dq, torque = (smooth(series.t, signal)[::step] for signal in (series.dq, series.torque))
+    every = -(-len(dq) // MOST_POINTS)
+    if every == 1:
+        return Loop(dq, torque, 1)
+    shown = np.zeros(len(series.t), dtype=np.bool_)
+    for start, stop in zip(series.cycles.start[::every], series.cycles.stop[::every], strict=True):
+        shown[start:stop] = True
+    return Loop(np.where(shown[::step], dq, np.nan), torque, every)
+
+
+def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
+    """Return the friction torque of the whole-log estimate, or None where a coefficient of its model is missing.
+
+    Args:
+        friction: The joint's friction.
+        dq: Velocity, shape (n,). [rad/s]
+
+    Returns:
+        Friction torque, the fitted offset included, shape (n,). [N m]
+    """
+    coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
+    viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
+    torque = coulomb * np.sign(dq) + viscous * dq + np.nan_to_num(friction.offset_nm)
+    return None if np.isnan(coulomb + viscous) else torque
+
+
+def fitted_label(friction: JointFriction) -> str:
+    """Return the fitted curve's formula with its numbers, for the legend."""
+    terms = []
+    if friction.model != "viscous":
+        terms.append(rf"{friction.coulomb.value:.3f}\,\mathrm{{sgn}}\,\dot{{q}}")
+    if friction.model != "coulomb":
+        terms.append(rf"{friction.viscous.value:+.3f}\,\dot{{q}}")
+    if np.isfinite(friction.offset_nm):
+        terms.append(f"{friction.offset_nm:+.3f}")
+    return f"fitted: ${''.join(terms).removeprefix('+')}$"
+
+
+def _draw_fit(axes: "Axes", series: JointSeries) -> "list[Artist]":
+    reach = float(np.abs(series.dq).max())
+    # Two points beside zero on each side make the step of the Coulomb term upright.
+    dq = np.array([-reach, -1e-9, 1e-9, reach])
+    torque = fitted_torque(series.friction, dq)
+    if torque is None:
+        return []
+    return list(axes.plot(dq, torque, color=FITTED, lw=1.3, zorder=4, label=fitted_label(series.friction)))
+
+
+def typical_strokes(cycles: EnergyCycles) -> slice:
+    """Return the samples of the two neighbouring cycles closest to the middling peak speed: there and back."""
+    kept = cycles.rows(cycles.reason == 0)
+    if len(kept.joint) < 2:  # noqa: PLR2004
+        return slice(0, 0)
+    distance = np.abs(kept.peak_speed_rad_s - np.median(kept.peak_speed_rad_s))
+    row = int(np.argmin(distance[1:] + distance[:-1]))
+    return slice(int(kept.start[row]), int(kept.stop[row + 1]) + 1)
+
+
+def _add_arrows(axes: "Axes", series: JointSeries) -> None:
+    """Add arrows in the direction of time, evenly spread along a typical pair of strokes, away from rest."""
+    strokes = typical_strokes(series.cycles)
+    if strokes.stop - strokes.start < 2 * ARROWS:
+        return
+    dq, torque = (smooth(series.t, signal)[strokes] for signal in (series.dq, series.torque))
+    axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
+    steps = np.hypot(np.diff(dq) / np.ptp(dq), np.diff(torque) / np.ptp(torque))
+    steps[np.abs(dq[1:]) < NEAR_REST * np.abs(dq).max()] = 0.0
+    length = np.concatenate([[0.0], np.cumsum(steps)])
+    for share in (np.arange(ARROWS) + 0.5) / ARROWS:
+        tail, head = np.searchsorted(length, share * length[-1] + np.array([0.0, ARROW_LENGTH]))
+        head = min(int(head), len(dq) - 1)
+        axes.annotate(
+            "",
+            xy=(float(dq[head]), float(torque[head])),
+            xytext=(float(dq[tail]), float(torque[tail])),
+            arrowprops={
+                "arrowstyle": "-|>",
+                "color": FILTERED,
+                "lw": 0.5,
+                "mutation_scale": 9,
+                "shrinkA": 0,
+                "shrinkB": 0,
+            },
+            zorder=5,
+        )

@@ -1,0 +1,32 @@
+"""Estimate -> a tidy CSV table: one row per joint and cycle that counts."""
+
+import csv
+import io
+from dataclasses import fields
+
+import numpy as np
+
+from friction_audit.audit import Estimate
+from friction_audit.friction.history import CoefficientHistory, JointFriction
+
+COLUMNS = tuple(f.name for f in fields(CoefficientHistory))
+HEADER = ("joint", "name", *COLUMNS)
+
+
+def history_csv(estimate: Estimate) -> str:
+    """Return the histories of all joints; an empty cell where a window cannot give a value."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(HEADER)
+    for joint in estimate.friction.joints:
+        writer.writerows(_rows(joint))
+    return text.getvalue()
+
+
+def _rows(joint: JointFriction) -> list[list[str]]:
+    columns = [np.asarray(getattr(joint.history, name)).tolist() for name in COLUMNS]
+    return [[str(joint.joint), joint.name, *map(_cell, row)] for row in zip(*columns, strict=True)]
+
+
+def _cell(value: float) -> str:
+    return "" if value != value else f"{value:.10g}"  # noqa: PLR0124 - NaN is the one value unlike itself

@@ -1,0 +1,38 @@
+"""Everything the user must know about a result, from every step of the chain, in one list."""
+
+from typing import NamedTuple
+
+from friction_audit.audit import Estimate
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.joint_log import JointLog
+
+
+class Notice(NamedTuple):
+    """A warning: stable short name, joint number for people or None, one sentence."""
+
+    code: str
+    joint: int | None
+    message: str
+
+    def __str__(self) -> str:
+        """Return the sentence, led by the joint that it is about unless it names it already."""
+        if self.joint is None or self.message.lower().startswith(f"joint {self.joint}"):
+            return self.message
+        return f"joint {self.joint}: {self.message}"
+
+
+def log_notices(log: JointLog) -> tuple[Notice, ...]:
+    """Return what was noticed while the log was read."""
+    return tuple(Notice(found.code, found.joint, found.message) for found in log.source.findings)
+
+
+def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
+    """Return what was noticed while the interaction torque was made."""
+    return tuple(Notice(found.code, found.joint, found.message) for found in interaction.warnings)
+
+
+def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the coefficients, each once."""
+    friction = tuple(Notice(found.code, found.joint, found.message) for found in estimate.friction.warnings)
+    every = log_notices(estimate.log) + interaction_notices(estimate.interaction) + friction
+    return tuple(dict.fromkeys(every))
