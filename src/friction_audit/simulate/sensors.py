@@ -1,0 +1,88 @@
+"""What the sensors and the recorder make of the truth."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+from friction_audit.simulate.settings import Sensors
+
+STAMP_ROOM = 0.45
+"""A stamp errs by less than this share of the sampling interval, so that stamps keep their order."""
+
+BINARY_NOISE_DIGITS = 9
+"""Decimal places kept of a quantised value: finer than any resolution, coarser than rounding errors."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Recorder:
+    """Which states were recorded, and when; m samples.
+
+    Attributes:
+        t: Stamps from 0, strictly increasing, shape (m,). [s]
+        tick: Tick of the joint's clock whose state each sample holds, shape (m,).
+    """
+
+    t: Float
+    tick: NDArray[np.int64]
+
+
+def record(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Recorder:
+    """Draw lost samples, stale samples and the jitter of the stamps for ticks + 1 states."""
+    kept = np.flatnonzero(~_lost(ticks + 1, sensors, rng))
+    stale = rng.random(len(kept)) < sensors.stale
+    stale[0] = False
+    source = np.maximum.accumulate(np.where(stale, 0, np.arange(len(kept))))
+    stamps = kept / rate_hz
+    if sensors.clock_jitter_s > 0:
+        room = STAMP_ROOM / rate_hz
+        stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
+    return Recorder(t=stamps - stamps[0], tick=kept[source])
+
+
+def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:
+    """Mark the samples that were never recorded: one long burst, the others one by one; the ends are kept."""
+    lost = np.zeros(samples, dtype=np.bool_)
+    count = min(round(sensors.lost * samples), samples - 2)
+    burst = min(sensors.longest_loss, count)
+    lost[1 + rng.choice(samples - 2, count - burst, replace=False)] = True
+    first = rng.integers(1, samples - burst)
+    lost[first : first + burst] = True
+    return lost
+
+
+def sense_torque(torque: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
+    """Return the torque as sensed at every tick: coloured noise (first-order autoregressive), then resolution."""
+    noise = rng.normal(0.0, 1.0, len(torque))
+    if sensors.torque_correlation_s > 0:
+        noise = _colour(noise, np.exp(-1.0 / (rate_hz * sensors.torque_correlation_s)))
+    return quantise(torque + sensors.torque_noise_nm * noise, sensors.torque_step_nm)
+
+
+def _colour(noise: Float, keep: float) -> Float:
+    """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
+    from friction_audit.simulate import kernels
+
+    gain = np.sqrt((1.0 + keep) / (1.0 - keep))
+    return np.asarray(gain * kernels.smooth(noise, keep, noise[0] / gain))
+
+
+def sense_velocity(dq: Float, sensors: Sensors, rng: np.random.Generator) -> Float:
+    """Return the velocity as sensed at every tick."""
+    noise = rng.normal(0.0, 1.0, len(dq))
+    return quantise(dq + sensors.velocity_noise_rad_s * noise, sensors.velocity_step_rad_s)
+
+
+def quantise(signal: Float, step: float) -> Float:
+    """Round to multiples of a step; a step of 0 changes nothing."""
+    if step == 0:
+        return signal
+    return np.round(np.rint(signal / step) * step, BINARY_NOISE_DIGITS)
+
+
+def low_pass(signal: Float, cutoff_hz: float, rate_hz: float) -> Float:
+    """Filter as a vendor's controller does: first order, causal, settled at the first value."""
+    from friction_audit.simulate import kernels
+
+    return np.asarray(kernels.smooth(signal, np.exp(-2.0 * np.pi * cutoff_hz / rate_hz), signal[0]))
