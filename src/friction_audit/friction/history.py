@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from friction_audit.interaction.interaction import Caution
 from friction_audit.joint_log import Float
 
@@ -15,6 +18,7 @@ class Coefficient:
     high: float
 
 
+# What a method that gives no answer answers.
 UNDETERMINED = Coefficient(value=float("nan"), low=float("nan"), high=float("nan"))
 
 
@@ -36,7 +40,7 @@ class CoefficientHistory:
         dissipated_j: What friction took in this cycle. [J]
     """
 
-    cycle: Float
+    cycle: NDArray[np.int64]
     start_s: Float
     stop_s: Float
     coulomb_nm: Float

@@ -1,0 +1,102 @@
+"""The default estimator: weighted least squares over parts of cycles, intervals from a jackknife over cycles.
+
+Rows of one cycle share its errors (coloured torque noise, the speed at a common border, whatever the model lacks), so
+a row is not a piece of independent evidence but a cycle is. Leaving out one cycle at a time gives a variance that is
+right whatever the correlation inside a cycle (the CR3 cluster-robust variance), and slightly too large, never too
+small, with few cycles.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.friction.equations import Equations
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.joint_log import Float
+
+CONFIDENCE = 0.95
+FEWEST_CYCLES = 4
+"""With fewer cycles a jackknife has too few degrees of freedom to mean anything."""
+
+RIDGE = 1e-10
+"""Relative to unit columns: keeps a window without any motion of one kind solvable, changes nothing else."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Fit:
+    """Solutions of w windows: values and standard errors of the p columns, shape (w, p), and degrees of freedom."""
+
+    names: tuple[str, ...]
+    value: Float
+    error: Float
+    freedom: int
+
+    def coefficient(self, name: str, window: int = -1) -> Coefficient:
+        """Return one coefficient with its interval."""
+        if name not in self.names:
+            return UNDETERMINED
+        value, half = self.column(name)
+        return Coefficient(
+            value=float(value[window]), low=float((value - half)[window]), high=float((value + half)[window])
+        )
+
+    def column(self, name: str) -> tuple[Float, Float]:
+        """Return the values of a column and the half widths of their intervals, shape (w,) each."""
+        from scipy.special import stdtrit
+
+        if name not in self.names:
+            nothing = np.full(len(self.value), np.nan)
+            return nothing, nothing
+        column = self.names.index(name)
+        quantile = float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2))
+        return self.value[:, column], quantile * self.error[:, column]
+
+
+def fit_windows(equations: Equations, window: int) -> Fit:
+    """Solve every window of consecutive cycles, with a jackknife over its cycles.
+
+    Args:
+        equations: Equations of m cycles.
+        window: Cycles per window, at most m.
+
+    Returns:
+        Solutions of the m - window + 1 windows, in order.
+    """
+    normal = _sliding_sum(equations.normal, window)
+    right = _sliding_sum(equations.right, window)
+    value = _solve(normal, right)
+    spread = np.zeros_like(value)
+    mean = np.zeros_like(value)
+    windows = len(value)
+    without = [
+        _solve(normal - equations.normal[g : g + windows], right - equations.right[g : g + windows])
+        for g in range(window)
+    ]
+    mean = sum(without, np.zeros_like(value)) / window
+    spread = sum(((b - mean) ** 2 for b in without), np.zeros_like(value))
+    error = np.sqrt((window - 1) / window * spread)
+    return Fit(
+        names=equations.names, value=value / equations.scale, error=error / equations.scale, freedom=max(window - 1, 1)
+    )
+
+
+def _sliding_sum(blocks: Float, window: int) -> Float:
+    total = np.zeros((len(blocks) + 1, *blocks.shape[1:]))
+    np.cumsum(blocks, axis=0, out=total[1:])
+    return np.asarray(total[window:] - total[:-window], np.float64)
+
+
+def _solve(normal: Float, right: Float) -> Float:
+    size = normal.shape[-1]
+    return np.asarray(np.linalg.solve(normal + RIDGE * np.eye(size), right[..., None])[..., 0], np.float64)
+
+
+def conditioning(equations: Equations) -> tuple[float, float]:
+    """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
+    normal = equations.normal.sum(axis=0)
+    values = np.linalg.eigvalsh(normal)
+    condition = float(np.sqrt(values[-1] / values[0])) if values[0] > 0 else float("inf")
+    if equations.names[:2] != ("coulomb", "viscous"):
+        return condition, float("nan")
+    covariance = np.linalg.inv(normal + RIDGE * np.eye(len(normal)))
+    return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
