@@ -9,7 +9,6 @@ offset, an error of the gravity torque, and the kinetic energy at the borders of
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.joint_log import Float
@@ -91,7 +90,7 @@ def _independent(columns: dict[str, Float], friction: tuple[str, ...]) -> tuple[
     for name in NUISANCE:
         column = columns[name].ravel()
         length = np.linalg.norm(column)
-        rest: NDArray[np.float64] = column - basis @ (basis.T @ column)
+        rest = column - basis @ (basis.T @ column)
         if length > 0 and np.linalg.norm(rest) > INDEPENDENT_SHARE * length:
             basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
             names.append(name)

@@ -90,20 +90,16 @@ def _solve_weighted(own: EnergyCycles, settings: FrictionSettings) -> _Solution:
     equations = set_up(kept, settings.model)
     whole = fit_windows(equations, len(kept.joint))
     condition, correlation = conditioning(equations)
-    offset, x, y = (float(whole.column(name)[0][-1]) for name in ("offset", "gravity_x", "gravity_y"))
-    swings = [side for side in (x, y) if np.isfinite(side)]
+    offset, x, y = (whole.coefficient(name).value for name in ("offset", "gravity_x", "gravity_y"))
     return _Solution(
         coulomb=whole.coefficient("coulomb"),
         viscous=whole.coefficient("viscous"),
         offset_nm=offset,
-        gravity_error_nm=float(np.hypot(*swings)) if len(swings) == BOTH else float(sum(map(abs, swings), 0.0)),
+        gravity_error_nm=float(np.hypot(np.nan_to_num(x), np.nan_to_num(y))),
         condition_number=condition,
         correlation=correlation,
         history=_weighted_history(own, equations, settings.cycles_per_point),
     )
-
-
-BOTH = 2
 
 
 def _weighted_history(own: EnergyCycles, equations: Equations, window: int) -> CoefficientHistory:

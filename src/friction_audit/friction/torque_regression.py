@@ -45,12 +45,13 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
     lags = max(int(LAG_S / spacing_s), 1)
     fit = WLS(torque, design, weights=weights).fit(cov_type="HAC", cov_kwds={"maxlags": lags})
     interval = fit.conf_int()
-    coefficients = [
-        Coefficient(value=float(fit.params[k]), low=float(interval[k, 0]), high=float(interval[k, 1])) for k in range(2)
-    ]
+    coulomb, viscous = (
+        Coefficient(value=float(value), low=float(low), high=float(high))
+        for value, (low, high) in zip(fit.params[:2], interval[:2], strict=True)
+    )
     return TorqueRegression(
-        coulomb=coefficients[0],
-        viscous=coefficients[1],
+        coulomb=coulomb,
+        viscous=viscous,
         offset_nm=float(fit.params[2]),
         inertia_kg_m2=float(fit.params[3]),
         residual_rms_nm=float(np.sqrt(np.mean((torque - design @ fit.params) ** 2))),
