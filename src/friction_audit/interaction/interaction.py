@@ -14,6 +14,25 @@ from friction_audit.joint_log import Float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class SignEvidence:
+    """What the energy of one joint says about the sign of its torque.
+
+    Attributes:
+        joint: Joint number for people (1..n of the log).
+        verdict: ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"`` or ``"still"``.
+        moving_s: Time for which the joint moves. [s]
+        against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it cannot be told. [N m]
+        standard_error_nm: Its standard error, strokes taken as independent. [N m]
+    """
+
+    joint: int
+    verdict: str
+    moving_s: float
+    against_motion_nm: float
+    standard_error_nm: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueChoice:
     """How the interaction torque was made; stored in every result.
 
@@ -29,6 +48,8 @@ class TorqueChoice:
         payload: mass [kg], x, y, z [m] in the flange frame, or None.
         model_rate_hz: Rate at which the model was evaluated, or None. [Hz]
         formula: The balance in words, for people.
+        reason: Why this source was chosen, for people.
+        sign_evidence: What the energy of each joint of the log says about the sign.
     """
 
     source: str
@@ -42,6 +63,8 @@ class TorqueChoice:
     payload: tuple[float, float, float, float] | None
     model_rate_hz: float | None
     formula: str
+    reason: str = ""
+    sign_evidence: tuple[SignEvidence, ...] = ()
 
     @property
     def gravity_in_torque(self) -> bool:

@@ -43,7 +43,7 @@ class Arm:
     columns: tuple[int, ...]
 
     def matched(self, joint_names: tuple[str, ...], where: str) -> "Arm":
-        """Return the arm with its columns in the order of a log's joints: by name if the names agree, else as they come.
+        """Return the arm with its columns in the order of a log: by name if the names agree, else as is.
 
         Args:
             joint_names: The joints of the log.
@@ -56,7 +56,7 @@ class Arm:
             raise UsageError(
                 f"{where}: {len(joint_names)} joints ({', '.join(joint_names)}); the model {self.name} has "
                 f"{len(self.joint_names)} ({', '.join(self.joint_names)}); the model needs every joint of the arm: "
-                "give the arm's own --urdf"
+                "give the arm's own --urdf, or --robot none to do without a model"
             )
         if set(joint_names) != set(self.joint_names):
             return self

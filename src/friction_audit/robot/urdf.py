@@ -1,7 +1,7 @@
 """Reading a URDF: which of its joints count, and whether it says enough for dynamics."""
 
 import re
-from xml.etree import ElementTree
+from xml.etree import ElementTree as ET
 
 from friction_audit.errors import UsageError
 
@@ -32,34 +32,34 @@ def joint_chain_xml(text: bytes, where: str) -> tuple[str, tuple[str, ...]]:
         raise UsageError(f"{where}: no link has a mass; expected a URDF with inertias, which gravity is computed from")
     for joint in turning:
         _limit_continuous(joint)
-    return ElementTree.tostring(root, encoding="unicode"), counting
+    return ET.tostring(root, encoding="unicode"), counting
 
 
-def _root(text: bytes, where: str) -> ElementTree.Element:
+def _root(text: bytes, where: str) -> ET.Element:
     try:
-        root = ElementTree.fromstring(text)  # noqa: S314  the user's own file, on the user's own machine
-    except ElementTree.ParseError as error:
+        root = ET.fromstring(text)  # noqa: S314  the user's own file, on the user's own machine
+    except ET.ParseError as error:
         raise UsageError(f"{where}: not XML ({error}); expected a URDF (a .xacro must be expanded first)") from error
     if root.tag != "robot":
         raise UsageError(f"{where}: the outermost element is <{root.tag}>; expected <robot>, the root of a URDF")
     return root
 
 
-def _masses(root: ElementTree.Element, where: str) -> list[float]:
+def _masses(root: ET.Element, where: str) -> list[float]:
     try:
         return [float(mass.get("value", "")) for mass in root.iterfind("link/inertial/mass")]
     except ValueError as error:
         raise UsageError(f"{where}: a mass is not a number ({error}); expected <mass value=...> in kg") from error
 
 
-def _own_motor(joint: ElementTree.Element) -> bool:
+def _own_motor(joint: ET.Element) -> bool:
     return joint.find("mimic") is None
 
 
-def _limit_continuous(joint: ElementTree.Element) -> None:
+def _limit_continuous(joint: ET.Element) -> None:
     if joint.get("type") == "continuous":
         joint.set("type", "revolute")
         limit = joint.find("limit")
         if limit is None:
-            limit = ElementTree.SubElement(joint, "limit")
+            limit = ET.SubElement(joint, "limit")
         limit.attrib.update({**NO_LIMIT, **{k: v for k, v in limit.attrib.items() if k in ("effort", "velocity")}})

@@ -1,0 +1,251 @@
+"""JointLog -> Interaction: the torque that friction sees."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.interaction.interaction import Caution, Interaction, SignEvidence, TorqueChoice
+from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
+from friction_audit.interaction.resample import GridMotion, GridTorque, motion_on_grid, torque_on_grid
+from friction_audit.interaction.settings import TorqueSettings
+from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prove_sign
+from friction_audit.joint_log import Float, JointLog
+
+SIGNS = {"hand": -1, "robot": 1}
+"""Factor on tau_J and on tau_ext in the balance of each row."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Balance:
+    """One row of the balance: F_m = sign * (source - each of the torques removed)."""
+
+    drive: str
+    sign: int
+    inertia: bool
+    logged: Float | None
+    modelled: GridTorque | None
+    evidence: tuple[SignEvidence, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        return most(self.evidence, "rises")
+
+    def coarse(self, log: JointLog, coarse: CoarseLog, source: Float) -> Float:
+        torque = coarse.mean(source)
+        if self.logged is not None:
+            torque -= coarse.mean(self.logged)
+        if self.modelled is not None:
+            self.modelled.subtract_from(torque, coarse.t, list(range(len(log.joint_names))))
+        return self.sign * torque
+
+    def full(self, log: JointLog, source: Float, columns: list[int]) -> Float:
+        """Make the torque of some joints: one array, column by column."""
+        torque = np.empty((len(log.t), len(columns)), order="F")
+        for place, column in enumerate(columns):
+            torque[:, place] = source[:, column]
+            if self.logged is not None:
+                torque[:, place] -= self.logged[:, column]
+        if self.modelled is not None:
+            self.modelled.subtract_from(torque, log.t, columns)
+        if self.sign < 0:
+            np.negative(torque, out=torque)
+        return torque
+
+
+def extract_interaction(
+    log: JointLog, settings: TorqueSettings, *, joints: tuple[int, ...] | None = None, hand: bool = False
+) -> Interaction:
+    """Make the torque at the friction port of a log, and prove its sign.
+
+    Every joint of the log takes part in the rigid-body model and in the proof of the sign, the selected ones or not.
+
+    Args:
+        log: The log.
+        settings: What the user says about the torque.
+        joints: Numbers (1..n) of the joints to keep, or None for all.
+        hand: True if the speed of the end effector is wanted.
+
+    Raises:
+        UsageError: If the settings contradict the log, or a joint is not in it.
+    """
+    columns = _columns(log, joints)
+    coarse = coarse_log(log)
+    plan = make_plan(log, coarse, settings)
+    motions = motion_on_grid(log, settings.model_rate_hz) if plan.arm is not None or hand else ()
+    balance, turned = _choose_row(log, coarse, plan, motions)
+    source: Float = getattr(log, CHANNELS[plan.source])
+    kept = log.take_joints(columns)
+    return Interaction(
+        t=log.t,
+        q=kept.q,
+        dq=kept.dq,
+        torque=balance.full(log, source, columns),
+        compensation=_compensation(kept),
+        hand_speed=_hand_speed(log, settings, motions) if hand else None,
+        joint_numbers=tuple(column + 1 for column in columns),
+        joint_names=kept.joint_names,
+        choice=_choice(plan, balance, settings, turned=turned),
+        warnings=plan.warnings + _sign_cautions(plan, balance, turned=turned),
+    )
+
+
+def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
+    there = range(1, len(log.joint_names) + 1)
+    if joints is None:
+        return [number - 1 for number in there]
+    unknown = [str(number) for number in joints if number not in there]
+    if unknown or not joints:
+        listed = ", ".join(f"{number} ({name})" for number, name in zip(there, log.joint_names, strict=True))
+        raise UsageError(f"--joints {','.join(unknown)}: not in {log.source.path}; its joints are {listed}")
+    return [number - 1 for number in sorted(set(joints))]
+
+
+def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, motions: tuple[GridMotion, ...]) -> tuple[_Balance, bool]:
+    """Return the row of the balance that the energy proves, and whether it is not the one tried first."""
+    first = _proved(log, coarse, plan, _row(log, plan, motions, plan.drives[0]))
+    if first.proved:
+        return first, False
+    if plan.source == "interaction":
+        other = replace(first, sign=-first.sign)
+    elif len(plan.drives) > 1:
+        other = _row(log, plan, motions, plan.drives[1])
+    else:
+        return first, False
+    other = _proved(log, coarse, plan, other)
+    return (other, True) if other.proved else (first, False)
+
+
+def _row(log: JointLog, plan: Plan, motions: tuple[GridMotion, ...], drive: str) -> _Balance:
+    inertia = drive == "robot" and plan.inertia
+    return _Balance(
+        drive=drive,
+        sign=1 if plan.source == "interaction" else SIGNS[drive],
+        inertia=inertia,
+        logged=log.gravity if plan.gravity == "logged" else None,
+        modelled=_modelled(plan, motions, inertia=inertia),
+    )
+
+
+def _modelled(plan: Plan, motions: tuple[GridMotion, ...], *, inertia: bool) -> GridTorque | None:
+    arm = plan.arm
+    gravity = plan.gravity == "model"
+    if arm is None or not (gravity or inertia):
+        return None
+    if not inertia:
+        return torque_on_grid(motions, lambda motion: arm.gravity(motion.q))
+    if gravity:
+        return torque_on_grid(motions, lambda motion: arm.inverse_dynamics(motion.q, motion.dq, motion.ddq))
+    return torque_on_grid(
+        motions, lambda motion: arm.inverse_dynamics(motion.q, motion.dq, motion.ddq) - arm.gravity(motion.q)
+    )
+
+
+def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: _Balance) -> _Balance:
+    torque = balance.coarse(log, coarse, getattr(log, CHANNELS[plan.source]))
+    for active in (log.tau_compensation, log.tau_passivity):
+        if active is not None:
+            torque += coarse.mean(active)
+    return replace(balance, evidence=prove_sign(coarse, torque))
+
+
+def _compensation(log: JointLog) -> Float | None:
+    if log.tau_compensation is None or log.tau_passivity is None:
+        return log.tau_passivity if log.tau_compensation is None else log.tau_compensation
+    return np.add(log.tau_compensation, log.tau_passivity)
+
+
+def _hand_speed(log: JointLog, settings: TorqueSettings, motions: tuple[GridMotion, ...]) -> Float:
+    arm = arm_for_hand(log, settings)
+    speed = np.concatenate([arm.hand_speed(motion.q, motion.dq) for motion in motions])
+    # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
+    return np.interp(log.t, np.concatenate([motion.t for motion in motions]), speed)
+
+
+def _choice(plan: Plan, balance: _Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:
+    modelled = balance.modelled is not None
+    return TorqueChoice(
+        source=plan.source,
+        gravity=plan.gravity,
+        inertia="model" if balance.inertia else "none",
+        drive=balance.drive,
+        sign=balance.sign,
+        sign_proved=balance.proved,
+        sign_turned=turned,
+        robot=plan.arm.name if modelled and plan.arm is not None else "none",
+        payload=settings.payload if modelled else None,
+        model_rate_hz=settings.model_rate_hz if modelled else None,
+        formula=_formula(plan, balance),
+        reason=plan.reason,
+        sign_evidence=balance.evidence,
+    )
+
+
+def _formula(plan: Plan, balance: _Balance) -> str:
+    if plan.source != "tau_J":
+        return f"F_m = {'-' if balance.sign < 0 else ''}{CHANNELS[plan.source]}"
+    removed = [name for name, there in (("M ddq", balance.inertia), ("c", balance.inertia)) if there]
+    removed += ["g"] if plan.gravity != "none" else []
+    inside = "" if plan.gravity != "none" else ", gravity still inside"
+    if balance.drive == "hand":
+        return f"F_m = {' + '.join(removed)} - tau_J".replace("=  -", "= -") + inside
+    listed = " + ".join(removed)
+    return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
+
+
+def _sign_cautions(plan: Plan, balance: _Balance, *, turned: bool) -> tuple[Caution, ...]:
+    found = []
+    if turned:
+        found.append(_turned(plan, balance))
+    if most(balance.evidence, "falls"):
+        found.append(
+            Caution(
+                code="sign_contradicts_drive",
+                message=f"with {_formula(plan, balance)} (drive {balance.drive}) the net energy falls on most of the "
+                "moving joints, which friction cannot do; the other --drive is meant, or the payload or the "
+                "compensator's sign is wrong; kept as asked",
+            )
+        )
+    elif not balance.proved and any(one.verdict != "still" for one in balance.evidence):
+        found.append(
+            Caution(
+                code="sign_unproved",
+                message=f"the energy of most joints neither rises nor falls beyond its noise, so nothing proves "
+                f"{_formula(plan, balance)}; record more strokes in both directions, or make sure of --drive",
+            )
+        )
+    if balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia:
+        found.append(
+            Caution(
+                code="inertia_in_torque",
+                message="the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that "
+                "move together spoil each other's energy: give --urdf, or --robot panda",
+            )
+        )
+    return (*found, *_disagreeing(balance.evidence))
+
+
+def _turned(plan: Plan, balance: _Balance) -> Caution:
+    if plan.source == "interaction":
+        text = "the interaction torque as logged makes the net energy fall; its sign was turned"
+    else:
+        text = (
+            "with the hand's balance the net energy does not rise, with the robot's it does: the arm moved by itself, "
+            f"so {_formula(plan, balance)}; say --drive robot, or --drive hand to keep the other"
+        )
+    return Caution(code="sign_turned", message=text)
+
+
+def _disagreeing(evidence: tuple[SignEvidence, ...]) -> tuple[Caution, ...]:
+    """Name the joints whose energy falls where that of most rises, or rises where that of most falls."""
+    minority = "falls" if most(evidence, "rises") else "rises" if most(evidence, "falls") else ""
+    return tuple(
+        Caution(
+            code="sign_disagrees",
+            message=f"its energy {one.verdict} ({one.against_motion_nm:.2f} +- {one.standard_error_nm:.2f} N m against "
+            "the motion) while that of most joints does not: gravity, payload or inertia of this joint is wrong",
+            joint=one.joint,
+        )
+        for one in evidence
+        if one.verdict == minority
+    )

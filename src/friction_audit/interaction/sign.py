@@ -1,0 +1,139 @@
+"""The proof of the sign: friction takes energy, so the net energy must rise.
+
+The energy itself proves little on a real log: paths are not closed, so gravity errors, torque offsets and inertia put
+more energy in than friction takes out. What friction alone does is to change its sign with the direction of motion.
+So per joint, over the samples that move,
+
+    F_m + u = f sgn(dq) + o + a sin q + b cos q + B ddq + noise
+
+and the sign is proved where f, the torque against the motion, is positive beyond its standard error; f times the path
+is the energy taken. The noise is not white (vibration, gravity of other joints), so the standard error is that of
+independent strokes: a stroke is the motion between two reversals.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.interaction.interaction import SignEvidence
+from friction_audit.joint_log import Float, JointLog
+
+RATE_HZ = 50.0
+"""Rate of the means that the proof works on: above the motion, and cheap for hours of log."""
+
+SLOWEST_RAD_S = 0.01
+FASTEST_RAD_S = 0.05
+SHARE_OF_PEAK = 0.2
+"""A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s."""
+
+STILL_RAD_S = 0.02
+"""A joint whose peak speed stays below this does not move."""
+
+MINIMUM_STROKES = 4
+SIGNIFICANT = 2.0
+"""Standard errors."""
+
+Verdict = Literal["rises", "falls", "undecided", "still"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class CoarseLog:
+    """Means of a log over blocks of samples, m blocks.
+
+    Attributes:
+        samples: Samples per block.
+        t: Time, shape (m,). [s]
+        q: Position, shape (m, j). [rad]
+        dq: Velocity, shape (m, j). [rad/s]
+        whole: False where a block holds or touches a hole in the log, shape (m,).
+    """
+
+    samples: int
+    t: Float
+    q: Float
+    dq: Float
+    whole: NDArray[np.bool_]
+
+    def mean(self, signal: Float) -> Float:
+        """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
+        return _block_mean(signal, self.samples)
+
+
+def coarse_log(log: JointLog) -> CoarseLog:
+    """Return block means of a log at about RATE_HZ."""
+    samples = max(1, min(round(log.rate_hz / RATE_HZ), len(log.t) // 2))
+    t = _block_mean(log.t[:, None], samples)[:, 0]
+    step = np.diff(t, prepend=2 * t[0] - t[1], append=2 * t[-1] - t[-2])
+    usual = 3 * samples / log.rate_hz
+    whole = (step[1:] < usual) & (step[:-1] < usual)
+    return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
+
+
+def prove_sign(log: CoarseLog, torque: Float) -> tuple[SignEvidence, ...]:
+    """Judge for every joint whether the net energy rises.
+
+    Args:
+        log: Motion.
+        torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
+    """
+    ddq = np.gradient(log.dq, log.t, axis=0)
+    return tuple(_judge(log, joint, ddq[:, joint], torque[:, joint]) for joint in range(log.q.shape[1]))
+
+
+def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
+    """Return True if more than half of the moving joints have this verdict."""
+    moving = [one for one in evidence if one.verdict != "still"]
+    return 2 * sum(one.verdict == verdict for one in moving) > len(moving)
+
+
+def _judge(log: CoarseLog, joint: int, ddq: Float, torque: Float) -> SignEvidence:
+    speed = np.abs(log.dq[:, joint])
+    peak = float(speed.max())
+    moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
+    seconds = float(moving.sum() * np.median(np.diff(log.t)))
+    number = joint + 1
+    if peak < STILL_RAD_S:
+        return _without_number(number, seconds, "still")
+    direction = np.sign(log.dq[moving, joint])
+    stroke = np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
+    if stroke.size == 0 or stroke[-1] + 1 < MINIMUM_STROKES:
+        return _without_number(number, seconds, "undecided")
+    q = log.q[moving, joint]
+    others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq[moving]])
+    against, error = _coefficient(direction, others, torque[moving], stroke)
+    verdict: Verdict = "undecided"
+    if abs(against) > SIGNIFICANT * error:
+        verdict = "rises" if against > 0 else "falls"
+    return SignEvidence(
+        joint=number, verdict=verdict, moving_s=seconds, against_motion_nm=against, standard_error_nm=error
+    )
+
+
+def _without_number(joint: int, seconds: float, verdict: Verdict) -> SignEvidence:
+    nan = float("nan")
+    return SignEvidence(joint=joint, verdict=verdict, moving_s=seconds, against_motion_nm=nan, standard_error_nm=nan)
+
+
+def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
+    """Regress the torque on a column beside others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
+    scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
+    both = np.column_stack([column, torque])
+    fitted: Float = scaled @ np.linalg.lstsq(scaled, both, rcond=1e-8)[0]
+    own, left = (both - fitted).T
+    square = float(own @ own)
+    if square < 1e-6 * len(own):
+        return float("nan"), float("nan")
+    value = float(own @ left) / square
+    scores = np.bincount(stroke, weights=own * (left - value * own))
+    clusters = len(scores)
+    return value, float(np.sqrt(scores @ scores * clusters / (clusters - 1)) / square)
+
+
+def _block_mean(signal: Float, samples: int) -> Float:
+    blocks = len(signal) // samples
+    columns = (
+        signal[: blocks * samples, joint].reshape(blocks, samples).mean(axis=1) for joint in range(signal.shape[1])
+    )
+    return np.column_stack(list(columns))
