@@ -1,0 +1,108 @@
+"""Estimate -> the table that people read."""
+
+import math
+from typing import TYPE_CHECKING
+
+from friction_audit.audit import Estimate
+from friction_audit.friction.history import Coefficient, JointFriction
+
+if TYPE_CHECKING:
+    from rich.console import Group, RenderableType
+    from rich.table import Table
+
+NOTHING = "-"
+
+
+def estimate_table(estimate: Estimate) -> "Group":
+    """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
+    from rich.console import Group
+    from rich.text import Text
+
+    reasons = [joint for joint in estimate.friction.joints if joint.reason]
+    parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
+    parts.append(_table(estimate.friction.joints))
+    parts.extend(Text(f"joint {joint.joint}: not determined: {joint.reason}") for joint in reasons)
+    return Group(*parts)
+
+
+def _head(estimate: Estimate) -> tuple[str, str, str]:
+    log, choice, settings = estimate.log, estimate.interaction.choice, estimate.settings.friction
+    samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    proof = "proved by the energy" if choice.sign_proved else "not proved by the energy"
+    torque = (
+        f"interaction torque: {choice.formula} (drive {choice.drive}, gravity {choice.gravity}, "
+        f"inertia {choice.inertia}; sign {proof})"
+    )
+    estimator = (
+        f"estimator: {estimate.friction.estimator}, {settings.model} model, "
+        f"history over {settings.cycles_per_point} cycles; intervals are 95 %"
+    )
+    return f"{log.source.path}: {log.source.format}, {samples}", torque, estimator
+
+
+def _table(joints: tuple[JointFriction, ...]) -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1))
+    table.add_column("joint", overflow="fold")
+    for title in (
+        "Coulomb\n[N m]",
+        "viscous\n[N m s/rad]",
+        "cycles\n(left out)",
+        "condition\nnumber",
+        "torque fit\nCoulomb",
+        "torque fit\nviscous",
+    ):
+        table.add_column(title.replace("[", r"\["), justify="right", overflow="fold")
+    for joint in joints:
+        table.add_row(*_row(joint))
+    return table
+
+
+def _row(joint: JointFriction) -> tuple[str, ...]:
+    beside = joint.regression
+    return (
+        joint_label(joint.joint, joint.name),
+        format_coefficient(joint.coulomb),
+        format_coefficient(joint.viscous),
+        f"{joint.cycles} ({joint.rejected_cycles})",
+        NOTHING if math.isnan(joint.condition_number) else f"{joint.condition_number:.3g}",
+        # The comparison is for the eye: its intervals are in the JSON document.
+        NOTHING if beside is None else format_coefficient(beside.coulomb).split()[0],
+        NOTHING if beside is None else format_coefficient(beside.viscous).split()[0],
+    )
+
+
+def joint_label(joint: int, name: str) -> str:
+    """Return the joint's number, and its name where that says more."""
+    return str(joint) if not name or name.endswith(str(joint)) else f"{joint} {name}"
+
+
+def format_coefficient(coefficient: Coefficient) -> str:
+    """Return value and 95 % interval with the digits that the interval leaves meaningful.
+
+    Examples: ``0.245 ± 0.006``; ``0.25 +0.01/-0.03`` where the interval is lopsided.
+    """
+    if math.isnan(coefficient.value):
+        return NOTHING
+    up, down = coefficient.high - coefficient.value, coefficient.value - coefficient.low
+    if math.isnan(up + down):
+        return f"{coefficient.value:.4g}"
+    digits = _digits(max(up, down))
+    texts = [f"{side:.{digits}f}" for side in (coefficient.value, up, down)]
+    if abs(up - down) <= LOPSIDED * max(up, down):
+        return f"{texts[0]} ± {max(up, down):.{digits}f}"
+    return f"{texts[0]} +{texts[1]}/-{texts[2]}"
+
+
+LOPSIDED = 0.25
+"""Share by which the two sides of an interval may differ and still be written as one."""
+MOST_DIGITS = 6
+
+
+def _digits(width: float) -> int:
+    """Return the decimals that show two figures of a width."""
+    if width <= 0:
+        return MOST_DIGITS
+    return min(max(1 - math.floor(math.log10(width)), 0), MOST_DIGITS)

@@ -1,0 +1,78 @@
+"""InfoEntry -> the text that people read."""
+
+from typing import TYPE_CHECKING
+
+from friction_audit.report.estimate_table import NOTHING, joint_label
+from friction_audit.report.info_document import InfoEntry, TopicSummary
+from friction_audit.report.log_summary import JointMotion, LogSummary
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from rich.console import Group, RenderableType
+    from rich.table import Table
+
+
+def info_table(entry: InfoEntry) -> "Group":
+    """Return what is in one file."""
+    from rich.console import Group
+    from rich.text import Text
+
+    parts: list[RenderableType] = [Text(entry.path, style="bold")]
+    if len(entry.topics) > 1 or entry.summary is None:
+        parts.extend(Text(f"  topic {_topic(topic)}") for topic in entry.topics)
+    if entry.summary is not None:
+        parts.extend(Text(f"  {line}") for line in _lines(entry.summary))
+        parts.append(_table(entry.summary.joints))
+    else:
+        parts.append(Text(f"  not read: {entry.message}"))
+    return Group(*parts)
+
+
+def _topic(topic: TopicSummary) -> str:
+    count = "" if topic.messages is None else f", {topic.messages} messages"
+    return f"{topic.name} ({topic.type}{count}{'' if topic.readable else '; no joint log'})"
+
+
+def _lines(summary: LogSummary) -> "Iterator[str]":
+    log, torque = summary.log, summary.torque
+    topic = f", topic {log.source.topic}" if log.source.topic else ""
+    yield f"format   {log.source.format}{topic}, robot {log.source.robot}, {len(log.joint_names)} joints"
+    yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {len(log.t)} samples, {log.rate_hz:.6g} Hz"
+    gaps = f"{summary.gaps} gaps, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
+    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {summary.stale_samples} repeated samples"
+    for channel, name in log.source.channels.items():
+        yield f"channel  {channel} = {name}"
+    if torque is not None:
+        sign = "sign proved by the energy" if torque.sign_proved else "sign not proved"
+        yield f"torque   {torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign}"
+
+
+def _table(joints: tuple[JointMotion, ...]) -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False)
+    table.add_column("joint", overflow="fold")
+    for title in (
+        "peak speed\n[rad/s]",
+        "range\n[rad]",
+        "moving\n[s]",
+        "cycles",
+        "open in\nposition",
+        "to be\nleft out",
+    ):
+        table.add_column(title.replace("[", r"\["), justify="right")
+    for joint in joints:
+        table.add_row(*_row(joint))
+    return table
+
+
+def _row(joint: JointMotion) -> tuple[str, ...]:
+    return (
+        joint_label(joint.joint, joint.name),
+        f"{joint.peak_speed_rad_s:.3g}",
+        f"{joint.range_rad:.3g}",
+        NOTHING if joint.moving_s is None else f"{joint.moving_s:.3g}",
+        *(NOTHING if n is None else str(n) for n in (joint.cycles, joint.open_cycles, joint.rejected_cycles)),
+    )
