@@ -1,0 +1,297 @@
+"""The columns of a table -> channels of a JointLog: by name, never by position, unless the user says so."""
+
+import difflib
+import re
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.foreign_names import ALIASES, ForeignName, is_finger, parse_name, robot_of
+from friction_audit.ingest.time_column import UNITS, TimeColumn, find_time
+from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
+
+REQUIRED = ("q", "dq")
+_SHOWN_GROUPS = 14
+_POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
+
+JointKey = int | str
+"""A joint's number (0-based), or its name where it has no number."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Group:
+    """The columns of one channel.
+
+    Attributes:
+        template: Name with ``{i}`` or ``{joint}`` for the joint.
+        cells: Joint -> position of the column.
+        names: Joint -> the joint's name, where the columns tell it.
+        degrees: True if the name says degrees.
+        in_order: True if the user gave the columns one by one, in the order of the joints.
+    """
+
+    template: str
+    cells: Mapping[JointKey, int]
+    names: Mapping[JointKey, str] = field(default_factory=dict)
+    degrees: bool = False
+    in_order: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ColumnMap:
+    """Which column is what.
+
+    Attributes:
+        time: The clock.
+        channels: Channel -> positions of its columns, one per joint.
+        joint_names: One name per joint.
+        robot: Robot told by the joints' names, or ``"unknown"``.
+        mapping: Channel -> name in the file, for people.
+        degrees: Channels whose names say degrees.
+        findings: Channels left out.
+    """
+
+    time: TimeColumn
+    channels: Mapping[str, tuple[int, ...]]
+    joint_names: tuple[str, ...]
+    robot: str
+    mapping: Mapping[str, str]
+    degrees: frozenset[str]
+    findings: tuple[Finding, ...]
+
+
+def map_columns(
+    names: Sequence[str],
+    *,
+    path: str,
+    mapping: Mapping[str, str],
+    labels: Mapping[int, str] | None = None,
+    constant: Collection[int] = (),
+) -> ColumnMap:
+    """Find time, joints and channels among the columns of a table.
+
+    Args:
+        names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
+        path: The file, for messages.
+        mapping: What the user says, channel or ``"t"`` -> name; wins.
+        labels: Index of a joint as written -> its name, where the table holds names beside the numbers.
+        constant: Positions of columns seen not to change.
+
+    Raises:
+        InputError: If a column that is needed is missing; all of them are named at once.
+    """
+    unknown = [channel for channel in mapping if channel not in (*JOINT_CHANNELS, "t")]
+    if unknown:
+        raise InputError(f"{path}: --map {unknown[0]}=...: no such channel; there are t, {', '.join(JOINT_CHANNELS)}")
+    bare = [name.strip() for name in names]
+    stated = {c: _stated_group(c, mapping[c], bare, path) for c in JOINT_CHANNELS if c in mapping}
+    groups = {**_guessed_groups(bare, labels or {}, path), **stated}
+    time = _stated_time(mapping["t"], bare, path) if "t" in mapping else find_time(bare, constant)
+    if time is None or not _is_complete(groups):
+        raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
+    return _align(groups, time, bare, path)
+
+
+def column_position(name: str, names: Sequence[str], path: str) -> int:
+    """Return the position of a column given by name or as ``#3`` (counted from 1).
+
+    Raises:
+        InputError: If there is none.
+    """
+    match = _POSITION.fullmatch(name)
+    if name not in names and match is not None and 1 <= int(match[1]) <= len(names):
+        return int(match[1]) - 1
+    if name in names:
+        return list(names).index(name)
+    near = difflib.get_close_matches(name, names, n=3)
+    hint = f"did you mean {', '.join(near)}?" if near else f"found {shorten(names)}"
+    raise InputError(f"{path}: no column {name!r}, which --map asks for; {hint}")
+
+
+def shorten(names: Sequence[str]) -> str:
+    """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7``."""
+    runs: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(name)
+    shown = [run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()]
+    more = len(shown) - _SHOWN_GROUPS
+    return ", ".join(shown[:_SHOWN_GROUPS]) + (f" and {more} more" if more > 0 else "")
+
+
+def _guessed_groups(names: Sequence[str], labels: Mapping[int, str], path: str) -> dict[str, Group]:
+    """Group the columns by channel and template, and keep the most telling template of each channel."""
+    found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
+    for cell, name in enumerate(names):
+        parsed = parse_name(name)
+        if parsed is not None:
+            # Time, position, velocity and so on of one joint share its column name: {joint} stays in the template.
+            key = (parsed.rank, parsed.template)
+            found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
+    groups = {}
+    for channel, candidates in found.items():
+        rank = min(rank for rank, _ in candidates)
+        best = [(template, cells) for (r, template), cells in candidates.items() if r == rank]
+        _refuse_several_arms(channel, [template for template, _ in best], path)
+        groups[channel] = _group(*best[0], labels)
+    return groups
+
+
+def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> None:
+    """Two templates that differ in the joint's prefix alone are two arms; the user chooses."""
+    arms = {match[1]: t for t in templates if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None}
+    if len(arms) > 1:
+        raise InputError(
+            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; "
+            f"choose one with --map {channel}={next(iter(arms.values()))}, and likewise for the other channels"
+        )
+
+
+def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
+    first = next(iter(cells.values()))
+    base = 0 if any(name.index == 0 for name in cells.values()) else 1
+    kept: dict[JointKey, int] = {}
+    told: dict[JointKey, str] = {}
+    for cell, name in cells.items():
+        label = name.joint or (None if name.index is None else labels.get(name.index))
+        key = name.index - base if name.index is not None else name.joint or 0
+        if label is not None and is_finger(label):
+            continue
+        kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
+        if label is not None:
+            told.setdefault(key, label)
+    return Group(template=template, cells=kept, names=told, degrees=first.degrees)
+
+
+def _stated_group(channel: str, value: str, names: Sequence[str], path: str) -> Group:
+    """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column."""
+    if "{i}" in value:
+        pattern = re.compile(re.escape(value.strip()).replace(re.escape("{i}"), r"(\d+)"))
+        numbered = {
+            int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
+        }
+        if not numbered:
+            near = difflib.get_close_matches(value, names, n=3, cutoff=0.5)
+            hint = f"did you mean {', '.join(near)}?" if near else f"found {shorten(names)}"
+            raise InputError(f"{path}: no column matches --map {channel}={value}; {hint}")
+        base = 0 if 0 in numbered else 1
+        return Group(template=value, cells={number - base: numbered[number] for number in sorted(numbered)})
+    elements = [cell for cell, name in enumerate(names) if re.fullmatch(re.escape(value) + r"\[\d+\]", name)]
+    cells = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names, path)]
+    return Group(template=value, cells=dict(enumerate(cells)), in_order=not elements)
+
+
+def _stated_cells(part: str, names: Sequence[str], path: str) -> list[int]:
+    match = _POSITION.fullmatch(part)
+    if match is None or match[2] is None:
+        return [column_position(part, names, path)]
+    return [column_position(f"#{number}", names, path) for number in range(int(match[1]), int(match[2]) + 1)]
+
+
+def _stated_time(value: str, names: Sequence[str], path: str) -> TimeColumn:
+    name, _, unit = value.rpartition(":")
+    if unit not in UNITS or not name:
+        name, unit = value, ""
+    cell = column_position(name.strip(), names, path)
+    known = find_time([names[cell]])
+    return TimeColumn(
+        cells=(cell,),
+        name=name,
+        unit=unit or (known.unit if known else None),
+        clock=known.clock if known else "column",
+    )
+
+
+def _is_complete(groups: Mapping[str, Group]) -> bool:
+    return all(c in groups for c in REQUIRED) and any(c in groups for c in TORQUE_CHANNELS)
+
+
+def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
+    wanted = [] if found_time else ["t"]
+    wanted += [channel for channel in REQUIRED if channel not in groups]
+    torque = any(channel in groups for channel in TORQUE_CHANNELS)
+    said = wanted + ([] if torque else [f"a torque ({', '.join(TORQUE_CHANNELS)})"])
+    near = [
+        hint for channel in (*wanted, *(() if torque else TORQUE_CHANNELS)) for hint in _near_misses(channel, names)
+    ]
+    parts = [f"{path}: no column for {' and '.join(said)}; found {shorten(names)}"]
+    if near:
+        parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
+    example = " ".join(f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted)
+    parts.append(
+        f"name what is missing with {example}{'' if torque else ' --map tau_J=<column with {i} for the joint>'}"
+    )
+    if "dq" in wanted and "q" in groups:
+        parts.append("dq is not made from q: a derivative of the position is too noisy for an energy balance")
+    return "; ".join(parts).replace("  ", " ")
+
+
+def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
+    """Return the columns whose names, numbers aside, nearly are a known name of the channel."""
+    known = ("t", "time", "stamp", "timestamp") if channel == "t" else (*ALIASES[channel],)
+    stems: dict[str, str] = {}
+    for name in names:
+        stems.setdefault(re.sub(r"[\W_]*\d+\W*$", "", name).lower(), name)
+    taken = {alias for aliases in ALIASES.values() for alias in aliases}
+    close = {match for alias in known for match in difflib.get_close_matches(alias, stems, n=2, cutoff=0.7)}
+    return [f"{stems[stem]} ({channel})" for stem in stems if stem in close and stem not in taken and len(stem) > 1]
+
+
+def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
+    """Bring all channels to the same joints, in the same order."""
+    reference = next((groups[c] for c in REQUIRED if not groups[c].in_order), groups["q"])
+    keys = _sorted_keys(reference.cells)
+    channels, findings, short = {}, [], []
+    torques = [c for c in TORQUE_CHANNELS if c in groups]
+    for channel in (c for c in JOINT_CHANNELS if c in groups):
+        cells = _cells_in_order(groups[channel], keys)
+        if cells is not None:
+            channels[channel] = cells
+        elif channel in REQUIRED or torques == [channel]:
+            short.append(f"{channel} ({_joints_text(groups[channel].cells)})")
+        else:
+            findings.append(_left_out(channel, groups[channel], len(keys)))
+    if short or not any(c in channels for c in TORQUE_CHANNELS):
+        raise InputError(
+            f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
+            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
+            "name the columns with --map"
+        )
+    told = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
+    joint_names = tuple(told.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)
+    return ColumnMap(
+        time=time,
+        channels=channels,
+        joint_names=joint_names,
+        robot=robot_of(joint_names),
+        mapping={channel: groups[channel].template for channel in channels},
+        degrees=frozenset(channel for channel in channels if groups[channel].degrees),
+        findings=tuple(findings),
+    )
+
+
+def _sorted_keys(cells: Mapping[JointKey, int]) -> list[JointKey]:
+    numbers = sorted(key for key in cells if isinstance(key, int))
+    return [*numbers, *(key for key in cells if isinstance(key, str))]
+
+
+def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
+    """Return the channel's columns for these joints, or None if it does not have them all."""
+    if all(key in group.cells for key in keys):
+        return tuple(group.cells[key] for key in keys)
+    if len(group.cells) == len(keys) and (group.in_order or len(keys) == 1):
+        return tuple(group.cells.values())
+    return None
+
+
+def _joints_text(cells: Mapping[JointKey, int]) -> str:
+    keys = _sorted_keys(cells)
+    return f"{len(keys)} joints: " + ", ".join(str(key + 1) if isinstance(key, int) else key for key in keys)
+
+
+def _left_out(channel: str, group: Group, joints: int) -> Finding:
+    return Finding(
+        code="incomplete_channel",
+        message=f"{channel} has columns for {len(group.cells)} of {joints} joints ({group.template}); it is left out",
+        amount=float(len(group.cells)),
+    )

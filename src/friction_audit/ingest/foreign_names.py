@@ -1,0 +1,131 @@
+"""The one table of foreign names: what a column or a field may be called, and which channel that is."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+ALIASES: dict[str, tuple[str, ...]] = {
+    "q": ("q", "actual_q", "joint_positions", "joint_position", "positions", "position", "joint_pos", "pos",
+          "joint_angles", "joint_angle", "angle"),
+    "dq": ("dq", "actual_qd", "qdot", "q_dot", "joint_velocities", "joint_velocity", "velocities", "velocity",
+           "joint_vel", "vel"),
+    "tau_J": ("tau_j", "motor_torques_measured", "tau_measured", "joint_torques", "joint_torque", "joint_efforts",
+              "joint_effort", "efforts", "effort", "torques", "torque", "tau"),
+    "tau_J_d": ("tau_j_d", "motor_torques_desired", "tau_desired", "tau_d"),
+    "tau_ext_hat_filtered": ("tau_ext_hat_filtered", "tau_ext_hat", "tau_ext", "motor_torques_external",
+                             "external_joint_torques", "external_torques", "external_torque", "tau_external"),
+    "gravity": ("gravity", "tau_gravity", "gravity_torques", "gravity_torque", "tau_g", "g"),
+    "tau_interaction": ("tau_interaction", "interaction_torques", "interaction_torque", "tau_int", "f_m"),
+    "tau_compensation": ("tau_compensation", "tau_comp", "friction_compensation"),
+    "tau_passivity": ("tau_passivity", "tau_pc"),
+    "temperature": ("temperature", "temperatures", "joint_temperatures", "joint_temperature",
+                    "motor_temperature", "temp"),
+}  # fmt: skip
+"""Channel -> names in use, lower case, the most telling first."""
+
+_CHANNEL_OF = {alias: (channel, rank) for channel, aliases in ALIASES.items() for rank, alias in enumerate(aliases)}
+_QUANTITY = "|".join(re.escape(alias) for alias in sorted(_CHANNEL_OF, key=len, reverse=True))
+_HEAD = r"(?P<head>(?:.*[./])?)"
+_UNIT = r"(?:[ _]*(?P<unit>\[[a-zA-Z][^\]]*\]|\([^)]*\)|(?<=_)(?:rad_s|rads|rad|deg_s|degs|deg|nm|degc)))?"
+_NUMBERED_JOINT = r"(?P<joint>\w*?joint_?(?P<number>\d+))"
+_NAMED_JOINT = r"(?P<joint>(?!\w*joints|\w*joint_?state)\w*joint\w*)"
+_PATTERNS = tuple(
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        rf"{_HEAD}{_NUMBERED_JOINT}[./_ ](?P<quantity>{_QUANTITY}){_UNIT}",
+        rf"{_HEAD}{_NAMED_JOINT}[./](?P<quantity>{_QUANTITY}){_UNIT}",
+        rf"{_HEAD}(?P<quantity>{_QUANTITY}){_UNIT}(?:\[(?P<index>\d+)\])?",
+        rf"{_HEAD}(?P<quantity>{_QUANTITY}){_UNIT}[._ ]?(?P<index>\d+)",
+        rf"{_HEAD}(?P<quantity>{_QUANTITY})(?:\[(?P<index>\d+)\]|[._ ]?(?P<index2>\d+)){_UNIT}",
+        rf"{_HEAD}(?P<quantity>{_QUANTITY})[./_ ]{_NUMBERED_JOINT}{_UNIT}",
+        rf"{_HEAD}(?P<quantity>{_QUANTITY})[./]{_NAMED_JOINT}{_UNIT}",
+    )
+)
+_COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
+_MOTOR_SIDE = re.compile(r"motor_state")
+_EXTERNAL = re.compile(r"tau_ext|external")
+_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
+_LABEL = re.compile(r"(?:.*[./])?(?:joint_)?names?(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))", re.IGNORECASE)
+_ROBOTS = ((re.compile(r"(?:^|_)(?:panda|fer)(?:_|$)"), "panda"), (re.compile(r"(?:^|_)fr3"), "fr3"))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ForeignName:
+    """What a column's name says.
+
+    Attributes:
+        channel: Channel of JointLog.
+        rank: Place in the table of aliases; smaller is more telling.
+        template: The name with ``{i}`` for the joint's number, or ``{joint}`` for its name.
+        index: The joint's number as written, 0- or 1-based, or None.
+        joint: The joint's name, or None.
+        degrees: True if the name says degrees.
+    """
+
+    channel: str
+    rank: int
+    template: str
+    index: int | None
+    joint: str | None
+    degrees: bool
+
+
+def parse_name(name: str) -> ForeignName | None:
+    """Return what a column's name says, or None if it is no joint channel."""
+    text = name.strip()
+    if is_finger(text):
+        return None
+    for pattern in _PATTERNS:
+        match = pattern.fullmatch(text)
+        if match is not None:
+            return _foreign_name(text, match)
+    return None
+
+
+def parse_label(name: str) -> int | None:
+    """Return the index of a column that holds a joint's name (``field.name3`` -> 3), or None."""
+    match = _LABEL.fullmatch(name.strip())
+    return None if match is None else int(match["a"] or match["b"])
+
+
+def is_finger(name: str) -> bool:
+    """Return True for joints of a gripper, which are no part of the arm."""
+    return _FINGER.search(name) is not None
+
+
+def robot_of(joint_names: Iterable[str]) -> str:
+    """Return the robot that the joints' names tell: ``"panda"``, ``"fr3"`` or ``"unknown"``."""
+    told = {robot for name in joint_names for pattern, robot in _ROBOTS if pattern.search(name.lower())}
+    return told.pop() if len(told) == 1 else "unknown"
+
+
+def _foreign_name(text: str, match: re.Match[str]) -> ForeignName | None:
+    parts = match.groupdict()
+    channel, rank = _CHANNEL_OF[parts["quantity"].lower()]
+    in_context = _in_context(channel, parts["head"].lower())
+    place = next((group for group in ("index", "index2", "number", "joint") if parts.get(group) is not None), None)
+    if in_context is None:
+        return None
+    template = text
+    if place is not None:
+        start, stop = match.span(place)
+        template = text[:start] + ("{joint}" if place == "joint" else "{i}") + text[stop:]
+    return ForeignName(
+        channel=in_context,
+        rank=rank,
+        template=template,
+        index=None if place in (None, "joint") else int(parts[place or ""]),
+        joint=parts.get("joint"),
+        degrees="deg" in (parts["unit"] or "").lower() and channel in ("q", "dq"),
+    )
+
+
+def _in_context(channel: str, head: str) -> str | None:
+    """Return the channel after a look at what stands before the quantity: a commanded effort is tau_J_d."""
+    if _COMMANDED.search(head):
+        return "tau_J_d" if channel in ("tau_J", "tau_J_d") else None
+    if _MOTOR_SIDE.search(head):
+        return None
+    if _EXTERNAL.search(head):
+        return "tau_ext_hat_filtered" if channel in ("tau_J", "tau_ext_hat_filtered") else None
+    return channel

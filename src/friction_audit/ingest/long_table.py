@@ -1,0 +1,135 @@
+"""Long tables, one row per joint and time -> Recording."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.columns import ColumnMap
+from friction_audit.ingest.foreign_names import is_finger, parse_name, robot_of
+from friction_audit.ingest.reader import Recording
+from friction_audit.ingest.time_column import TimeColumn, find_time, to_clock
+from friction_audit.ingest.to_recording import to_recording
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+
+_JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LongColumns:
+    """The columns of a long table.
+
+    Attributes:
+        time: The clock.
+        joint: Position of the column that tells the joint.
+        channels: Channel -> position of its column.
+        names: Channel -> name in the file.
+        degrees: Channels whose names say degrees.
+    """
+
+    time: TimeColumn
+    joint: int
+    channels: Mapping[str, int]
+    names: Mapping[str, str]
+    degrees: frozenset[str]
+
+
+def find_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, str]) -> LongColumns | None:
+    """Return the columns of a long table, or None if this is none: no column of joints, or one column per joint."""
+    bare = [name.strip() for name in names]
+    joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
+    parsed = [(cell, parse_name(name)) for cell, name in enumerate(bare)]
+    single = [(cell, told) for cell, told in parsed if told is not None and told.index is None and told.joint is None]
+    if joint is None or mapping or not {"q", "dq"} <= {told.channel for _, told in single}:
+        return None
+    best = {told.channel: (cell, told) for cell, told in sorted(single, key=lambda item: -item[1].rank)}
+    time = find_time(bare)
+    if time is None or not set(TORQUE_CHANNELS) & set(best):
+        raise InputError(
+            f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
+            f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
+        )
+    return LongColumns(
+        time=time,
+        joint=joint,
+        channels={channel: cell for channel, (cell, _) in best.items()},
+        names={channel: bare[cell] for channel, (cell, _) in best.items()},
+        degrees=frozenset(channel for channel, (_, told) in best.items() if told.degrees),
+    )
+
+
+def pivot_long(
+    long: LongColumns,
+    joint: NDArray[Any],
+    time: NDArray[Any],
+    values: Mapping[str, Float],
+    *,
+    path: str,
+    findings: tuple[Finding, ...] = (),
+) -> Recording:
+    """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
+    import pandas as pd
+
+    codes, labels = pd.factorize(joint, sort=False)
+    kept = [code for code in _ordered(list(labels)) if not is_finger(str(labels[code]))]
+    if not kept:
+        raise InputError(f"{path}: 0 samples; the table has a header and no rows")
+    rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], time)
+    channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in values}
+    for channel, column in values.items():
+        for place, chosen in enumerate(rows):
+            channels[channel][:, place] = column[chosen]
+    names = _names([str(labels[code]) for code in kept])
+    columns = ColumnMap(
+        time=long.time,
+        channels={},
+        joint_names=names,
+        robot=robot_of(names),
+        mapping=long.names,
+        degrees=long.degrees,
+        findings=findings,
+    )
+    noticed = () if lost == 0 else (_incomplete(lost),)
+    clock = to_clock(np.ascontiguousarray(time[rows[0]]), long.time.unit, path=path)
+    return to_recording(columns, clock, channels, findings=noticed)
+
+
+def _ordered(labels: Sequence[Any]) -> list[int]:
+    """Numbers in their order, names in the order of appearance."""
+    texts = [str(label).strip() for label in labels]
+    codes = list(range(len(texts)))
+    return sorted(codes, key=lambda code: float(texts[code])) if all(text.isdigit() for text in texts) else codes
+
+
+def _names(labels: Sequence[str]) -> tuple[str, ...]:
+    if not all(label.strip().isdigit() for label in labels):
+        return tuple(label.strip() for label in labels)
+    base = 0 if any(int(label) == 0 for label in labels) else 1
+    return tuple(f"joint{int(label) - base + 1}" for label in labels)
+
+
+def _rows_of_joints(rows: list[NDArray[np.intp]], time: NDArray[Any]) -> tuple[list[NDArray[np.intp]], int]:
+    """Return each joint's rows at the times that all joints have, and how many rows that leaves out."""
+    first = time[rows[0]]
+    if all(len(own) == len(first) and np.array_equal(time[own], first) for own in rows):
+        return rows, 0
+    common = first
+    for own in rows:
+        common = np.intersect1d(common, time[own])
+    matched = []
+    for own in rows:
+        order = own[np.argsort(time[own], kind="stable")]
+        matched.append(order[np.searchsorted(time[order], common)])
+    return matched, sum(map(len, rows)) - len(rows) * len(common)
+
+
+def _incomplete(lost: int) -> Finding:
+    return Finding(
+        code="incomplete_rows",
+        message=f"{lost} rows belong to times at which other joints have no row; they are left out",
+        amount=float(lost),
+        damaged=True,
+    )

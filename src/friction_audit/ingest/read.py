@@ -1,0 +1,123 @@
+"""A path -> JointLog: the reader is chosen by content, then by suffix; the result is vetted."""
+
+import os
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.readers import READERS
+from friction_audit.ingest.vet import examine, to_joint_log
+from friction_audit.joint_log import Finding, JointLog
+
+_DEFAULT = ReadOptions()
+
+
+def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
+    """Read a recorded joint log, whatever its format, and vet it.
+
+    Args:
+        path: A file, or the directory of a ROS 2 bag.
+        options: What the user says about how to read it.
+
+    Raises:
+        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    """
+    file = Path(path)
+    before = _stamp(file)
+    reader = choose_reader(file)
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
+        digest = pool.submit(sha256_of, file)  # hashlib gives the lock away: this costs no time on a second core
+        try:
+            recording = reader.read(file, options)
+            recording = _with_findings(recording, _suffix_mismatch(file, reader))
+            recording = examine(recording, path=str(path), options=options)
+            sha256 = digest.result()
+        except OSError as error:
+            raise _unreadable(file, error) from error
+    recording = _with_findings(recording, _growth(before, _stamp(file)))
+    return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+
+
+def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
+    """Return the name of a file's format, and the topics or tables in it.
+
+    Raises:
+        InputError: If it is of no known format.
+    """
+    file = Path(path)
+    _stamp(file)
+    reader = choose_reader(file)
+    try:
+        return reader.name, reader.topics(file)
+    except OSError as error:
+        raise _unreadable(file, error) from error
+
+
+def choose_reader(path: Path) -> Reader:
+    """Return the reader that recognises a file by its content, else the one of its suffix.
+
+    Raises:
+        InputError: If there is none.
+    """
+    by_suffix = [reader for reader in READERS if path.suffix.lower() in reader.suffixes]
+    for reader in (*by_suffix, *READERS):
+        if reader.recognises(path):
+            return reader
+    if by_suffix and not path.is_dir():
+        return by_suffix[0]
+    what = "a directory without the storage files of a bag" if path.is_dir() else "of no known format"
+    raise InputError(f"{path}: {what}; what is read: {_formats()}; convert it, or choose a file inside")
+
+
+def _formats() -> str:
+    return ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
+
+
+def _stamp(path: Path) -> Stamp:
+    """Return size and time of the last change, once it is sure that there is something to read."""
+    try:
+        if path.is_file():
+            with path.open("rb"):
+                pass
+        stamp = stamp_of(path)
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    if stamp.size == 0:
+        what = "the directory holds no files" if path.is_dir() else "the file is empty (0 bytes)"
+        raise InputError(f"{path}: {what}; expected a joint log: {_formats()}")
+    return stamp
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    advice = {
+        FileNotFoundError: "no such file or directory; check the path",
+        PermissionError: "no permission to read it; change its mode or owner",
+    }.get(type(error), f"cannot be read: {error.strerror or os.strerror(error.errno or 0)}")
+    return InputError(f"{path}: {advice}")
+
+
+def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
+    others = [other.name for other in READERS if path.suffix.lower() in other.suffixes and other.name != reader.name]
+    if path.suffix.lower() in reader.suffixes or not others:
+        return ()
+    message = (
+        f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
+    )
+    return (Finding(code="suffix_mismatch", message=message),)
+
+
+def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
+    if before == after:
+        return ()
+    message = (
+        f"the file changed while it was read ({before.size} bytes before, {after.size} after); what was read may end "
+        "early; read it again when the recording is finished"
+    )
+    return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
+
+
+def _with_findings(recording: Recording, findings: tuple[Finding, ...]) -> Recording:
+    return replace(recording, findings=(*recording.findings, *findings)) if findings else recording

@@ -1,0 +1,296 @@
+"""Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
+
+import dataclasses
+import io
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.columns import ColumnMap, map_columns
+from friction_audit.ingest.foreign_names import parse_label
+from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.sniff_csv import Dialect, is_number, looks_like_csv, sniff_csv, split_line
+from friction_audit.ingest.time_column import TimeColumn, to_clock
+from friction_audit.ingest.to_recording import to_recording
+from friction_audit.joint_log import Finding
+
+_BLOCK_BYTES = 8 << 20
+_LONG_INTEGER = 16
+"""Digits from which a stamp no longer fits a float exactly."""
+_EXCEPTION_LOG_ROWS = 60
+_EXCEPTION_LOG_S = 0.1
+_NA = ("-nan(ind)", "nan(ind)")
+
+
+def read_csv(path: Path, options: ReadOptions) -> Recording:
+    """Read a text table.
+
+    Raises:
+        InputError: If columns are missing, or a line does not hold what it should.
+    """
+    dialect = sniff_csv(path)
+    _refuse_headerless(path, dialect, options)
+    names = dialect.names[: dialect.width]
+    long = find_long_columns(names, path=str(path), mapping=options.mapping)
+    if long is not None:
+        return _read_long(path, dialect, long)
+    columns = map_columns(
+        names, path=str(path), mapping=options.mapping, labels=_labels(dialect), constant=_constant_columns(dialect)
+    )
+    recording = _read_wide(path, dialect, columns)
+    return _vet_libfranka(recording, path, options) if _is_libfranka(dialect) else recording
+
+
+def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
+    capacity = _count_lines(path, dialect)
+    time = _empty_time(dialect, columns.time, capacity)
+    arrays = {c: np.empty((capacity, len(cells)), order="F") for c, cells in columns.channels.items()}
+    labels = {cell: dialect.rows[0][cell] for cell, name in enumerate(dialect.names) if parse_label(name) is not None}
+    kinds: dict[int, Any] = {cell: np.float64 for cells in columns.channels.values() for cell in cells}
+    kinds |= dict.fromkeys(columns.time.cells, time.dtype.type) | dict.fromkeys(labels, str)
+    rows, cut = 0, None
+    for block in _parse(path, dialect, kinds):
+        if isinstance(block, Finding):
+            cut = block
+            continue
+        stop = rows + len(block)
+        time[rows:stop] = _stamps(block, columns.time)
+        for channel, cells in columns.channels.items():
+            for joint, cell in enumerate(cells):
+                arrays[channel][rows:stop, joint] = block[cell].to_numpy()
+        _refuse_moving_labels(path, block, labels, rows + dialect.line)
+        rows = stop
+    findings = () if cut is None else (cut,)
+    clock = to_clock(time[:rows], "ns" if len(columns.time.cells) > 1 else columns.time.unit, path=str(path))
+    return to_recording(columns, clock, {c: array[:rows] for c, array in arrays.items()}, findings=findings)
+
+
+def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
+    """Read a table with one row per joint and time."""
+    kinds: dict[int, Any] = dict.fromkeys(long.channels.values(), np.float64) | {long.joint: str}
+    kinds[long.time.cells[0]] = _empty_time(dialect, long.time, 0).dtype.type
+    blocks: list[Any] = []
+    findings: list[Finding] = []
+    for block in _parse(path, dialect, kinds):
+        if isinstance(block, Finding):
+            findings.append(block)
+        else:
+            blocks.append(block)
+    joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
+    time = np.concatenate([block[long.time.cells[0]].to_numpy() for block in blocks])
+    values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
+    return pivot_long(long, joint, time, values, path=str(path), findings=tuple(findings))
+
+
+def _parse(path: Path, dialect: Dialect, kinds: Mapping[int, Any]) -> Iterator[Any]:
+    """Yield the blocks of the file as frames; at the end a Finding if its last line is cut."""
+    for line, block, is_last in _blocks(path, dialect):
+        kept, finding = _without_cut_line(dialect, block, line, kinds) if is_last else (block, None)
+        _check_widths(path, dialect, kept, line)
+        if kept.strip():
+            yield _frame(path, dialect, kept, line, kinds)
+        if finding is not None:
+            yield finding
+
+
+def _frame(path: Path, dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]) -> Any:  # noqa: ANN401
+    import pandas as pd
+
+    try:
+        return pd.read_csv(
+            io.BytesIO(block),
+            header=None,
+            names=range(dialect.width),
+            usecols=sorted(kinds),
+            dtype=dict(kinds),
+            sep=r"\s+" if dialect.separator == " " else dialect.separator,
+            decimal=dialect.decimal,
+            skipinitialspace=True,
+            na_values=list(_NA),
+            float_precision="round_trip",
+            index_col=False,
+            engine="c",
+        )
+    except (ValueError, OverflowError) as error:  # pandas' ParserError is a ValueError
+        raise _bad_text(path, dialect, block, line, kinds, error) from error
+
+
+def _blocks(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
+    """Yield (number of the first line, whole lines, is it the end of the file)."""
+    line, rest = dialect.line, b""
+    with path.open("rb") as stream:
+        stream.seek(dialect.offset)
+        chunk = stream.read(_BLOCK_BYTES)
+        while chunk:
+            following = stream.read(_BLOCK_BYTES)
+            block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
+            yield line, block + newline, not following
+            line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
+
+
+def _without_cut_line(
+    dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]
+) -> tuple[bytes, Finding | None]:
+    """Leave out a last line that a killed logger did not finish; NUL bytes are what a power cut leaves."""
+    body = block.rstrip(b"\0").rstrip(b"\r\n")
+    before, newline, last = body.rpartition(b"\n")
+    fields = split_line(last.decode(errors="replace"), dialect.separator)
+    whole = len(fields) == dialect.width and all(
+        is_number(fields[c], dialect.decimal) for c in kinds if kinds[c] is not str
+    )
+    if whole or not last.strip():
+        return body + b"\n", None
+    number = line + before.count(b"\n") + len(newline)
+    return before + newline, Finding(
+        code="truncated",
+        message=f"line {number}, the last one, is cut short ({len(fields)} of {dialect.width} fields); it is left out",
+        amount=1.0,
+        damaged=True,
+    )
+
+
+def _check_widths(path: Path, dialect: Dialect, block: bytes, line: int) -> None:
+    """Every line has the same number of fields; a count of separators proves it, lines are looked at if it fails."""
+    codes = np.frombuffer(block, dtype=np.uint8)
+    if dialect.separator != " ":
+        separators = np.count_nonzero(codes == ord(dialect.separator))
+        if separators == (dialect.width - 1) * np.count_nonzero(codes == ord("\n")):
+            return
+    for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
+        fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
+        if fields and len(fields) != dialect.width:
+            raise InputError(
+                f"{path}: line {number} has {len(fields)} fields; expected {dialect.width} as in the lines before; "
+                "repair or remove the line"
+            )
+
+
+def _bad_text(
+    path: Path, dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any], error: Exception
+) -> InputError:
+    """Find the field that is no number."""
+    for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
+        fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
+        for cell in sorted(kinds) if fields else ():
+            if kinds[cell] is not str and not is_number(fields[cell], dialect.decimal):
+                return InputError(
+                    f"{path}: line {number}, column {dialect.names[cell].strip()}: {fields[cell].strip()!r} is not a "
+                    "number; repair or remove the line"
+                )
+    return InputError(f"{path}: lines from {line} on cannot be read as numbers: {error}")
+
+
+def _count_lines(path: Path, dialect: Dialect) -> int:
+    """Return an upper bound of the number of rows, exact but for blank lines."""
+    count = 1
+    with path.open("rb") as stream:
+        stream.seek(dialect.offset)
+        while chunk := stream.read(_BLOCK_BYTES):
+            count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
+    return count
+
+
+def _empty_time(dialect: Dialect, time: TimeColumn, rows: int) -> NDArray[Any]:
+    """Return room for the stamps: integers where a float would lose digits."""
+    texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
+    exact = len(time.cells) > 1 or any(text.lstrip("-").isdigit() and len(text) >= _LONG_INTEGER for text in texts)
+    return np.empty(rows, dtype=np.int64 if exact else np.float64)
+
+
+def _stamps(block: Any, time: TimeColumn) -> NDArray[Any]:  # noqa: ANN401
+    stamps: NDArray[Any] = block[time.cells[0]].to_numpy()
+    if len(time.cells) > 1:
+        stamps = stamps * 1_000_000_000 + block[time.cells[1]].to_numpy()
+    return stamps
+
+
+def _constant_columns(dialect: Dialect) -> frozenset[int]:
+    """Return columns that stand still in the first lines: a header stamp that nobody set is no clock."""
+    if len(dialect.rows) < 3:  # noqa: PLR2004
+        return frozenset()
+    whole = [row for row in dialect.rows if len(row) == dialect.width]
+    return frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
+
+
+def _labels(dialect: Dialect) -> dict[int, str]:
+    """Return the joints' names that stand beside the numbers, as ``rostopic echo -p`` writes them."""
+    cells = {cell: parse_label(name) for cell, name in enumerate(dialect.names[: dialect.width])}
+    return {index: dialect.rows[0][cell].strip() for cell, index in cells.items() if index is not None}
+
+
+def _refuse_moving_labels(path: Path, block: Any, labels: Mapping[int, str], line: int) -> None:  # noqa: ANN401
+    for cell, label in labels.items():
+        other = block[cell].str.strip() != label.strip()
+        if other.any():
+            raise InputError(
+                f"{path}: line {line + int(other.to_numpy().argmax())}: joint {block[cell][other].iloc[0]!r} where the "
+                f"first line has {label.strip()!r}; the order of the joints changes; expected one order in the whole "
+                "table; sort the columns by joint"
+            )
+
+
+def _refuse_headerless(path: Path, dialect: Dialect, options: ReadOptions) -> None:
+    if dialect.has_header or options.mapping:
+        return
+    raise InputError(
+        f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is what "
+        "by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
+    )
+
+
+def _is_libfranka(dialect: Dialect) -> bool:
+    second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
+    return second in ("success rate", "success_rate")
+
+
+def _vet_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
+    """Apply what is known of libfranka's logToCSV: its ring buffer, its first row, the robot of the old header."""
+    rows, duration_s = len(recording.t), float(recording.t[-1])
+    if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
+        raise InputError(
+            f"{path}: {rows} rows, {duration_s:.2f} s: looks like a libfranka exception log (its ring buffer holds "
+            "50 rows and is written when a motion fails); expected a recording of several movements; "
+            "log the robot state continuously, or read it all the same with --allow-short"
+        )
+    old_header = recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown"
+    recording = dataclasses.replace(recording, robot="panda") if old_header else recording  # libfranka <= 0.9.0
+    if rows > 1 and any(np.isnan(array[0]).any() for array in recording.channels.values()):
+        return _without_first_row(recording)
+    return recording
+
+
+def _without_first_row(recording: Recording) -> Recording:
+    finding = Finding(code="first_row", message="the first row holds no numbers yet; it is left out", amount=1.0)
+    return dataclasses.replace(
+        recording,
+        t=recording.t[1:],
+        channels={channel: array[1:] for channel, array in recording.channels.items()},
+        findings=(*recording.findings, finding),
+    )
+
+
+def _tables(path: Path) -> tuple[Topic, ...]:
+    dialect = sniff_csv(path)
+    return (
+        Topic(
+            name=path.name,
+            type=f"table of {dialect.width} columns",
+            messages=_count_lines(path, dialect) - 1,
+            readable=True,
+        ),
+    )
+
+
+CSV = Reader(
+    name="csv",
+    suffixes=(".csv", ".tsv", ".txt", ".dat"),
+    recognises=looks_like_csv,
+    read=read_csv,
+    topics=_tables,
+    summary="text tables: libfranka logToCSV, rostopic echo -p, bag exports, tidy and long tables",
+)

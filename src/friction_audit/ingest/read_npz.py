@@ -1,0 +1,112 @@
+"""NumPy .npz -> Recording: panda-py's ``get_log()`` as people save it, or arrays under house names."""
+
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.columns import map_columns
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.time_column import to_clock
+from friction_audit.ingest.to_recording import to_recording
+
+_PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
+_TABLE_DIMENSIONS = 2
+
+
+def read_npz(path: Path, options: ReadOptions) -> Recording:
+    """Read a NumPy archive; pickled objects are never unpacked.
+
+    Raises:
+        InputError: If arrays are missing, pickled or of unequal length, or the file is damaged.
+    """
+    arrays = {name: _as_table(array) for name, array in _load(path).items()}
+    cells = [(n, e) for n, array in arrays.items() for e in (range(array.shape[1]) if array.ndim > 1 else (None,))]
+    names = [name if element is None else f"{name}[{element}]" for name, element in cells]
+    columns = map_columns(names, path=str(path), mapping=options.mapping)
+    time = np.squeeze(arrays[cells[columns.time.cells[0]][0]])
+    raw: NDArray[Any] = time.astype(np.int64 if time.dtype.kind in "iu" else np.float64).reshape(-1)
+    channels = {}
+    for channel, own in columns.channels.items():
+        channels[channel] = np.empty((len(raw), len(own)), order="F")
+        for joint, cell in enumerate(own):
+            name, element = cells[cell]
+            _check_length(path, name, arrays[name], len(raw))
+            channels[channel][:, joint] = arrays[name] if element is None else arrays[name][:, element]
+    panda_py = arrays.keys() >= _PANDA_PY and columns.time.name == "time"
+    clock = to_clock(raw, "ms" if panda_py else columns.time.unit, path=str(path))
+    recording = to_recording(columns, clock, channels)
+    recording.clock = "robot_time" if panda_py else recording.clock
+    return recording
+
+
+def _load(path: Path) -> dict[str, NDArray[Any]]:
+    """Return the arrays of numbers in the archive."""
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            loaded = {name: _array(archive, name, path) for name in archive.files}
+    except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
+        raise InputError(f"{path}: a damaged NumPy archive: {error}; copy or save it again") from error
+    return {name: array for name, array in loaded.items() if array.dtype.kind in "fiu" and array.ndim > 0}
+
+
+def _array(archive: Mapping[str, NDArray[Any]], name: str, path: Path) -> NDArray[Any]:
+    try:
+        return archive[name]
+    except ValueError as error:
+        raise InputError(
+            f"{path}: array {name!r} is pickled, which could run foreign code when it is read; save plain arrays: "
+            "numpy.savez(file, **{name: numpy.asarray(values, dtype=float) for name, values in log.items()})"
+        ) from error
+
+
+def _as_table(array: NDArray[Any]) -> NDArray[Any]:
+    """Return (n,) or (n, k); panda-py keeps scalars as vectors of length 1."""
+    if array.ndim > _TABLE_DIMENSIONS:
+        array = array.reshape(len(array), -1)
+    return array[:, 0] if array.ndim == _TABLE_DIMENSIONS and array.shape[1] == 1 else array
+
+
+def _check_length(path: Path, name: str, array: NDArray[Any], rows: int) -> None:
+    if len(array) != rows:
+        raise InputError(
+            f"{path}: {name} has shape {array.shape}, time has {rows} samples; expected one row per sample; "
+            "save it transposed or cut to the same length"
+        )
+
+
+def _recognises(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return any(name.endswith(".npy") for name in archive.namelist())
+    except (OSError, zipfile.BadZipFile):
+        return path.is_file() and path.suffix.lower() == ".npz" and _starts_like_zip(path)
+
+
+def _starts_like_zip(path: Path) -> bool:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(4) == b"PK\x03\x04"
+    except OSError:
+        return False
+
+
+def _tables(path: Path) -> tuple[Topic, ...]:
+    return tuple(
+        Topic(name=name, type=f"array {array.shape} {array.dtype}", messages=len(array), readable=True)
+        for name, array in _load(path).items()
+    )
+
+
+NPZ = Reader(
+    name="npz",
+    suffixes=(".npz",),
+    recognises=_recognises,
+    read=read_npz,
+    topics=_tables,
+    summary="NumPy archives: panda-py's get_log(), or arrays (n, joints) under house names",
+)

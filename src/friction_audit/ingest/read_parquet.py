@@ -1,0 +1,257 @@
+"""Parquet -> Recording: scalar columns, or one list-valued column per channel."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.columns import ColumnMap, map_columns
+from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.time_column import to_clock
+from friction_audit.ingest.to_recording import to_recording
+from friction_audit.joint_log import Float
+
+_MAGIC = b"PAR1"
+_BATCH_ROWS = 1 << 16
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """One number per row: a scalar column, or one element of a list-valued column.
+
+    Attributes:
+        column: Dotted path of the column in the file.
+        element: Place in the list, or None for a scalar.
+    """
+
+    column: str
+    element: int | None
+
+    @property
+    def name(self) -> str:
+        """The name under which the cell is looked for."""
+        return self.column if self.element is None else f"{self.column}[{self.element}]"
+
+
+def read_parquet(path: Path, options: ReadOptions) -> Recording:
+    """Read a Parquet file.
+
+    Raises:
+        InputError: If columns are missing, or the file is damaged.
+    """
+    import pyarrow as pa
+
+    try:
+        with _open(path) as file:
+            cells = _cells(file)
+            names = [cell.name for cell in cells]
+            long = find_long_columns(names, path=str(path), mapping=options.mapping)
+            if long is not None:
+                return _read_long(file, path, cells, long)
+            return _read_wide(file, path, cells, map_columns(names, path=str(path), mapping=options.mapping))
+    except (pa.ArrowException, OSError) as error:
+        raise InputError(
+            f"{path}: a damaged or unfinished Parquet file: {error}; its index is at its end, so nothing can be "
+            "salvaged; copy or record it again"
+        ) from error
+
+
+def _open(path: Path) -> Any:  # noqa: ANN401
+    import pyarrow.parquet as pq
+
+    return pq.ParquetFile(path)
+
+
+def _read_wide(file: Any, path: Path, cells: Sequence[Cell], columns: ColumnMap) -> Recording:  # noqa: ANN401
+    rows = file.metadata.num_rows
+    if rows == 0:
+        raise InputError(f"{path}: 0 samples; the table has columns and no rows")
+    time: NDArray[Any] = np.empty(rows, dtype=_time_type(file, cells, columns))
+    channels: dict[str, Float] = {c: np.empty((rows, len(own)), order="F") for c, own in columns.channels.items()}
+    wanted = _targets(cells, columns, time, channels)
+    for start, batch in _batches(file, {column for column, _ in wanted}):
+        for (column, width), targets in wanted.items():
+            values = _values(batch, column, width, path, start)
+            for element, target in targets:
+                target[start : start + len(values)] = values if element is None else values[:, element]
+    if len(columns.time.cells) > 1:
+        time = time[:, 0] * 1_000_000_000 + time[:, 1]
+    unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
+    return to_recording(columns, to_clock(time, unit, path=str(path)), channels)
+
+
+def _targets(
+    cells: Sequence[Cell], columns: ColumnMap, time: NDArray[Any], channels: Mapping[str, Float]
+) -> dict[tuple[str, int], list[tuple[int | None, NDArray[Any]]]]:
+    """Return column of the file and its width -> the arrays that its elements go to."""
+    aims = [
+        (cells[cell], channels[c][:, joint]) for c, own in columns.channels.items() for joint, cell in enumerate(own)
+    ]
+    parts = [time] if len(columns.time.cells) == 1 else [time[:, part] for part in range(len(columns.time.cells))]
+    aims += [(cells[cell], part) for cell, part in zip(columns.time.cells, parts, strict=True)]
+    widths: dict[str, int] = {}
+    for cell in cells:
+        widths[cell.column] = widths.get(cell.column, 0) + (cell.element is not None)
+    wanted: dict[tuple[str, int], list[tuple[int | None, NDArray[Any]]]] = {}
+    for cell, target in aims:
+        wanted.setdefault((cell.column, widths[cell.column]), []).append((cell.element, target))
+    return wanted
+
+
+def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns) -> Recording:  # noqa: ANN401
+    """Read a table with one row per joint and time."""
+    names = [cells[cell].column for cell in (long.joint, long.time.cells[0], *long.channels.values())]
+    table = file.read(columns=names).combine_chunks()
+    values = {
+        c: np.asarray(table[cells[cell].column].to_numpy(), dtype=np.float64) for c, cell in long.channels.items()
+    }
+    joint, time = table[names[0]].to_numpy(), _integers_or_floats(table[names[1]].combine_chunks())
+    return pivot_long(long, joint.astype(str).astype(object), time, values, path=str(path))
+
+
+def _batches(file: Any, columns: set[str]) -> Iterator[tuple[int, Any]]:  # noqa: ANN401
+    start = 0
+    for batch in file.iter_batches(batch_size=_BATCH_ROWS, columns=sorted(columns)):
+        yield start, batch
+        start += len(batch)
+
+
+def _values(batch: Any, column: str, width: int, path: Path, start: int) -> NDArray[Any]:  # noqa: ANN401
+    """Return the numbers of one column of a batch: (m,), or (m, width) for lists; NaN where nothing is."""
+    array = _child(batch, column)
+    if width == 0:
+        return _integers_or_floats(array)
+    lengths = array.value_lengths().fill_null(width).to_numpy(zero_copy_only=False)
+    if (lengths != width).any():
+        row = int(np.flatnonzero(lengths != width)[0])
+        raise InputError(
+            f"{path}: row {start + row + 1} of {column} holds {lengths[row]} values; expected {width} as in "
+            "the first row; name a column of constant length with --map"
+        )
+    values = np.full((len(array), width), np.nan)
+    values[array.is_valid().to_numpy(zero_copy_only=False)] = _integers_or_floats(array.flatten()).reshape(-1, width)
+    return values
+
+
+def _child(batch: Any, column: str) -> Any:  # noqa: ANN401
+    """Return a column by its dotted path."""
+    names = batch.schema.names
+    if column in names:
+        return batch.column(names.index(column))
+    head, _, rest = column.partition(".")
+    array = batch.column(names.index(head))
+    for part in rest.split("."):
+        array = array.field(part)
+    return array
+
+
+def _integers_or_floats(array: Any) -> NDArray[Any]:  # noqa: ANN401
+    """Return Arrow numbers as NumPy: stamps as int64, everything else as it is, NaN for null."""
+    import pyarrow as pa
+
+    if pa.types.is_timestamp(array.type) or pa.types.is_duration(array.type):
+        array = array.cast(pa.int64())
+    if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
+        array = array.cast(pa.float64())
+    numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False)
+    return numbers
+
+
+def _cells(file: Any) -> list[Cell]:  # noqa: ANN401
+    """Return everything in the file that is one number per row; the length of lists is read from the first row."""
+    import pyarrow as pa
+
+    scalars, lists = _leaves(file.schema_arrow, "")
+    if not lists:
+        return [Cell(column, None) for column in scalars]
+    first = next(file.iter_batches(batch_size=1, columns=lists), None)
+    cells = [Cell(column, None) for column in scalars]
+    for column in lists:
+        array = None if first is None else _child(first, column)
+        length = 0 if array is None or len(array) == 0 else array.value_lengths()[0].as_py()
+        if array is not None and pa.types.is_fixed_size_list(array.type):
+            length = array.type.list_size
+        cells += [Cell(column, element) for element in range(length or 0)]
+    return cells
+
+
+def _leaves(fields: Any, prefix: str) -> tuple[list[str], list[str]]:  # noqa: ANN401
+    """Return the dotted paths of the scalar and of the list-valued columns."""
+    import pyarrow as pa
+
+    scalars: list[str] = []
+    lists: list[str] = []
+    for field in fields:
+        kind = field.type
+        if pa.types.is_struct(kind):
+            inner = _leaves([kind.field(i) for i in range(kind.num_fields)], f"{prefix}{field.name}.")
+            scalars, lists = scalars + inner[0], lists + inner[1]
+        elif pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+            lists += [f"{prefix}{field.name}"] if _is_number(kind.value_type) else []
+        else:
+            scalars.append(f"{prefix}{field.name}")
+    return scalars, lists
+
+
+def _is_number(kind: Any) -> bool:  # noqa: ANN401
+    import pyarrow as pa
+
+    return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
+
+
+def _field_type(file: Any, cell: Cell) -> Any:  # noqa: ANN401
+    head, *rest = cell.column.split(".") if cell.column not in file.schema_arrow.names else [cell.column]
+    kind = file.schema_arrow.field(head).type
+    for part in rest:
+        kind = kind.field(part).type
+    return kind
+
+
+def _time_type(file: Any, cells: Sequence[Cell], columns: ColumnMap) -> Any:  # noqa: ANN401
+    """Return int64 for integer stamps, which a float would round, and float64 otherwise."""
+    import pyarrow as pa
+
+    kinds = [_field_type(file, cells[cell]) for cell in columns.time.cells]
+    exact = all(pa.types.is_integer(k) or pa.types.is_timestamp(k) or pa.types.is_duration(k) for k in kinds)
+    return np.dtype((np.int64, (len(kinds),))) if len(kinds) > 1 else np.dtype(np.int64 if exact else np.float64)
+
+
+def _stamp_unit(file: Any, cell: Cell) -> str | None:  # noqa: ANN401
+    import pyarrow as pa
+
+    kind = _field_type(file, cell)
+    return str(kind.unit) if pa.types.is_timestamp(kind) or pa.types.is_duration(kind) else None
+
+
+def _recognises(path: Path) -> bool:
+    try:
+        with path.open("rb") as stream:
+            return stream.read(len(_MAGIC)) == _MAGIC
+    except OSError:
+        return False
+
+
+def _tables(path: Path) -> tuple[Topic, ...]:
+    import pyarrow as pa
+
+    try:
+        with _open(path) as file:
+            rows, columns = file.metadata.num_rows, file.metadata.num_columns
+    except (pa.ArrowException, OSError) as error:
+        raise InputError(f"{path}: a damaged or unfinished Parquet file: {error}; copy or record it again") from error
+    return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)
+
+
+PARQUET = Reader(
+    name="parquet",
+    suffixes=(".parquet", ".pq"),
+    recognises=_recognises,
+    read=read_parquet,
+    topics=_tables,
+    summary="Parquet: one column per joint and channel, or one list-valued column per channel",
+)

@@ -1,0 +1,135 @@
+"""How a text table is written: separator, decimal sign, header, first line of numbers."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+from friction_audit.errors import InputError
+
+_HEAD_BYTES = 1 << 20
+_MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
+            "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
+_LOOK = 20
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Dialect:
+    """How a text table is written.
+
+    Attributes:
+        separator: ``","``, ``";"``, tab, or ``" "`` for any blanks.
+        decimal: Sign between units and tenths.
+        names: Names of the columns as they stand; ``#1``, ``#2``... where the file has no header.
+        has_header: True if the file names its columns.
+        width: Fields of a line of numbers.
+        offset: Byte at which the numbers begin.
+        line: Number of the line there, counted from 1.
+        rows: The fields of the first lines of numbers.
+    """
+
+    separator: str
+    decimal: str
+    names: tuple[str, ...]
+    has_header: bool
+    width: int
+    offset: int
+    line: int
+    rows: tuple[tuple[str, ...], ...]
+
+
+def is_number(text: str, decimal: str = ".") -> bool:
+    """Return True if a field is a number or one of the usual ways to write that there is none."""
+    stripped = text.strip()
+    if stripped.lower() in _MISSING:
+        return True
+    try:
+        float(stripped.replace(",", ".") if decimal == "," else stripped)
+    except ValueError:
+        return False
+    return "_" not in stripped
+
+
+def split_line(line: str, separator: str) -> tuple[str, ...]:
+    """Split one line into its fields, quotes respected."""
+    if separator == " ":
+        return tuple(line.split())
+    return tuple(next(csv.reader([line], delimiter=separator), []))
+
+
+def looks_like_csv(path: Path) -> bool:
+    """Return True if the file is text whose first line has at least two fields; never raises."""
+    try:
+        with path.open("rb") as stream:
+            head = stream.read(4096)
+        text = head.decode("utf-8-sig", errors="ignore")
+        line = next((line for line in text.splitlines() if line.strip()), "")
+    except OSError:
+        return False
+    printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
+    return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, _separator(line))) > 1
+
+
+def sniff_csv(path: Path) -> Dialect:
+    """Find out how a text table is written, from its first lines.
+
+    Raises:
+        InputError: If it holds no line of numbers.
+    """
+    with path.open("rb") as stream:
+        head = stream.read(_HEAD_BYTES)
+    lines = head.splitlines(keepends=True)
+    texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
+    start = _first_content(texts)
+    if start == len(texts):
+        raise InputError(f"{path}: the file holds no line of values; expected a table with a header")
+    separator = _separator(texts[start])
+    has_header, first = _header_and_first(texts, start, separator)
+    names = split_line(texts[first - 1 if has_header else start].lstrip("#"), separator)
+    rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
+    if not rows:
+        raise InputError(f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows")
+    decimal = "," if separator == ";" and any("," in field for row in rows for field in row) else "."
+    return Dialect(
+        separator=separator,
+        decimal=decimal,
+        names=names if has_header else tuple(f"#{column}" for column in range(1, len(names) + 1)),
+        has_header=has_header,
+        width=_width(path, names, rows, first + 1),
+        offset=sum(map(len, lines[:first])),
+        line=first + 1,
+        rows=rows,
+    )
+
+
+def _first_content(texts: list[str]) -> int:
+    return next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), len(texts))
+
+
+def _separator(line: str) -> str:
+    counts = {separator: line.count(separator) for separator in ("\t", ";", ",")}
+    if counts[";"] and counts[";"] >= counts["\t"]:
+        return ";"  # before the comma, which then is the decimal sign
+    best = max(counts, key=lambda separator: counts[separator])
+    return best if counts[best] else " "
+
+
+def _header_and_first(texts: list[str], start: int, separator: str) -> tuple[bool, int]:
+    """Return whether there is a header, and the index of the first line of numbers."""
+    fields = split_line(texts[start], separator)
+    decimal = "," if separator == ";" else "."
+    if not all(is_number(field, decimal) for field in fields):
+        return True, start + 1
+    commented = start > 0 and texts[start - 1].startswith("#")  # numpy.savetxt writes its header as a comment
+    return commented and len(split_line(texts[start - 1].lstrip("#"), separator)) == len(fields), start
+
+
+def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...], line: int) -> int:
+    """Return the fields per line; a separator at the end of every line, but not of the header, is forgiven."""
+    width = len(rows[0])
+    trailing = rows[0][-1].strip() == "" if width == len(names) + 1 else names[-1].strip() == ""
+    if width != len(names) and not (abs(width - len(names)) == 1 and trailing) and len(rows) > 1:
+        raise InputError(
+            f"{path}: line {line} has {width} fields, the header has {len(names)}; expected the same number "
+            "in every line; repair the header"
+        )
+    return width if len(rows) > 1 else len(names)

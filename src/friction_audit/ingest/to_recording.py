@@ -1,0 +1,32 @@
+"""Mapped columns and their numbers -> Recording."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.ingest.columns import ColumnMap
+from friction_audit.ingest.reader import Recording
+from friction_audit.ingest.time_column import Clock
+from friction_audit.joint_log import Finding, Float
+
+RADIANS_PER_DEGREE = np.pi / 180.0
+
+
+def to_recording(
+    columns: ColumnMap, clock: Clock, channels: Mapping[str, Float], *, findings: tuple[Finding, ...] = ()
+) -> Recording:
+    """Return the recording of a table; channels whose names say degrees are turned into radians in place."""
+    for channel in columns.degrees:
+        array = channels[channel]
+        array *= RADIANS_PER_DEGREE
+    recording = Recording(
+        t=clock.t,
+        channels=dict(channels),
+        joint_names=columns.joint_names,
+        clock=columns.time.clock,
+        start_s=clock.start_s,
+        robot=columns.robot,
+        mapping={"t": f"{columns.time.name} [{clock.unit}]", **columns.mapping},
+    )
+    return replace(recording, findings=(*columns.findings, *findings))

@@ -1,0 +1,78 @@
+"""Recording -> JointLog: every fault of a recording is noticed, named with its amount, and handled or refused.
+
+``examine`` runs the checks in their order, each in its own file; ``to_joint_log`` proves the invariants.
+"""
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.reader import ReadOptions, Recording
+from friction_audit.ingest.vet.clock import order_clock
+from friction_audit.ingest.vet.missing import leave_out_missing
+from friction_audit.ingest.vet.motion import check_motion
+from friction_audit.ingest.vet.sampling import check_sampling
+from friction_audit.ingest.vet.stale import drop_stale_samples
+from friction_audit.joint_log import MINIMUM_SAMPLES, JointLog, Source
+
+_DEFAULT = ReadOptions()
+
+
+def vet(
+    recording: Recording,
+    *,
+    path: str,
+    sha256: str,
+    format: str,  # noqa: A002 (the name of the field in Source)
+    options: ReadOptions = _DEFAULT,
+) -> JointLog:
+    """Examine a recording and make it a JointLog.
+
+    The recording's arrays are worked on in place and become the log's.
+
+    Raises:
+        InputError: If it cannot be used; the message says what was found and what to do.
+    """
+    return to_joint_log(examine(recording, path=path, options=options), path=path, sha256=sha256, format=format)
+
+
+def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recording:
+    """Notice, handle or refuse the faults of a recording; its findings grow.
+
+    Raises:
+        InputError: If it cannot be used.
+    """
+    _refuse_short(recording, path)
+    recording = leave_out_missing(recording, path)
+    recording = order_clock(recording, path, time_scale=options.time_scale)
+    _refuse_short(recording, path)
+    recording = check_motion(recording, path, scaled=options.time_scale != 1.0)
+    recording = check_sampling(recording)
+    recording = drop_stale_samples(recording)
+    _refuse_short(recording, path)
+    return recording
+
+
+def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
+    """Make an examined recording a JointLog whose clock starts at 0."""
+    first = float(recording.t[0])
+    source = Source(
+        path=path,
+        sha256=sha256,
+        format=format,
+        robot=recording.robot,
+        clock=recording.clock,
+        start_s=None if recording.start_s is None else recording.start_s + first,
+        topic=recording.topic,
+        channels=dict(recording.mapping),
+        findings=recording.findings,
+    )
+    t = recording.t if first == 0.0 else recording.t - first
+    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
+
+
+def _refuse_short(recording: Recording, path: str) -> None:
+    samples = len(recording.t)
+    if samples < MINIMUM_SAMPLES:
+        said = "; ".join(finding.message for finding in recording.findings)
+        raise InputError(
+            f"{path}: {samples} sample{'' if samples == 1 else 's'}; at least {MINIMUM_SAMPLES} are needed for a joint "
+            f"log{f' ({said})' if said else ''}; record the arm while it moves"
+        )

@@ -1,0 +1,113 @@
+"""What was not recorded: channels, joints and rows without numbers."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.reader import Recording
+from friction_audit.ingest.vet.rows import take_joints, take_rows, with_findings, without_channels
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding
+
+_ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
+_SPARSE = 0.1
+"""Share of missing values from which a channel that is not essential is left out, rather than the rows."""
+
+
+def leave_out_missing(recording: Recording, path: str) -> Recording:
+    """Leave out channels and joints that were never recorded, then rows with anything missing.
+
+    Raises:
+        InputError: If nothing usable is left.
+    """
+    missing = {channel: _missing_per_joint(array) for channel, array in recording.channels.items()}
+    if not any(counts.any() for counts in missing.values()) and _all_finite(recording.t):
+        return recording
+    recording = _leave_out_channels(recording, missing, path)
+    recording = _leave_out_joints(recording, {channel: missing[channel] for channel in recording.channels}, path)
+    return _leave_out_rows(recording)
+
+
+def _all_finite(column: NDArray[np.float64]) -> bool:
+    # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
+    with np.errstate(invalid="ignore", over="ignore"):
+        return bool(np.isfinite(column.sum()))
+
+
+def _missing_per_joint(array: NDArray[np.float64]) -> NDArray[np.int64]:
+    counts = [0 if _all_finite(column) else int(np.count_nonzero(~np.isfinite(column))) for column in array.T]
+    return np.array(counts, dtype=np.int64)
+
+
+def _leave_out_channels(recording: Recording, missing: Mapping[str, NDArray[np.int64]], path: str) -> Recording:
+    samples = len(recording.t)
+    empty = [channel for channel, counts in missing.items() if (counts == samples).all()]
+    sparse = [c for c, counts in missing.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
+    _refuse_without(empty, recording, path)
+    findings = [_empty_channel(channel, recording) for channel in empty]
+    findings += [_sparse_channel(channel, int(missing[channel].max()), samples) for channel in sparse]
+    return with_findings(without_channels(recording, (*empty, *sparse)), *findings)
+
+
+def _refuse_without(empty: list[str], recording: Recording, path: str) -> None:
+    """Refuse a recording whose position, velocity or only torque holds no number."""
+    torques = [channel for channel in TORQUE_CHANNELS if channel in recording.channels]
+    lost: list[str] = [channel for channel in ("q", "dq") if channel in empty]
+    lost += torques if all(channel in empty for channel in torques) else []
+    if lost:
+        names = ", ".join(f"{channel} ({recording.mapping.get(channel, channel)})" for channel in lost)
+        raise InputError(
+            f"{path}: {names}: none of the {len(recording.t)} rows holds a number (all NaN or infinite); expected "
+            f"q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; record a topic that "
+            "carries them, such as the robot's own state"
+        )
+
+
+def _leave_out_joints(recording: Recording, missing: Mapping[str, NDArray[np.int64]], path: str) -> Recording:
+    samples = len(recording.t)
+    empty = np.zeros(len(recording.joint_names), dtype=np.bool_)
+    for counts in missing.values():
+        empty |= counts == samples
+    if not empty.any():
+        return recording
+    kept = [int(joint) for joint in np.flatnonzero(~empty)]
+    if not kept:
+        raise InputError(
+            f"{path}: no joint has q, dq and torque together; each lacks one of them in all {samples} rows"
+        )
+    findings = [
+        Finding(
+            code="empty_joint",
+            message=f"{recording.joint_names[joint]} lacks a channel in all {samples} rows; the joint is left out",
+            joint=int(joint) + 1,
+            amount=float(samples),
+        )
+        for joint in np.flatnonzero(empty)
+    ]
+    return with_findings(take_joints(recording, kept), *findings)
+
+
+def _leave_out_rows(recording: Recording) -> Recording:
+    whole = np.isfinite(recording.t)
+    for array in recording.channels.values():
+        for column in array.T:
+            if not _all_finite(column):
+                whole &= np.isfinite(column)
+    lost = len(whole) - int(np.count_nonzero(whole))
+    if lost == 0:
+        return recording
+    message = f"{lost} of {len(whole)} rows hold NaN or infinity; they are left out"
+    finding = Finding(code="non_finite", message=message, amount=float(lost), damaged=True)
+    return with_findings(take_rows(recording, whole), finding)
+
+
+def _empty_channel(channel: str, recording: Recording) -> Finding:
+    name = recording.mapping.get(channel, channel)
+    message = f"{channel} ({name}) holds no number in {len(recording.t)} rows; the channel is left out"
+    return Finding(code="empty_channel", message=message, amount=float(len(recording.t)))
+
+
+def _sparse_channel(channel: str, lost: int, samples: int) -> Finding:
+    message = f"{channel} lacks {lost} of {samples} rows; the channel is left out, the rows are kept"
+    return Finding(code="sparse_channel", message=message, amount=float(lost))
