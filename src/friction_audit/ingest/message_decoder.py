@@ -1,0 +1,226 @@
+"""The libraries' decoders, one message at a time: the reference for the block decoder, and its fallback."""
+
+import json
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Protocol
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.message_definitions import find_definition
+from friction_audit.ingest.message_layout import Layout, LayoutError, find_layout
+from friction_audit.ingest.message_stream import Connection
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
+    from rosbags.typesys.store import Typestore
+
+
+class UndecodableError(Exception):
+    """One payload does not fit its definition."""
+
+
+class MessageDecoder(Protocol):
+    """Decodes payloads of one connection.
+
+    Attributes:
+        paths: Dotted paths of the fields that hold numbers, strings or time stamps, one level of nesting deep;
+            ``list[].field`` for the fields of a list's entries.
+    """
+
+    paths: tuple[str, ...]
+
+    def decode(self, payload: bytes) -> object:
+        """Decode one message; raises UndecodableError."""
+
+    def layout(self, payload: bytes) -> Layout | None:
+        """Find where the numbers lie in this payload, or None if that cannot be told."""
+
+
+def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
+    """Make the decoder of a connection.
+
+    Args:
+        connection: The connection.
+        payload: One of its messages, if there is one at hand.
+
+    Returns:
+        None if the type is not known, or cannot be known without a message.
+
+    Raises:
+        InputError: If the definition in the file cannot be parsed.
+    """
+    if connection.encoding in ("cdr", "ros1"):
+        types = find_definition(connection, payload)
+        return None if types is None or connection.type not in types else RosDecoder(connection, types)
+    if connection.encoding == "json" and payload is not None:
+        return JsonDecoder(payload)
+    if connection.encoding == "protobuf":
+        return ProtobufDecoder(connection)
+    return None
+
+
+class RosDecoder:
+    """ROS 1 and ROS 2 (CDR) messages, through rosbags."""
+
+    def __init__(self, connection: Connection, types: "Typesdict") -> None:
+        """Keep the definitions; the decoder proper is generated when it is first needed."""
+        self._type = connection.type
+        self._encoding = connection.encoding
+        self._types = types
+        self._store: Typestore | None = None
+        self.paths = tuple(_ros_paths(connection.type, types))
+
+    def decode(self, payload: bytes) -> object:
+        """Decode one message; raises UndecodableError."""
+        from rosbags.serde import SerdeError
+
+        store = self._store or self._make_store()
+        try:
+            if self._encoding == "cdr":
+                return store.deserialize_cdr(payload, self._type)
+            return store.deserialize_ros1(payload, self._type)
+        except SerdeError as error:
+            raise UndecodableError(str(error)) from error
+
+    def layout(self, payload: bytes) -> Layout | None:
+        """Find where the numbers lie in this payload, or None if that cannot be told."""
+        try:
+            return find_layout(payload, self._type, self._types, encoding=self._encoding)
+        except LayoutError:
+            return None
+
+    def _make_store(self) -> "Typestore":
+        from rosbags.typesys import Stores, get_typestore
+
+        self._store = get_typestore(Stores.EMPTY)
+        self._store.register(self._types)
+        return self._store
+
+
+STAMP_TYPES = ("builtin_interfaces/msg/Time",)
+
+
+def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:
+    for name, description in types[typename][1]:
+        path = prefix + name
+        kind, detail = int(description[0]), description[1]
+        if kind == 1 or detail in STAMP_TYPES:
+            yield path
+        elif kind == 2 and not prefix:  # noqa: PLR2004
+            yield from _ros_paths(str(detail), types, f"{path}.")
+        elif kind > 2:  # noqa: PLR2004
+            yield from _ros_list_paths(description, path, types)
+
+
+def _ros_list_paths(description: "FieldDesc", path: str, types: "Typesdict") -> Iterator[str]:
+    match description:
+        case (_, ((1, _), _)):
+            yield path
+        case (_, ((2, str(inner)), _)) if "." not in path:
+            yield from _ros_paths(inner, types, f"{path}[].")
+
+
+class JsonDecoder:
+    """JSON messages; the fields are those of the first message."""
+
+    def __init__(self, payload: bytes) -> None:
+        """Find the fields."""
+        try:
+            first = self.decode(payload)
+        except UndecodableError:
+            first = {}
+        self.paths = tuple(_json_paths(first))
+
+    def decode(self, payload: bytes) -> object:
+        """Decode one message; raises UndecodableError."""
+        try:
+            message: object = json.loads(payload)
+        except ValueError as error:
+            raise UndecodableError(str(error)) from error
+        return message
+
+    def layout(self, payload: bytes) -> None:
+        """Return None: the layout of a text is not constant."""
+
+
+def _json_paths(message: object, prefix: str = "") -> Iterator[str]:
+    if not isinstance(message, Mapping):
+        return
+    for name, value in message.items():
+        path = f"{prefix}{name}"
+        yield path
+        if isinstance(value, Mapping) and not prefix:
+            yield from _json_paths(value, f"{path}.")
+        elif isinstance(value, list) and value and not prefix:
+            yield from _json_paths(value[0], f"{path}[].")
+
+
+class ProtobufDecoder:
+    """Protobuf messages, through mcap-protobuf-support."""
+
+    def __init__(self, connection: Connection) -> None:
+        """Build the message class from the descriptors in the file.
+
+        Raises:
+            InputError: If the descriptors are missing or broken.
+        """
+        from google.protobuf.message import DecodeError
+        from mcap.exceptions import McapError
+        from mcap.records import Schema
+        from mcap_protobuf.decoder import DecoderFactory
+
+        self._decode_error = DecodeError
+        schema = Schema(id=1, name=connection.type, encoding=connection.definition_format, data=connection.definition)
+        try:
+            decode = DecoderFactory().decoder_for("protobuf", schema)
+        except (McapError, DecodeError, TypeError, KeyError) as error:
+            raise _unusable(connection, str(error)) from error
+        if decode is None:
+            raise _unusable(connection, f"schema encoding {connection.definition_format!r}")
+        self._decode = decode
+        self.paths = tuple(_protobuf_paths(self._decode(b"").DESCRIPTOR))
+
+    def decode(self, payload: bytes) -> object:
+        """Decode one message; raises UndecodableError."""
+        try:
+            message: object = self._decode(payload)
+        except self._decode_error as error:
+            raise UndecodableError(str(error)) from error
+        return message
+
+    def layout(self, payload: bytes) -> None:
+        """Return None: protobuf leaves out fields that are zero."""
+
+
+def _unusable(connection: Connection, reason: str) -> InputError:
+    return InputError(
+        f"topic {connection.topic}: the protobuf descriptors of {connection.type} in the file cannot be used "
+        f"({reason}); choose another topic with --topic"
+    )
+
+
+def _protobuf_paths(descriptor: object, prefix: str = "") -> Iterator[str]:
+    for field in descriptor.fields:  # type: ignore[attr-defined]
+        path = f"{prefix}{field.name}"
+        yield path
+        if field.message_type is not None and not prefix:
+            yield from _protobuf_paths(field.message_type, f"{path}[]." if field.is_repeated else f"{path}.")
+
+
+def value_at(message: object, path: str) -> object | None:
+    """Return the value of a field by its dotted path, or None if the message does not have it."""
+    value: object | None = message
+    for name in path.split("."):
+        value = value.get(name) if isinstance(value, Mapping) else _attribute(value, name)
+        if value is None:
+            return None
+    return value
+
+
+def _attribute(message: object, name: str) -> object | None:
+    """Return an attribute; an optional protobuf field that was not set is None, not its default."""
+    descriptor = getattr(message, "DESCRIPTOR", None)
+    if descriptor is not None:
+        field = descriptor.fields_by_name.get(name)
+        if field is None or (field.has_presence and not message.HasField(name)):  # type: ignore[attr-defined]
+            return None
+    return getattr(message, name, None)

@@ -1,0 +1,125 @@
+"""A recorded stream of messages, whatever the container: its connections, and blocks of undecoded payloads."""
+
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import BinaryIO, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+
+Int = NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Connection:
+    """One publisher's stream in a file; several connections may share a topic.
+
+    Attributes:
+        key: What the container calls it, unique in the stream.
+        topic: Topic name, with its leading slash if the file has one.
+        type: Message type, ``package/msg/Name`` for ROS.
+        encoding: How payloads are serialised: ``"ros1"``, ``"cdr"``, ``"json"``, ``"protobuf"`` or something else.
+        definition: The message definition that the file carries, empty if it carries none.
+        definition_format: Language of the definition, e.g. ``"ros2msg"``, ``"ros2idl"``, ``"protobuf"``.
+        messages: Number of messages, or None when the file does not tell.
+    """
+
+    key: int
+    topic: str
+    type: str
+    encoding: str
+    definition: bytes = b""
+    definition_format: str = ""
+    messages: int | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Block:
+    """Consecutive messages of one connection: payloads as ranges of one buffer.
+
+    Attributes:
+        key: Key of the connection.
+        log_time: Time at which each message was recorded, shape (n,). [ns]
+        buffer: Bytes that hold all payloads.
+        start: Offset of each payload in the buffer, shape (n,).
+        size: Length of each payload, shape (n,). [byte]
+    """
+
+    key: int
+    log_time: Int
+    buffer: bytes
+    start: Int
+    size: Int
+
+    def __len__(self) -> int:
+        """Return the number of messages."""
+        return len(self.log_time)
+
+    def payload(self, index: int) -> bytes:
+        """Return one payload."""
+        first = int(self.start[index])
+        return self.buffer[first : first + int(self.size[index])]
+
+
+@dataclass(frozen=True, slots=True)
+class Damage:
+    """Where a file is broken.
+
+    Attributes:
+        byte: Offset in the file up to which everything was sound.
+        file_bytes: Length of the file.
+        reason: What is wrong there.
+    """
+
+    byte: int
+    file_bytes: int
+    reason: str
+
+
+class MessageStream(Protocol):
+    """What every container offers; ``damage`` is complete once all blocks have been read."""
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Connections in the file."""
+
+    @property
+    def damage(self) -> tuple[Damage, ...]:
+        """What was found broken so far."""
+
+    def blocks(self, keys: Collection[int]) -> Iterator[Block]:
+        """Yield the messages of some connections, in the order of the file."""
+
+
+def block_of_payloads(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> Block:
+    """Join separate payloads into one block."""
+    size = np.fromiter(map(len, payloads), np.int64, len(payloads))
+    start = np.concatenate(([0], np.cumsum(size)[:-1])).astype(np.int64)
+    return Block(key, np.array(log_time, np.int64), b"".join(payloads), start, size)
+
+
+@contextmanager
+def open_log(path: Path) -> Iterator[BinaryIO]:
+    """Open a log for reading.
+
+    Raises:
+        InputError: If the file cannot be opened or read.
+    """
+    try:
+        with path.open("rb") as file:
+            yield file
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error
+
+
+def starts_with(path: Path, magic: bytes) -> bool:
+    """Return True if the file begins with these bytes; False if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(magic)) == magic
+    except OSError:
+        return False

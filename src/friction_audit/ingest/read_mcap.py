@@ -1,0 +1,308 @@
+"""MCAP files -> Recording: ROS 2 (CDR), ROS 1, JSON and protobuf messages, also from files that break off."""
+
+import struct
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+import numpy as np
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.message_stream import (
+    Block,
+    Connection,
+    Damage,
+    block_of_payloads,
+    open_log,
+    starts_with,
+)
+from friction_audit.ingest.read_messages import read_messages, topics_of
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+
+if TYPE_CHECKING:
+    from mcap.records import Channel, Chunk, Message, Schema
+
+MAGIC = b"\x89MCAP0\r\n"
+MESSAGE_OPCODE = 5
+MESSAGE_HEADER = np.dtype(
+    [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("sent", "<u8")]
+)
+_RECORD_START = struct.Struct("<BQ")
+_MESSAGE_START = struct.Struct("<BQHIQQ")
+MESSAGE_FIELDS_BYTES = MESSAGE_HEADER.itemsize - _RECORD_START.size
+LOOSE_MESSAGES_PER_BLOCK = 8192
+SHORTEST_RUN = 16
+"""A run of equally long messages shorter than this means that topics alternate: no more runs are looked for."""
+
+
+class McapStream:
+    """The messages in one MCAP file.
+
+    The chunks are read one after another with the mcap library's stream reader, which needs neither an index nor a
+    footer; the messages within a chunk are found here, since that is where the time would go.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Find the channels, from the summary at the end or, where that is missing, by reading everything once.
+
+        Raises:
+            InputError: If this is no MCAP file, or it cannot be read.
+        """
+        self._path = path
+        self._damage: dict[int, Damage] = {}
+        self._channels: dict[int, Channel] = {}
+        self._schemas: dict[int, Schema] = {}
+        with open_log(path) as file:
+            self._bytes = file.seek(0, 2)
+            file.seek(0)
+            if file.read(len(MAGIC)) != MAGIC:
+                raise InputError(
+                    f"{path}: {'is empty' if not self._bytes else 'does not begin as an MCAP file'}; "
+                    "expected the bytes 89 4D 43 41 50 30 0D 0A; check the file's type and that it was copied whole"
+                )
+            counts = self._read_summary(file)
+        self._counts = counts if counts is not None else self._scan()
+        if counts is None and not self._channels and self._damage:
+            raise InputError(
+                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole chunk; "
+                "no message can be saved; copy it again or record anew"
+            )
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Channels of the file."""
+        return tuple(self._connection(channel) for channel in self._channels.values())
+
+    @property
+    def damage(self) -> tuple[Damage, ...]:
+        """What was found broken so far."""
+        return tuple(self._damage.values())
+
+    def blocks(self, keys: Collection[int]) -> Iterator[Block]:
+        """Yield the messages of some channels, chunk by chunk."""
+        loose: dict[int, tuple[list[int], list[bytes]]] = {key: ([], []) for key in keys}
+        for offset, record in self._records():
+            name = type(record).__name__
+            if name == "Chunk":
+                data = self._decompress(record, offset)
+                yield from () if data is None else self._guarded(data, loose.keys(), offset)
+            elif name == "Message" and record.channel_id in loose:
+                yield from _gather(record, loose)
+        for key, (times, payloads) in loose.items():
+            if payloads:
+                yield block_of_payloads(key, times, payloads)
+
+    def _guarded(self, data: bytes, keys: Collection[int], offset: int) -> Iterator[Block]:
+        blocks, broken = find_messages(data, keys)
+        if broken:
+            self._note(offset, broken)
+        return iter(blocks)
+
+    def _records(self) -> Iterator[tuple[int, Any]]:
+        """Yield the records of the file with their offsets, up to where it breaks."""
+        from mcap.exceptions import EndOfFile, McapError
+        from mcap.stream_reader import StreamReader
+
+        with open_log(self._path) as file:
+            records = iter(StreamReader(file, emit_chunks=True).records)
+            while True:
+                offset = file.tell()
+                try:
+                    record = next(records, None)
+                except (EndOfFile, struct.error):
+                    return self._note(offset, "a record is cut off")
+                except (McapError, UnicodeDecodeError) as error:
+                    return self._note(offset, str(error))
+                if record is None:
+                    return None
+                yield offset, record
+
+    def _note(self, offset: int, reason: str) -> None:
+        self._damage[offset] = Damage(offset, self._bytes, reason)
+
+    def _decompress(self, chunk: "Chunk", offset: int) -> bytes | None:
+        """Return the records of a chunk, or None if it is damaged."""
+        from mcap.exceptions import McapError
+        from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
+        from zstandard import ZstdError
+
+        try:
+            stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+            data: bytes = stream.read(size)
+        except (CRCValidationError, ZstdError, RuntimeError, McapError) as error:
+            self._note(offset, f"a chunk cannot be decompressed: {error}")
+            return None
+        return data
+
+    def _read_summary(self, file: BinaryIO) -> dict[int, int] | None:
+        """Read channels and message counts from the end of the file; None if they are not all there."""
+        from mcap.exceptions import McapError
+        from mcap.reader import SeekingReader
+
+        try:
+            summary = SeekingReader(file).get_summary()
+        except (McapError, struct.error, UnicodeDecodeError, OSError, ValueError):
+            return None  # a file without a sound end is read from its beginning instead
+        if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
+            return None
+        self._channels.update(summary.channels)
+        self._schemas.update(summary.schemas)
+        return dict(summary.statistics.channel_message_counts)
+
+    def _scan(self) -> dict[int, int]:
+        """Read the whole file for its channels and the number of their messages."""
+        counts: dict[int, int] = {}
+        for offset, record in self._records():
+            name = type(record).__name__
+            if name == "Chunk":
+                data = self._decompress(record, offset)
+                self._count_chunk(data or b"", counts)
+            elif name == "Message":
+                counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
+            else:
+                self._learn(record)
+        return counts
+
+    def _count_chunk(self, data: bytes, counts: dict[int, int]) -> None:
+        for record in _definitions(data):
+            self._learn(record)
+        for block in find_messages(data, None)[0]:
+            counts[block.key] = counts.get(block.key, 0) + len(block)
+
+    def _learn(self, record: object) -> None:
+        from mcap.records import Channel, Schema
+
+        if isinstance(record, Channel):
+            self._channels[record.id] = record
+        elif isinstance(record, Schema):
+            self._schemas[record.id] = record
+
+    def _connection(self, channel: "Channel") -> Connection:
+        schema = self._schemas.get(channel.schema_id)
+        encoding = channel.message_encoding
+        return Connection(
+            key=channel.id,
+            topic=channel.topic,
+            type=_type_name(schema.name, encoding) if schema else "",
+            encoding=encoding,
+            definition=schema.data if schema else b"",
+            definition_format=schema.encoding if schema else "",
+            messages=self._counts.get(channel.id, 0),
+        )
+
+
+def _type_name(name: str, encoding: str) -> str:
+    """Return the name of a ROS type as rosbags spells it; other names stay as they are."""
+    if encoding == "ros1" and "/msg/" not in name:
+        return name.replace("/", "/msg/", 1)
+    return name
+
+
+def _gather(record: "Message", loose: dict[int, tuple[list[int], list[bytes]]]) -> Iterator[Block]:
+    """Collect messages that lie outside chunks; yield a block whenever there are enough."""
+    times, payloads = loose[record.channel_id]
+    times.append(record.log_time)
+    payloads.append(record.data)
+    if len(payloads) == LOOSE_MESSAGES_PER_BLOCK:
+        yield block_of_payloads(record.channel_id, times, payloads)
+        loose[record.channel_id] = ([], [])
+
+
+def _definitions(data: bytes) -> Iterator[object]:
+    """Yield the schemas and channels in a chunk."""
+    from io import BytesIO
+
+    from mcap.data_stream import ReadDataStream
+    from mcap.records import Channel, Schema
+
+    for opcode, kind in ((3, Schema), (4, Channel)):
+        for at in _records_of(data, opcode):
+            yield kind.read(ReadDataStream(BytesIO(data[at:])))
+
+
+def _records_of(data: bytes, wanted: int) -> Iterator[int]:
+    position = 0
+    while position + _RECORD_START.size <= len(data):
+        opcode, length = _RECORD_START.unpack_from(data, position)
+        position += _RECORD_START.size
+        if opcode == wanted and position + length <= len(data):
+            yield position
+        position += length
+
+
+def find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block], str]:
+    """Find the messages in the records of a chunk.
+
+    Messages of one channel and one length that follow each other are found all at once, as rows of equal length.
+
+    Args:
+        data: Records of a chunk, decompressed.
+        keys: Channels wanted, None for all.
+
+    Returns:
+        One block per run or channel, and what is wrong with the chunk, empty if nothing is.
+    """
+    blocks: list[Block] = []
+    mixed: dict[int, list[tuple[int, int, int]]] = {}
+    position, alternating = 0, False
+    while position + _RECORD_START.size <= len(data):
+        opcode, length = _RECORD_START.unpack_from(data, position)
+        if opcode != MESSAGE_OPCODE:
+            position += _RECORD_START.size + length
+            continue
+        following = position + _RECORD_START.size + length
+        if length < MESSAGE_FIELDS_BYTES or following > len(data):
+            break
+        if not alternating:
+            run = _run(data, position, length)
+            if keys is None or run.key in keys:
+                blocks.append(run)
+            alternating = len(run) < SHORTEST_RUN
+            position += len(run) * (_RECORD_START.size + length)
+            continue
+        _, _, channel, _, log_time, _ = _MESSAGE_START.unpack_from(data, position)
+        if keys is None or channel in keys:
+            entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time)
+            mixed.setdefault(channel, []).append(entry)
+        position = following
+    blocks += [_block(channel, data, entries) for channel, entries in mixed.items()]
+    return blocks, "" if position == len(data) else "a message runs over the end of its chunk"
+
+
+def _run(data: bytes, position: int, length: int) -> Block:
+    """View the messages from here on that are as long as the first one and of its channel."""
+    stride = _RECORD_START.size + length
+    count = (len(data) - position) // stride
+    heads = np.ndarray((count,), MESSAGE_HEADER, data, offset=position, strides=(stride,))
+    same = (heads["length"] == length) & (heads["opcode"] == MESSAGE_OPCODE) & (heads["channel"] == heads["channel"][0])
+    run = count if same.all() else int(same.argmin())
+    start = position + MESSAGE_HEADER.itemsize + stride * np.arange(run, dtype=np.int64)
+    size = np.full(run, length - MESSAGE_FIELDS_BYTES, np.int64)
+    return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
+
+
+def _block(channel: int, data: bytes, entries: list[tuple[int, int, int]]) -> Block:
+    start, size, log_time = np.array(entries, np.int64).T
+    return Block(channel, log_time, data, start, size)
+
+
+def _recognises(path: Path) -> bool:
+    return starts_with(path, MAGIC)
+
+
+def _read(path: Path, options: ReadOptions) -> Recording:
+    return read_messages(path, McapStream(path), options)
+
+
+def _topics(path: Path) -> tuple[Topic, ...]:
+    return topics_of(McapStream(path))
+
+
+MCAP = Reader(
+    name="mcap",
+    suffixes=(".mcap",),
+    recognises=_recognises,
+    read=_read,
+    topics=_topics,
+    summary="MCAP with ROS 2, ROS 1, JSON or protobuf messages holding joint states; salvaged where it breaks off.",
+)

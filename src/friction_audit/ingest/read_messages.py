@@ -1,0 +1,284 @@
+"""A stream of messages -> Recording: what all message containers have in common."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from pathlib import Path
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.block_decoder import BlockDecoder
+from friction_audit.ingest.decoded_row import Row, row_of
+from friction_audit.ingest.joint_messages import MessageKind, match_kind
+from friction_audit.ingest.joint_order import robot_of
+from friction_audit.ingest.joint_samples import JointSamples, stamp_paths
+from friction_audit.ingest.message_clock import choose_clock
+from friction_audit.ingest.message_decoder import MessageDecoder, UndecodableError, decoder_for
+from friction_audit.ingest.message_definitions import may_be_known
+from friction_audit.ingest.message_stream import Block, Connection, Damage, MessageStream
+from friction_audit.ingest.reader import ReadOptions, Recording, Topic
+from friction_audit.ingest.topic_choice import Candidate, Choice, choose_topic
+from friction_audit.joint_log import Finding
+
+SAMPLED_MESSAGES = 16
+"""First messages of a topic that tell its joints and channels."""
+
+
+def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
+    """Read the joint states in a stream.
+
+    Args:
+        path: The log, for messages.
+        stream: Its messages.
+        options: What the user said about it.
+
+    Raises:
+        InputError: If there is no joint state to read.
+        UsageError: If the log holds several arms and the user named none.
+    """
+    candidates = _candidates(stream, options)
+    choice = choose_topic(path, candidates, topics_of(stream, candidates), options.topic)
+    samples, undecodable = _collect(stream, choice)
+    if not samples.count:
+        raise InputError(
+            f"{path}: none of the messages on topic {choice.candidate.topic} can be decoded as "
+            f"{choice.candidate.type}; choose another topic with --topic"
+        )
+    return _recording(choice, samples, options, candidates, _losses(stream.damage, samples, undecodable))
+
+
+def topics_of(stream: MessageStream, candidates: Sequence[Candidate] | None = None) -> tuple[Topic, ...]:
+    """List the topics in a stream."""
+    readable = {c.topic for c in (_candidates(stream, ReadOptions()) if candidates is None else candidates)}
+    topics: dict[str, Topic] = {}
+    for connection in stream.connections:
+        known = topics.get(connection.topic)
+        topics[connection.topic] = Topic(
+            name=connection.topic,
+            type=connection.type,
+            messages=_sum([connection.messages] + ([known.messages] if known else [])),
+            readable=connection.topic in readable,
+        )
+    return tuple(topics.values())
+
+
+def _sum(counts: Sequence[int | None]) -> int | None:
+    known = [count for count in counts if count is not None]
+    return sum(known) if len(known) == len(counts) else None
+
+
+def _candidates(stream: MessageStream, options: ReadOptions) -> list[Candidate]:
+    """Find the topics that can be read, with their first messages decoded."""
+    wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
+    used = [c for c in stream.connections if c.messages != 0]
+    decoders = {c.key: decoder for c in used if (decoder := decoder_for(c)) is not None}
+    unknown = [c for c in used if c.key not in decoders and (c.encoding == "json" or may_be_known(c))]
+    firsts = _first_blocks(stream, [c.key for c in unknown])
+    for connection in unknown:
+        block = firsts.get(connection.key)
+        if block is not None and (late := decoder_for(connection, block.payload(0))) is not None:
+            decoders[connection.key] = late
+    kinds = {c.key: k for c in used if c.key in decoders and (k := _kind(c, decoders[c.key], options, wanted))}
+    firsts |= _first_blocks(stream, [key for key in kinds if key not in firsts])
+    groups: dict[str, list[Connection]] = {}
+    for connection in used:
+        if connection.key in kinds and connection.key in firsts:
+            groups.setdefault(connection.topic, []).append(connection)
+    return [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
+
+
+def _candidate(
+    group: Sequence[Connection],
+    kinds: Mapping[int, MessageKind],
+    decoders: Mapping[int, MessageDecoder],
+    firsts: Mapping[int, Block],
+) -> Candidate:
+    """Join the connections of one topic that are of the same kind as the first one."""
+    kind = kinds[group[0].key]
+    same = [connection for connection in group if kinds[connection.key] == kind]
+    return Candidate(
+        topic=group[0].topic,
+        type=group[0].type,
+        messages=_sum([connection.messages for connection in same]),
+        kind=kind,
+        decoders={connection.key: decoders[connection.key] for connection in same},
+        rows=[row for c in same for row in _first_rows(firsts[c.key], decoders[c.key], kind)],
+    )
+
+
+def _first_blocks(stream: MessageStream, keys: Sequence[int]) -> dict[int, Block]:
+    firsts: dict[int, Block] = {}
+    if keys:
+        for block in stream.blocks(keys):
+            firsts.setdefault(block.key, block)
+            if len(firsts) == len(keys):
+                break
+    return firsts
+
+
+def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
+    rows = []
+    for index in range(min(len(block), SAMPLED_MESSAGES)):
+        try:
+            rows.append(row_of(decoder.decode(block.payload(index)), kind))
+        except UndecodableError:
+            continue  # counted when the topic is read
+    return rows
+
+
+def _kind(
+    connection: Connection, decoder: MessageDecoder, options: ReadOptions, wanted: str | None
+) -> MessageKind | None:
+    """Match the fields of a connection; what the user mapped wins, on the topic that the user named or on all."""
+    kind = match_kind(decoder.paths)
+    if not options.mapping or (wanted is not None and connection.topic.strip("/") != wanted):
+        return kind
+    named = {channel: _field_path(text) for channel, text in options.mapping.items()}
+    missing = [path for path in named.values() if path not in decoder.paths]
+    if missing and (kind is None or wanted is None):
+        return None if wanted is None else _refuse(connection, decoder, missing)
+    if missing:
+        return _refuse(connection, decoder, missing)
+    robot_time = named.pop("t", None)
+    base = kind or MessageKind(title="as mapped", rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
+    return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time)
+
+
+def _refuse(connection: Connection, decoder: MessageDecoder, missing: Sequence[str]) -> MessageKind:
+    near = sorted({name for path in missing for name in get_close_matches(path, decoder.paths, cutoff=0.5)})
+    hint = f"; did you mean {', '.join(near)}?" if near else ""
+    raise InputError(
+        f"topic {connection.topic}: no field {', '.join(missing)} in {connection.type}{hint}; "
+        f"its fields are {', '.join(decoder.paths)}; correct --map"
+    )
+
+
+def _stamps(paths: Iterable[str]) -> tuple[str, ...]:
+    return ("header.stamp",) if "header.stamp" in paths else ()
+
+
+def _field_path(text: str) -> str:
+    """Return the path in what the user mapped: ``actual.velocities[{i}]`` names the array ``actual.velocities``."""
+    return text.replace("[{i}]", "").replace(".{i}", "")
+
+
+def _collect(stream: MessageStream, choice: Choice) -> tuple[JointSamples, int]:
+    """Decode all messages of the topic chosen; returns the samples and the number of messages that failed."""
+    candidate = choice.candidate
+    samples = JointSamples(choice.joints, candidate.channels, candidate.messages)
+    fast: dict[int, BlockDecoder] = {}
+    undecodable = 0
+    for block in stream.blocks(list(candidate.decoders)):
+        decoder = candidate.decoders[block.key]
+        if not _add_block(samples, block, decoder, candidate.kind, fast):
+            undecodable += _add_rows(samples, block, decoder, candidate.kind)
+    samples.trim()
+    return samples, undecodable
+
+
+def _add_block(
+    samples: JointSamples, block: Block, decoder: MessageDecoder, kind: MessageKind, fast: dict[int, BlockDecoder]
+) -> bool:
+    """Append a block by the layout in use, or by that of its own first message; False if neither fits."""
+    for attempt in (fast.get(block.key), None):
+        decoder_in_use = attempt or _block_decoder(block, decoder, kind, samples)
+        if decoder_in_use is None:
+            return False
+        records = decoder_in_use.decode(block)
+        if records is not None:
+            fast[block.key] = decoder_in_use
+            return samples.add_records(records, decoder_in_use.layout, kind, block.log_time)
+    return False
+
+
+def _block_decoder(
+    block: Block, decoder: MessageDecoder, kind: MessageKind, samples: JointSamples
+) -> BlockDecoder | None:
+    layout = decoder.layout(block.payload(0))
+    paths = [kind.fields[name] for name in samples.channels]
+    if kind.stamps:
+        paths += stamp_paths(kind)
+    if kind.robot_time:
+        paths.append(kind.robot_time)
+    if layout is None or any(path not in layout.numbers for path in paths):
+        return None
+    return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(paths)))
+
+
+def _add_rows(samples: JointSamples, block: Block, decoder: MessageDecoder, kind: MessageKind) -> int:
+    """Append a block message by message, with the library's decoder; returns how many it refused."""
+    undecodable = 0
+    for index, log_time in enumerate(block.log_time.tolist()):
+        try:
+            samples.add_row(row_of(decoder.decode(block.payload(index)), kind), log_time)
+        except UndecodableError:
+            undecodable += 1
+    return undecodable
+
+
+def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -> list[Finding]:
+    findings = [
+        Finding(
+            code="truncated",
+            message=f"the file is damaged at byte {d.byte} of {d.file_bytes} ({d.reason}); "
+            f"the {samples.count} messages outside the damage were read",
+            amount=float(d.byte),
+            damaged=True,
+        )
+        for d in damage
+    ]
+    if undecodable:
+        text = f"{undecodable} messages do not fit their definition and were left out"
+        findings.append(Finding(code="undecodable_messages", message=text, amount=float(undecodable), damaged=True))
+    if samples.incomplete:
+        text = f"{samples.incomplete} messages hold only some of the joints; the others are missing there"
+        findings.append(Finding(code="incomplete_messages", message=text, amount=float(samples.incomplete)))
+    return findings
+
+
+def _recording(
+    choice: Choice,
+    samples: JointSamples,
+    options: ReadOptions,
+    candidates: Sequence[Candidate],
+    losses: list[Finding],
+) -> Recording:
+    clock = choose_clock(samples.log_time, samples.stamp, samples.robot_time)
+    kind = choice.candidate.kind
+    return Recording(
+        t=clock.t,
+        channels=samples.channels,
+        joint_names=choice.joints,
+        clock=clock.name,
+        start_s=clock.start_s,
+        robot=options.robot or _robot(choice, candidates),
+        topic=choice.candidate.topic,
+        mapping={name: _shown(kind, name) for name in samples.channels},
+        findings=(*choice.findings, *_empty_channels(choice, candidates), *losses, *clock.findings),
+    )
+
+
+def _shown(kind: MessageKind, channel: str) -> str:
+    if kind.elements:
+        return f"{kind.elements}[{{i}}].{kind.fields[channel]}"
+    return f"{kind.fields[channel]}[{{i}}]"
+
+
+def _robot(choice: Choice, candidates: Sequence[Candidate]) -> str:
+    """Tell the robot from the joints' names; where the topic has none, from those of the other topics."""
+    robot = robot_of(choice.joints)
+    if robot != "unknown" or choice.joints[0] != "joint1":
+        return robot
+    others = {robot_of(row.names) for candidate in candidates for row in candidate.rows[:1]} - {"unknown"}
+    return others.pop() if len(others) == 1 else "unknown"
+
+
+def _empty_channels(choice: Choice, candidates: Sequence[Candidate]) -> list[Finding]:
+    """Say which of the kind's main channels hold nothing, and which topic has them."""
+    chosen = choice.candidate
+    empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
+    if not empty:
+        return []
+    better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
+    hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
+    fields = ", ".join(chosen.kind.fields[name] for name in empty)
+    return [Finding(code="channel_empty", message=f"{chosen.topic} holds no values in {fields}{hint}")]

@@ -1,0 +1,192 @@
+"""Which topic, and which arm on it, to read: chosen if there is no doubt, otherwise left to the user."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.ingest.decoded_row import Row
+from friction_audit.ingest.joint_messages import MessageKind
+from friction_audit.ingest.joint_order import arms_in
+from friction_audit.ingest.message_decoder import MessageDecoder
+from friction_audit.ingest.reader import Topic
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding
+
+DRIVER_NODES = frozenset(
+    {
+        "franka_state_controller",
+        "franka_robot_state_broadcaster",
+        "joint_state_broadcaster",
+        "joint_state_controller",
+        "franka",
+    }
+)
+"""Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished."""
+
+NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Candidate:
+    """A topic whose messages can be read as joint states.
+
+    Attributes:
+        topic: Its name.
+        type: Its message type.
+        messages: Number of messages, or None when the file does not tell.
+        kind: Which fields are which channel.
+        decoders: Key of each connection -> its decoder.
+        rows: The first messages, decoded.
+    """
+
+    topic: str
+    type: str
+    messages: int | None
+    kind: MessageKind
+    decoders: Mapping[int, MessageDecoder]
+    rows: Sequence[Row] = field(default=())
+
+    @property
+    def arms(self) -> dict[str, tuple[str, ...]]:
+        """Prefix of each arm in the messages -> its joints."""
+        return arms_in([name for row in self.rows for name in row.names])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that have content in the first messages, in the order of the kind's table."""
+        return tuple(name for name in self.kind.fields if any(name in row.channels for row in self.rows))
+
+    @property
+    def has_torque(self) -> bool:
+        """True if there is a torque to judge friction by."""
+        return any(name in self.channels for name in TORQUE_CHANNELS)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """The topic chosen, the joints of the arm chosen, and what to say about it."""
+
+    candidate: Candidate
+    joints: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+
+def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None) -> Choice:
+    """Choose the topic to read.
+
+    Args:
+        path: The log, for messages.
+        candidates: Topics that can be read, with their first messages.
+        topics: All topics in the file, for messages.
+        wanted: ``TOPIC`` or ``TOPIC#ARM`` as the user gave it, or None.
+
+    Raises:
+        InputError: If there is nothing to read, or the topic wanted is not there.
+        UsageError: If the file holds several arms and the user named none.
+    """
+    if wanted is not None:
+        name, _, arm = wanted.partition("#")
+        candidate = _named(path, candidates, topics, name)
+        return Choice(candidate, _arm_joints(path, candidate, arm))
+    measured = [c for c in candidates if c.arms and not NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
+    if not measured:
+        raise InputError(_nothing_to_read(path, topics))
+    if _several_arms(measured):
+        raise UsageError(f"{path}: several arms in one log; choose one with {_choices(measured)}")
+    best = min(measured, key=_preference)
+    return Choice(best, _arm_joints(path, best, ""), _chosen_finding(best, measured))
+
+
+def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
+    """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
+    first_hand = bool(DRIVER_NODES & set(candidate.topic.split("/")))
+    return not candidate.has_torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
+
+
+def _several_arms(candidates: Sequence[Candidate]) -> bool:
+    namespaces = {_namespace(candidate.topic) for candidate in candidates} - {""}
+    prefixes = {arm for candidate in candidates for arm in candidate.arms} - {""}
+    return len(namespaces) > 1 or len(prefixes) > 1
+
+
+def _namespace(topic: str) -> str:
+    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+
+
+def _choices(candidates: Sequence[Candidate]) -> str:
+    lines = []
+    for candidate in candidates:
+        count = "" if candidate.messages is None else f" ({candidate.messages} messages)"
+        several = len(candidate.arms) > 1
+        lines += [
+            f"--topic '{candidate.topic}{f'#{arm or JOINT}' if several else ''}'{count}" for arm in candidate.arms
+        ]
+    return " or ".join(lines)
+
+
+JOINT = "joint"
+"""What an arm without prefix is called behind the ``#``."""
+
+
+def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...]:
+    arms = {arm or JOINT: joints for arm, joints in candidate.arms.items()}
+    if not arms:
+        raise InputError(f"{path}: topic {candidate.topic} has no joints in its messages; choose another with --topic")
+    if wanted in arms:
+        return arms[wanted]
+    if wanted:
+        raise InputError(
+            f"{path}: no arm {wanted!r} on topic {candidate.topic}; it has {', '.join(arms)}; "
+            f"choose with {_choices([candidate])}"
+        )
+    if len(arms) > 1:
+        raise UsageError(f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}")
+    return next(iter(arms.values()))
+
+
+def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
+    for candidate in candidates:
+        if candidate.topic.strip("/") == wanted.strip("/"):
+            return candidate
+    there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
+    if there is not None and there.messages == 0:
+        raise InputError(f"{path}: topic {there.name} has no messages; {list_topics(topics)}")
+    if there is not None:
+        raise InputError(
+            f"{path}: topic {there.name} of type {there.type} holds no joint state that can be read; expected fields "
+            f"q, dq and tau_J, or position, velocity and effort; {list_topics(topics)}"
+        )
+    near = get_close_matches(wanted, [topic.name for topic in topics], cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    raise InputError(f"{path}: no topic {wanted}; {hint}{list_topics(topics)}; choose one with --topic")
+
+
+def _nothing_to_read(path: Path, topics: Sequence[Topic]) -> str:
+    if not topics:
+        return f"{path}: no messages at all; expected a topic with joint states; check that the recording was running"
+    return (
+        f"{path}: no topic with measured joint states; expected fields q, dq and tau_J, or position, velocity and "
+        f"effort; {list_topics(topics)}; name the fields with --topic and --map if one of them holds the joints"
+    )
+
+
+def list_topics(topics: Sequence[Topic]) -> str:
+    """List topics for a message."""
+    if not topics:
+        return "there are no topics"
+    return "topics are " + ", ".join(f"{topic.name} ({topic.type}{_count(topic.messages)})" for topic in topics)
+
+
+def _count(messages: int | None) -> str:
+    return "" if messages is None else f", {messages} messages"
+
+
+def _chosen_finding(best: Candidate, candidates: Sequence[Candidate]) -> tuple[Finding, ...]:
+    others = [c for c in candidates if c is not best]
+    if not others:
+        return ()
+    names = ", ".join(f"{c.topic} ({c.type}{_count(c.messages)})" for c in others)
+    message = f"{best.topic} ({best.type}{_count(best.messages)}) was read; also there: {names}; choose with --topic"
+    return (Finding(code="topic_chosen", message=message),)
