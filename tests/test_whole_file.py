@@ -19,10 +19,14 @@ def test_a_failure_leaves_nothing_and_keeps_what_was_there(tmp_path: Path) -> No
     target = tmp_path / "result.json"
     target.write_text("old")
     with pytest.raises(ZeroDivisionError), whole_file(target, overwrite=True) as draft:
-        draft.write_text("half")
-        raise ZeroDivisionError
+        fail_half_way(draft)
     assert target.read_text() == "old"
     assert list(tmp_path.iterdir()) == [target]
+
+
+def fail_half_way(draft: Path) -> None:
+    draft.write_text("half")
+    raise ZeroDivisionError
 
 
 def test_an_existing_result_is_refused_unless_asked(tmp_path: Path) -> None:

@@ -11,17 +11,21 @@ SUMS = 6
 
 
 @njit(cache=True)
-def find_borders(velocity: Float, initiation: float, termination: float) -> NDArray[np.int64]:
-    """Find the samples at which the motion terminates.
+def find_borders(  # noqa: C901 - one pass over the samples, one state machine
+    velocity: Float, initiation: float, termination: float, merge: bool
+) -> NDArray[np.int64]:
+    """Find the samples that separate energy cycles.
 
-    A cycle begins when the speed exceeds ``initiation`` and ends when it falls below ``termination``. If the speed
-    dips below ``termination`` and rises again without the velocity ever changing sign, the joint did not come to
-    rest: both humps are one stroke.
+    A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
+    lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
+    or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
 
     Args:
-        velocity: Filtered velocity, or a speed (then nothing is merged unless it stays above zero), shape (n,).
+        velocity: Filtered velocity, or a speed, shape (n,).
         initiation: Threshold that begins a cycle.
         termination: Threshold that ends it.
+        merge: If the speed dips below ``termination`` and rises again without the velocity ever changing sign, the
+            joint did not rest, and both humps are one stroke. False for a speed, which has no sign.
 
     Returns:
         Border samples, shape (m + 1,): cycle c is [borders[c], borders[c + 1]); empty without a complete cycle.
@@ -29,26 +33,28 @@ def find_borders(velocity: Float, initiation: float, termination: float) -> NDAr
     borders = np.empty(len(velocity) + 1, np.int64)
     count = 0
     moving = abs(velocity[0]) > termination
-    if not moving:
+    rested = not moving
+    if rested:
         borders[0] = 0
         count = 1
-    direction = 0.0
-    rested = True
+    direction = velocity[0]
     for i in range(len(velocity)):
         v = velocity[i]
         if moving:
             if abs(v) < termination:
-                moving = False
-                rested = False
+                moving, rested = False, False
                 borders[count] = i
                 count += 1
-        else:
-            rested = rested or v * direction <= 0.0
-            if abs(v) > initiation:
-                if not rested and count > 1:
-                    count -= 1
-                moving = True
-                direction = v
+        elif abs(v) > initiation:
+            if merge and not rested and v * direction > 0.0 and count > 1:
+                count -= 1
+            moving = True
+        if moving:
+            direction = v
+        elif not rested:
+            rested = v * direction <= 0.0
+            if rested or abs(v) < abs(velocity[borders[count - 1]]):
+                borders[count - 1] = i
     return borders[:count].copy() if count > 1 else np.empty(0, np.int64)
 
 

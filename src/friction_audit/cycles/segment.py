@@ -22,15 +22,16 @@ parts tell Coulomb from viscous friction even where all strokes are equally fast
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class _Detector:
-    """The signal whose rest defines the cycles, and its thresholds."""
+    """The signal whose rest defines the cycles, its thresholds, and whether its sign tells directions."""
 
     signal: Float
     initiation: float
     termination: float
+    signed: bool
 
     @property
     def borders(self) -> NDArray[np.int64]:
-        return kernels.find_borders(self.signal, self.initiation, self.termination)
+        return kernels.find_borders(self.signal, self.initiation, self.termination, self.signed)
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
@@ -55,7 +56,9 @@ def _segment_joint(
 ) -> EnergyCycles:
     dq = interaction.dq[:, column]
     filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
-    own = _detector(dq, filtered, settings, rate_hz, (settings.initiation_rad_s, settings.termination_rad_s))
+    own = _detector(
+        dq, filtered, settings, rate_hz, (settings.initiation_rad_s, settings.termination_rad_s), signed=True
+    )
     detector = hand or own
     borders = detector.borders
     if interaction.choice.gravity_in_torque and len(borders):
@@ -70,15 +73,21 @@ def _hand_detector(interaction: Interaction, settings: CycleSettings, rate_hz: f
     assert interaction.hand_speed is not None, "the interaction was extracted without the hand's speed"
     filtered = filter_velocity(interaction.hand_speed, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
     fixed = (settings.hand_initiation_m_s, settings.hand_termination_m_s)
-    return _detector(interaction.hand_speed, np.abs(filtered), settings, rate_hz, fixed)
+    return _detector(interaction.hand_speed, np.abs(filtered), settings, rate_hz, fixed, signed=False)
 
 
 def _detector(
-    measured: Float, filtered: Float, settings: CycleSettings, rate_hz: float, fixed: tuple[float, float]
+    measured: Float,
+    filtered: Float,
+    settings: CycleSettings,
+    rate_hz: float,
+    fixed: tuple[float, float],
+    *,
+    signed: bool,
 ) -> _Detector:
     if settings.thresholds == "auto":
         fixed = thresholds_from_log(measured, filtered, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
-    return _Detector(signal=filtered, initiation=fixed[0], termination=fixed[1])
+    return _Detector(signal=filtered, initiation=fixed[0], termination=fixed[1], signed=signed)
 
 
 def _add_up(

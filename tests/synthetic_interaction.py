@@ -1,0 +1,57 @@
+"""Interactions whose energies are known by hand."""
+
+import numpy as np
+
+from friction_audit.interaction.interaction import Interaction, TorqueChoice
+from friction_audit.joint_log import Float
+
+RATE_HZ = 1000.0
+
+
+def choice(*, gravity: str = "absent") -> TorqueChoice:
+    return TorqueChoice(
+        source="interaction",
+        gravity=gravity,
+        inertia="none",
+        drive="hand",
+        sign=1,
+        sign_proved=True,
+        sign_turned=False,
+        robot="none",
+        payload=None,
+        model_rate_hz=None,
+        formula="F_m = tau_interaction",
+    )
+
+
+def interaction(
+    t: Float, dq: Float, torque: Float, *, q: Float | None = None, u: Float | None = None, gravity: str = "absent"
+) -> Interaction:
+    """Make an Interaction of one joint (arrays of shape (n,)) or several (shape (n, j))."""
+    dq, torque = (np.atleast_2d(x.T).T for x in (dq, torque))
+    joints = dq.shape[1]
+    if q is None:
+        steps = 0.5 * (dq[1:] + dq[:-1]) * np.diff(t)[:, None]
+        q = np.vstack([np.zeros((1, joints)), np.cumsum(steps, axis=0)])
+    return Interaction(
+        t=t,
+        q=np.asfortranarray(np.atleast_2d(q.T).T),
+        dq=np.asfortranarray(dq),
+        torque=np.asfortranarray(torque),
+        compensation=None if u is None else np.asfortranarray(np.atleast_2d(u.T).T),
+        hand_speed=None,
+        joint_numbers=tuple(range(1, joints + 1)),
+        joint_names=tuple(f"joint{i + 1}" for i in range(joints)),
+        choice=choice(gravity=gravity),
+    )
+
+
+def strokes(lengths_rad: list[float], durations_s: list[float], pause_s: float = 0.3) -> tuple[Float, Float, Float]:
+    """Minimum-jerk strokes with pauses: time, velocity and acceleration, shape (n,) each."""
+    velocity, acceleration = [np.zeros(int(pause_s * RATE_HZ))], [np.zeros(int(pause_s * RATE_HZ))]
+    for length, duration in zip(lengths_rad, durations_s, strict=True):
+        x = np.arange(int(duration * RATE_HZ)) / (duration * RATE_HZ)
+        velocity += [length / duration * 30 * x**2 * (1 - x) ** 2, np.zeros(int(pause_s * RATE_HZ))]
+        acceleration += [length / duration**2 * (60 * x - 180 * x**2 + 120 * x**3), np.zeros(int(pause_s * RATE_HZ))]
+    v, a = np.concatenate(velocity), np.concatenate(acceleration)
+    return np.arange(len(v)) / RATE_HZ, v, a
