@@ -7,7 +7,7 @@ import numpy as np
 from friction_audit.errors import UsageError
 from friction_audit.interaction.interaction import Caution, Interaction, SignEvidence, TorqueChoice
 from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
-from friction_audit.interaction.resample import GridMotion, GridTorque, motion_on_grid, torque_on_grid
+from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prove_sign
 from friction_audit.joint_log import Float, JointLog
@@ -72,8 +72,8 @@ def extract_interaction(
     columns = _columns(log, joints)
     coarse = coarse_log(log)
     plan = make_plan(log, coarse, settings)
-    motions = motion_on_grid(log, settings.model_rate_hz) if plan.arm is not None or hand else ()
-    balance, turned = _choose_row(log, coarse, plan, motions)
+    grids = grids_of(log, settings.model_rate_hz)
+    balance, turned = _choose_row(log, coarse, plan, grids)
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
     return Interaction(
@@ -82,7 +82,7 @@ def extract_interaction(
         dq=kept.dq,
         torque=balance.full(log, source, columns),
         compensation=_compensation(kept),
-        hand_speed=_hand_speed(log, settings, motions) if hand else None,
+        hand_speed=_hand_speed(log, settings, grids) if hand else None,
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
@@ -101,44 +101,46 @@ def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
     return [number - 1 for number in sorted(set(joints))]
 
 
-def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, motions: tuple[GridMotion, ...]) -> tuple[_Balance, bool]:
+def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid, ...]) -> tuple[_Balance, bool]:
     """Return the row of the balance that the energy proves, and whether it is not the one tried first."""
-    first = _proved(log, coarse, plan, _row(log, plan, motions, plan.drives[0]))
+    first = _proved(log, coarse, plan, _row(log, plan, grids, plan.drives[0]))
     if first.proved:
         return first, False
     if plan.source == "interaction":
         other = replace(first, sign=-first.sign)
     elif len(plan.drives) > 1:
-        other = _row(log, plan, motions, plan.drives[1])
+        other = _row(log, plan, grids, plan.drives[1])
     else:
         return first, False
     other = _proved(log, coarse, plan, other)
     return (other, True) if other.proved else (first, False)
 
 
-def _row(log: JointLog, plan: Plan, motions: tuple[GridMotion, ...], drive: str) -> _Balance:
+def _row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str) -> _Balance:
     inertia = drive == "robot" and plan.inertia
     return _Balance(
         drive=drive,
         sign=1 if plan.source == "interaction" else SIGNS[drive],
         inertia=inertia,
         logged=log.gravity if plan.gravity == "logged" else None,
-        modelled=_modelled(plan, motions, inertia=inertia),
+        modelled=_modelled(log, plan, grids, inertia=inertia),
     )
 
 
-def _modelled(plan: Plan, motions: tuple[GridMotion, ...], *, inertia: bool) -> GridTorque | None:
+def _modelled(log: JointLog, plan: Plan, grids: tuple[Grid, ...], *, inertia: bool) -> GridTorque | None:
     arm = plan.arm
     gravity = plan.gravity == "model"
     if arm is None or not (gravity or inertia):
         return None
-    if not inertia:
-        return torque_on_grid(motions, lambda motion: arm.gravity(motion.q))
-    if gravity:
-        return torque_on_grid(motions, lambda motion: arm.inverse_dynamics(motion.q, motion.dq, motion.ddq))
-    return torque_on_grid(
-        motions, lambda motion: arm.inverse_dynamics(motion.q, motion.dq, motion.ddq) - arm.gravity(motion.q)
-    )
+
+    def torque(grid: Grid) -> Float:
+        position = position_on(grid, log)
+        if not inertia:
+            return arm.gravity(position)
+        whole = arm.inverse_dynamics(position, *velocity_on(grid, log))
+        return whole if gravity else whole - arm.gravity(position)
+
+    return torque_on_grids(grids, torque)
 
 
 def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: _Balance) -> _Balance:
@@ -152,14 +154,16 @@ def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: _Balance) -> 
 def _compensation(log: JointLog) -> Float | None:
     if log.tau_compensation is None or log.tau_passivity is None:
         return log.tau_passivity if log.tau_compensation is None else log.tau_compensation
-    return np.add(log.tau_compensation, log.tau_passivity)
+    both: Float = log.tau_compensation + log.tau_passivity
+    return both
 
 
-def _hand_speed(log: JointLog, settings: TorqueSettings, motions: tuple[GridMotion, ...]) -> Float:
+def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]) -> Float:
     arm = arm_for_hand(log, settings)
-    speed = np.concatenate([arm.hand_speed(motion.q, motion.dq) for motion in motions])
+    speed = np.concatenate([arm.hand_speed(position_on(grid, log), velocity_on(grid, log)[0]) for grid in grids])
     # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
-    return np.interp(log.t, np.concatenate([motion.t for motion in motions]), speed)
+    at_samples: Float = np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed)
+    return at_samples
 
 
 def _choice(plan: Plan, balance: _Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:

@@ -25,8 +25,8 @@ REASONS = {
     "interaction": "the log holds the interaction torque itself",
     "logged": "measured torque without a filter, and gravity was logged",
     "model": "measured torque without a filter, and a model of the arm is known",
-    "unfiltered": "measured torque and a model of the arm; tau_ext_hat_filtered is low-pass filtered, and a delay of the "
-    "torque looks like viscous friction",
+    "unfiltered": "measured torque and a model of the arm; tau_ext_hat_filtered is low-pass filtered, and a delay "
+    "of the torque looks like viscous friction",
     "payload": "tau_J contradicts the Panda's model, so a payload is missing from it; the vendor's estimate knows it",
     "tau_ext": "the vendor's estimate has gravity and inertia removed, and no model of this arm is known here",
     "last": "the only torque that was logged",

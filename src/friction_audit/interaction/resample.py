@@ -21,14 +21,11 @@ above the motion and below the vibration.
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float, JointLog
-
-if TYPE_CHECKING:
-    from scipy.interpolate import CubicSpline
 
 CUTOFF_HZ = 10.0
 FILTER_ORDER = 4
@@ -41,112 +38,145 @@ HOLE_STEPS = 20
 """A hole in the log is a time step longer than both; nothing is filtered or interpolated across it."""
 
 BLOCK = 1 << 16
+"""Samples interpolated at a time."""
+
+SPLINE_REACH = 20
+"""Knots beyond a block that its spline takes along: a knot's influence falls by 3.7 per step, to 1e-11 here."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class GridMotion:
-    """Motion on a uniform grid over one stretch of a log without a hole; k times, j joints.
+class Grid:
+    """A uniform grid of times over one stretch of a log without a hole.
 
     Attributes:
-        t: Time, shape (k,). [s]
-        q: Position, shape (k, j). [rad]
-        dq: Low-pass filtered velocity, shape (k, j). [rad/s]
-        ddq: Its derivative, shape (k, j). [rad/s^2]
+        rows: The stretch's samples in the log.
+        t: Times, from the first sample of the stretch to its last, shape (k,). [s]
+        rate_hz: Rate asked for; the spacing is a little less than its inverse. [Hz]
     """
 
+    rows: slice
     t: Float
-    q: Float
-    dq: Float
-    ddq: Float
+    rate_hz: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class GridTorque:
-    """A torque known on the grid, as one cubic spline per stretch."""
+    """A torque of all joints known on the grids of a log, one array of shape (k, j) per grid. [N m]"""
 
-    starts: Float
-    pieces: tuple["CubicSpline[np.float64]", ...]
-
-    def at(self, t: Float) -> Float:
-        """Return the torque at times of the log, shape (len(t), j). [N m]"""
-        if len(self.pieces) == 1:
-            return np.asarray(self.pieces[0](t))
-        stretch = np.searchsorted(self.starts, t, side="right") - 1
-        return np.concatenate([np.asarray(self.pieces[number](t[stretch == number])) for number in np.unique(stretch)])
+    grids: tuple[Grid, ...]
+    values: tuple[Float, ...]
 
     def subtract_from(self, torque: Float, t: Float, columns: list[int]) -> None:
         """Subtract the torque of some joints from an array in place, block by block.
 
         Args:
-            torque: Shape (n, len(columns)), changed. [N m]
-            t: Times of its rows, shape (n,). [s]
+            torque: Shape (m, len(columns)), changed. [N m]
+            t: Times of its rows, increasing, shape (m,). [s]
             columns: Joints (0-based) of its columns.
         """
-        for first in range(0, len(t), BLOCK):
-            rows = slice(first, first + BLOCK)
-            torque[rows] -= self.at(t[rows])[:, columns]
+        borders = [0, *np.searchsorted(t, [grid.t[0] for grid in self.grids[1:]]).tolist(), len(t)]
+        for grid, values, (start, stop) in zip(self.grids, self.values, pairwise(borders), strict=True):
+            for first in range(start, stop, BLOCK):
+                rows = slice(first, min(first + BLOCK, stop))
+                torque[rows] -= _interpolated(grid.t, values, t[rows], columns)
 
 
-def motion_on_grid(log: JointLog, rate_hz: float) -> tuple[GridMotion, ...]:
-    """Return the motion of all joints on a grid of this rate (of the log's own rate, if that is lower).
-
-    Args:
-        log: The log.
-        rate_hz: Rate of the grid. [Hz]
-    """
+def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
+    """Return grids of this rate (of the log's own, if that is lower), one for each stretch of a log without a hole."""
     rate_hz = min(rate_hz, log.rate_hz)
-    return tuple(_stretch_motion(log, rows, rate_hz) for rows in _stretches(log.t))
+    return tuple(_grid(log.t, rows, rate_hz) for rows in _stretches(log.t))
 
 
-def torque_on_grid(motions: tuple[GridMotion, ...], torque: Callable[[GridMotion], Float]) -> GridTorque:
-    """Evaluate a torque of the motion on the grid.
+def torque_on_grids(grids: tuple[Grid, ...], torque: Callable[[Grid], Float]) -> GridTorque:
+    """Evaluate a torque, given as a function of a grid, shape (k, j), on all grids."""
+    return GridTorque(grids=grids, values=tuple(torque(grid) for grid in grids))
 
-    Args:
-        motions: The stretches of the log.
-        torque: The torque of a stretch, shape (k, j). [N m]
-    """
-    from scipy.interpolate import CubicSpline
 
-    pieces = tuple(CubicSpline(motion.t, torque(motion)) for motion in motions)
-    return GridTorque(starts=np.array([motion.t[0] for motion in motions]), pieces=pieces)
+def position_on(grid: Grid, log: JointLog) -> Float:
+    """Return the joints' positions on a grid, shape (k, j). [rad]"""
+    reading = _Reading.at(grid.t, log.t[grid.rows])
+    return np.column_stack([reading.of(log.q[grid.rows, joint]) for joint in range(log.q.shape[1])])
+
+
+def velocity_on(grid: Grid, log: JointLog) -> tuple[Float, Float]:
+    """Return the joints' low-pass filtered velocity [rad/s] and acceleration [rad/s^2] on a grid, each (k, j)."""
+    mean = _cell_means(grid.t, log.t[grid.rows], log.dq[grid.rows])
+    velocity = np.column_stack([_low_pass(mean[:, joint], grid.rate_hz) for joint in range(mean.shape[1])])
+    return velocity, _derivative(velocity, float(grid.t[1] - grid.t[0]))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Reading:
+    """Where times lie between samples: found once, used for every joint."""
+
+    lower: NDArray[np.int64]
+    upper: NDArray[np.int64]
+    share: Float
+
+    @staticmethod
+    def at(times: Float, t: Float) -> "_Reading":
+        lower = np.clip(np.searchsorted(t, times, side="right") - 1, 0, len(t) - 1)
+        upper = np.minimum(lower + 1, len(t) - 1)
+        step = np.maximum(t[upper] - t[lower], np.finfo(float).tiny)
+        return _Reading(lower, upper, np.clip((times - t[lower]) / step, 0, 1))
+
+    def of(self, signal: Float) -> Float:
+        """Interpolate a signal linearly."""
+        below = signal[self.lower]
+        read: Float = below + self.share * (signal[self.upper] - below)
+        return read
 
 
 def _stretches(t: Float) -> Iterator[slice]:
     step = np.diff(t)
     ends = np.flatnonzero(step > max(HOLE_S, HOLE_STEPS * float(np.median(step)))) + 1
-    borders = [0, *ends.tolist(), len(t)]
-    for first, last in pairwise(borders):
+    for first, last in pairwise([0, *ends.tolist(), len(t)]):
         yield slice(first, last)
 
 
-def _stretch_motion(log: JointLog, rows: slice, rate_hz: float) -> GridMotion:
+def _grid(t: Float, rows: slice, rate_hz: float) -> Grid:
+    start = float(t[rows.start])
+    # A stretch of one sample has a grid of two times all the same, so that nothing below needs to know.
+    stop = max(float(t[rows.stop - 1]), start + 1 / rate_hz)
+    intervals = int(np.ceil((stop - start) * rate_hz))
+    return Grid(rows=rows, t=np.linspace(start, stop, intervals + 1), rate_hz=rate_hz)
+
+
+def _interpolated(knots: Float, values: Float, t: Float, columns: list[int]) -> Float:
     from scipy.interpolate import CubicSpline
 
-    t = log.t[rows]
-    stop = max(float(t[-1]), float(t[0]) + 1 / rate_hz)
-    grid = np.linspace(t[0], stop, int(np.ceil((stop - t[0]) * rate_hz)) + 1)
-    joints = range(log.q.shape[1])
-    q = np.column_stack([np.interp(grid, t, log.q[rows, joint]) for joint in joints])
-    mean = np.column_stack([_cell_mean(grid, t, log.dq[rows, joint]) for joint in joints])
-    dq = _low_pass(mean, rate_hz)
-    return GridMotion(t=grid, q=q, dq=dq, ddq=np.asarray(CubicSpline(grid, dq)(grid, 1)))
+    first = max(int(np.searchsorted(knots, t[0])) - SPLINE_REACH, 0)
+    last = int(np.searchsorted(knots, t[-1])) + SPLINE_REACH
+    return np.asarray(CubicSpline(knots[first:last], values[first:last, columns])(t))
 
 
-def _cell_mean(grid: Float, t: Float, signal: Float) -> Float:
-    """Return the mean of a signal over the cell of each grid time: keeps its integral, and is the anti-alias filter."""
+def _cell_means(grid: Float, t: Float, signals: Float) -> Float:
+    """Return means over the cell of each grid time: they keep the integral, and are the anti-alias filter."""
+    joints = range(signals.shape[1])
     if len(t) < 2 * len(grid):
-        return np.interp(grid, t, signal)
-    integral = np.zeros(len(t))
-    np.cumsum((signal[1:] + signal[:-1]) * np.diff(t) / 2, out=integral[1:])
+        reading = _Reading.at(grid, t)
+        return np.column_stack([reading.of(signals[:, joint]) for joint in joints])
     edges = np.concatenate([grid[:1], (grid[1:] + grid[:-1]) / 2, grid[-1:]])
-    mean: Float = np.diff(np.interp(edges, t, integral)) / np.diff(edges)
-    return mean
+    reading, half_step, width = _Reading.at(edges, t), np.diff(t) / 2, np.diff(edges)
+    means = np.empty((len(grid), len(joints)))
+    integral = np.zeros(len(t))
+    for joint in joints:
+        trapezoids = (signals[1:, joint] + signals[:-1, joint]) * half_step
+        np.cumsum(trapezoids, out=integral[1:])
+        means[:, joint] = np.diff(reading.of(integral)) / width
+    return means
+
+
+def _derivative(signals: Float, step: float) -> Float:
+    """Differentiate columns by central differences of fourth order, of second order at the ends."""
+    slope: Float = np.gradient(signals, step, axis=0)
+    slope[2:-2] = (8 * (signals[3:-1] - signals[1:-3]) - (signals[4:] - signals[:-4])) / (12 * step)
+    return slope
 
 
 def _low_pass(signal: Float, rate_hz: float) -> Float:
-    """Filter columns forwards and backwards: no phase shift, so no friction made out of a delay."""
+    """Filter forwards and backwards: no phase shift, so no friction made out of a delay."""
     from scipy.signal import butter, sosfiltfilt
 
     sections = butter(FILTER_ORDER, min(CUTOFF_HZ, LARGEST_CUTOFF * rate_hz), fs=rate_hz, output="sos")
-    padding = min(int(rate_hz), len(signal) - 1)
-    return np.asarray(sosfiltfilt(sections, signal, axis=0, padlen=padding))
+    return np.asarray(sosfiltfilt(sections, signal, padlen=min(int(rate_hz), len(signal) - 1)))

@@ -120,7 +120,8 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
     """Regress the torque on a column beside others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
     scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
     both = np.column_stack([column, torque])
-    fitted: Float = scaled @ np.linalg.lstsq(scaled, both, rcond=1e-8)[0]
+    # The normal equations will do: what the cut-off leaves out of the other columns is too small to matter.
+    fitted: Float = scaled @ (np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) @ (scaled.T @ both))
     own, left = (both - fitted).T
     square = float(own @ own)
     if square < 1e-6 * len(own):

@@ -122,7 +122,13 @@ class Arm:
         (arranged,) = self._arranged(q)
         return np.array([pin.computePotentialEnergy(self.model, data, position) for position in arranged])
 
+    @property
+    def _in_order(self) -> bool:
+        return self.columns == tuple(range(len(self.columns)))
+
     def _arranged(self, *arrays: Float) -> tuple[Float, ...]:
+        if self._in_order:
+            return tuple(np.ascontiguousarray(array) for array in arrays)
         return tuple(np.ascontiguousarray(array[:, list(self.columns)]) for array in arrays)
 
     def _rows(self, torque: Callable[..., Float], *motion: Float) -> Float:
@@ -130,8 +136,7 @@ class Arm:
         result = np.empty(motion[0].shape)
         for row, sample in enumerate(zip(*self._arranged(*motion), strict=True)):
             result[row] = torque(*sample)
-        back = np.argsort(self.columns)
-        return result[:, back]
+        return result if self._in_order else result[:, np.argsort(self.columns)]
 
 
 def load_arm(
