@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import JOINT_CHANNELS, JointLog
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -13,10 +13,14 @@ class Writer:
 
     Attributes:
         name: Unique name, e.g. ``"parquet"``, ``"rosbag1-franka-state"``.
-        suffix: File name ending with the dot; several writers may share one, the first in WRITERS is its default.
+        suffix: File name ending with the dot, or ``""`` for a directory; several writers may share one, the first in
+            WRITERS is its default.
         write: Writes the log to a path that does not exist yet; the caller renames it into place.
         summary: One line for help and documentation.
-        lossless: True if reading the file back gives the same log to the bit.
+        lossless: True if reading the file back gives the same numbers to the bit, stamps of whole nanoseconds given.
+        holds: Channels that the dialect has a place for.
+        needs: Channels without which it makes no sense.
+        joints: Number of joints that it holds, or None for any.
     """
 
     name: str
@@ -24,3 +28,10 @@ class Writer:
     write: Callable[[JointLog, Path], None]
     summary: str
     lossless: bool = True
+    holds: tuple[str, ...] = JOINT_CHANNELS
+    needs: tuple[str, ...] = ()
+    joints: int | None = None
+
+    def left_out(self, log: JointLog) -> tuple[str, ...]:
+        """Return the channels of a log that this dialect has no place for."""
+        return tuple(name for name in log.channels() if name not in self.holds)

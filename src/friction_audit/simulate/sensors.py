@@ -11,6 +11,9 @@ from friction_audit.simulate.settings import Sensors
 STAMP_ROOM = 0.45
 """A stamp errs by less than this share of the sampling interval, so that stamps keep their order."""
 
+NANOSECONDS = 1e9
+"""Clocks count whole nanoseconds."""
+
 BINARY_NOISE_DIGITS = 9
 """Decimal places kept of a quantised value: finer than any resolution, coarser than rounding errors."""
 
@@ -38,7 +41,8 @@ def record(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generato
     if sensors.clock_jitter_s > 0:
         room = STAMP_ROOM / rate_hz
         stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
-    return Recorder(t=stamps - stamps[0], tick=kept[source])
+    nanoseconds = np.rint(stamps * NANOSECONDS).astype(np.int64)
+    return Recorder(t=(nanoseconds - nanoseconds[0]) / NANOSECONDS, tick=kept[source])
 
 
 def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:

@@ -1,0 +1,70 @@
+"""JointLog -> file, in the format that the name or the user asks for."""
+
+from pathlib import Path
+
+from friction_audit.errors import UsageError
+from friction_audit.export.writer import Writer
+from friction_audit.export.writers import WRITERS
+from friction_audit.joint_log import JointLog
+from friction_audit.whole_file import whole_file
+
+
+def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrite: bool = False) -> Writer:
+    """Write a log whole or not at all.
+
+    Args:
+        log: The log.
+        path: Where to; a directory for ROS 2 bags.
+        dialect: Name of a writer, or None for the default of the file name's ending.
+        overwrite: Replace what is there.
+
+    Returns:
+        The writer that was used; its ``left_out`` tells what it had no place for.
+
+    Raises:
+        UsageError: If the dialect is unknown, contradicts the ending or cannot hold the log, or something is there.
+    """
+    writer = choose_writer(path, dialect)
+    _check_fit(log, writer)
+    with whole_file(path, overwrite=overwrite) as draft:
+        writer.write(log, draft)
+    return writer
+
+
+def choose_writer(path: Path, dialect: str | None = None) -> Writer:
+    """Return the writer of a dialect, or the first one of the file name's ending.
+
+    Raises:
+        UsageError: If there is none, or the two contradict each other.
+    """
+    suffix = path.suffix.lower()
+    if dialect is None:
+        found = next((writer for writer in WRITERS if writer.suffix and writer.suffix == suffix), None)
+        if found is None:
+            endings = ", ".join(dict.fromkeys(writer.suffix for writer in WRITERS if writer.suffix))
+            raise UsageError(f"{path}: ending {suffix or 'missing'}: expected one of {endings}, or name a --dialect")
+        return found
+    named = next((writer for writer in WRITERS if writer.name == dialect), None)
+    if named is None:
+        raise UsageError(f"--dialect {dialect}: expected one of {', '.join(writer.name for writer in WRITERS)}")
+    if named.suffix and named.suffix != suffix:
+        raise UsageError(
+            f"{path}: ending {suffix or 'missing'}: the dialect {dialect} writes {named.suffix}; rename it"
+        )
+    return named
+
+
+def _check_fit(log: JointLog, writer: Writer) -> None:
+    """Refuse what the dialect cannot hold and say which dialects can."""
+    channels, joints = log.channels(), len(log.joint_names)
+    missing = [name for name in writer.needs if name not in channels]
+    lacks = [f"{', '.join(missing)} (the log has {', '.join(channels)})"] if missing else []
+    if writer.joints not in (None, joints):
+        lacks.append(f"{writer.joints} joints (the log has {joints})")
+    if not lacks:
+        return
+    able = [other.name for other in WRITERS if set(other.needs) <= set(channels) and other.joints in (None, joints)]
+    raise UsageError(
+        f"{log.source.path}: the dialect {writer.name} needs {' and '.join(lacks)}; choose one that can hold the log: "
+        f"{', '.join(able)}"
+    )
