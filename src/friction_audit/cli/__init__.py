@@ -1,1 +1,19 @@
 """The command line: read, one library call, write."""
+
+import sys
+
+import typer
+
+from friction_audit.cli.app import app
+from friction_audit.errors import FrictionAuditError
+
+__all__ = ["app", "main"]
+
+
+def main(argv: list[str] | None = None) -> None:
+    """Run the command line and exit; deliberate errors become one line and their exit code, bugs a traceback."""
+    try:
+        app(args=argv, prog_name="friction-audit")
+    except FrictionAuditError as error:
+        typer.echo(f"error: {error}", err=True)
+        sys.exit(error.exit_code)

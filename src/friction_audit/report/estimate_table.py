@@ -7,22 +7,30 @@ from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
 
 if TYPE_CHECKING:
-    from rich.console import Group, RenderableType
+    from rich.console import RenderableType
     from rich.table import Table
 
 NOTHING = "-"
+TITLES = (
+    "joint",
+    "Coulomb\n[N m]",
+    "viscous\n[N m s/rad]",
+    "cycles\n(out)",
+    "cond.\nnumber",
+    "torque fit\nCoulomb",
+    "torque fit\nviscous",
+)
 
 
-def estimate_table(estimate: Estimate) -> "Group":
+def estimate_table(estimate: Estimate) -> "list[RenderableType]":
     """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
-    from rich.console import Group
     from rich.text import Text
 
     reasons = [joint for joint in estimate.friction.joints if joint.reason]
     parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
     parts.append(_table(estimate.friction.joints))
     parts.extend(Text(f"joint {joint.joint}: not determined: {joint.reason}") for joint in reasons)
-    return Group(*parts)
+    return parts
 
 
 def _head(estimate: Estimate) -> tuple[str, str, str]:
@@ -43,18 +51,11 @@ def _head(estimate: Estimate) -> tuple[str, str, str]:
 def _table(joints: tuple[JointFriction, ...]) -> "Table":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
+    from rich.text import Text
 
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, show_edge=False, padding=(0, 1))
-    table.add_column("joint", overflow="fold")
-    for title in (
-        "Coulomb\n[N m]",
-        "viscous\n[N m s/rad]",
-        "cycles\n(left out)",
-        "condition\nnumber",
-        "torque fit\nCoulomb",
-        "torque fit\nviscous",
-    ):
-        table.add_column(title.replace("[", r"\["), justify="right", overflow="fold")
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+    for title in TITLES:
+        table.add_column(Text(title), justify="left" if title == TITLES[0] else "right", no_wrap=True)
     for joint in joints:
         table.add_row(*_row(joint))
     return table

@@ -9,13 +9,12 @@ from friction_audit.report.log_summary import JointMotion, LogSummary
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from rich.console import Group, RenderableType
+    from rich.console import RenderableType
     from rich.table import Table
 
 
-def info_table(entry: InfoEntry) -> "Group":
+def info_table(entry: InfoEntry) -> "list[RenderableType]":
     """Return what is in one file."""
-    from rich.console import Group
     from rich.text import Text
 
     parts: list[RenderableType] = [Text(entry.path, style="bold")]
@@ -26,7 +25,7 @@ def info_table(entry: InfoEntry) -> "Group":
         parts.append(_table(entry.summary.joints))
     else:
         parts.append(Text(f"  not read: {entry.message}"))
-    return Group(*parts)
+    return parts
 
 
 def _topic(topic: TopicSummary) -> str:
@@ -40,7 +39,7 @@ def _lines(summary: LogSummary) -> "Iterator[str]":
     yield f"format   {log.source.format}{topic}, robot {log.source.robot}, {len(log.joint_names)} joints"
     yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {len(log.t)} samples, {log.rate_hz:.6g} Hz"
     gaps = f"{summary.gaps} gaps, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
-    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {summary.stale_samples} repeated samples"
+    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {summary.stale_samples} repeated samples left out"
     for channel, name in log.source.channels.items():
         yield f"channel  {channel} = {name}"
     if torque is not None:

@@ -9,6 +9,9 @@ from friction_audit.interaction.interaction import Interaction, TorqueChoice
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.report.notices import Notice, interaction_notices, log_notices
 
+STALE = "stale_samples"
+"""Code of the finding that counts repeated rows."""
+
 GAP_PERIODS = 5.0
 """A step of time longer than this many sampling periods is called a gap."""
 
@@ -47,7 +50,7 @@ class LogSummary:
         jitter_s: Standard deviation of the time steps that are not gaps. [s]
         gaps: Number of steps longer than GAP_PERIODS sampling periods.
         longest_gap_s: The longest of them, 0 without any. [s]
-        stale_samples: Samples that only repeat the one before, counted by position and velocity of all joints.
+        stale_samples: Rows that only repeated the one before and were left out when the log was read.
         torque: How the interaction torque would be made, or None if it cannot.
         joints: How the joints moved.
         notices: What the user must know.
@@ -92,10 +95,7 @@ def summarize_log(
 
 
 def _stale_samples(log: JointLog) -> int:
-    repeated = np.ones(len(log.t) - 1, dtype=np.bool_)
-    for signal in (*log.q.T, *log.dq.T):
-        repeated &= signal[1:] == signal[:-1]
-    return int(repeated.sum())
+    return int(sum(found.amount or 0.0 for found in log.source.findings if found.code == STALE))
 
 
 def _joints(log: JointLog, interaction: Interaction | None, cycles: EnergyCycles | None) -> tuple[JointMotion, ...]:

@@ -1,0 +1,35 @@
+"""The program and its commands."""
+
+from typing import Annotated
+
+import typer
+
+from friction_audit import __version__
+from friction_audit.cli import convert, estimate, info, plot
+from friction_audit.cli.grouped_help import GroupedCommand
+from friction_audit.cli.option_groups import with_option_groups
+
+# Plain help text: rich would cost more time than everything else that --help does.
+app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
+
+COMMANDS = (info, estimate, plot, convert)
+"""Modules of the commands, in the order of the help text; each holds ``command``, named as the module, and EXAMPLES."""
+
+for module in COMMANDS:
+    name = module.__name__.rpartition(".")[2]
+    app.command(name, cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(with_option_groups(module.command))
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"friction-audit {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def program(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """Estimate joint friction from recorded logs of a torque-sensed arm."""

@@ -1,0 +1,59 @@
+"""Names that options accept, written down again so that ``--help`` loads no numerics.
+
+A test holds them equal to the tuples of the steps, figures and formats that they belong to.
+"""
+
+import difflib
+from collections.abc import Callable, Sequence
+
+import typer
+
+TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
+GRAVITIES = ("auto", "logged", "model", "none")
+INERTIAS = ("auto", "model", "none")
+DRIVES = ("auto", "hand", "robot")
+ROBOTS = ("auto", "panda", "fr3", "none")
+CYCLES_FROM = ("joint", "hand")
+ESTIMATORS = ("weighted", "paper")
+MODELS = ("combined", "coulomb", "viscous")
+FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
+KINDS = (*FIGURES, "all")
+IMAGE_FORMATS = ("png", "svg", "pdf")
+
+
+def metavar(names: Sequence[str]) -> str:
+    """Return the names as the help text shows them."""
+    return "|".join(names)
+
+
+def one_of(names: Sequence[str]) -> Callable[[str], str]:
+    """Return an option's callback that accepts one of the names."""
+
+    def check(value: str) -> str:
+        _check(value, names)
+        return value
+
+    return check
+
+
+def some_of(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
+    """Return an option's callback that accepts names, repeated or separated by commas, each once."""
+
+    def check(values: list[str]) -> list[str]:
+        chosen = [name.strip() for value in values for name in value.split(",")]
+        for name in chosen:
+            _check(name, names)
+        return list(dict.fromkeys(chosen))
+
+    return check
+
+
+def near_misses(word: str, names: Sequence[str]) -> str:
+    """Return ``"; did you mean ...?"`` for a misspelt name, or nothing."""
+    near = difflib.get_close_matches(word, names, n=2)
+    return f"; did you mean {' or '.join(near)}?" if near else ""
+
+
+def _check(value: str, names: Sequence[str]) -> None:
+    if value not in names:
+        raise typer.BadParameter(f"{value}: expected one of {', '.join(names)}{near_misses(value, names)}")

@@ -1,0 +1,74 @@
+"""``--config`` and ``--dump-config``: options from and to TOML."""
+
+import json
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from friction_audit.cli.choices import near_misses
+
+NOT_IN_FILES = ("config", "dump_config", "help")
+
+
+def load_config(context: typer.Context, path: Path | None) -> Path | None:
+    """Make the file's values the defaults of the command's options; called before any other option is read."""
+    if path is not None and not context.resilient_parsing:
+        context.default_map = _translate(_read(path), path, _options(context))
+    return path
+
+
+def dump_config(context: typer.Context) -> str:
+    """Return the options in force as TOML; those without a value as comments."""
+    options = _options(context)
+    lines = [_line(key, context.params.get(parameter.name)) for key, parameter in options.items()]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _options(context: typer.Context) -> dict[str, Any]:
+    """Return the command's options by their long name without dashes."""
+    options = [p for p in context.command.params if p.param_type_name == "option" and p.name not in NOT_IN_FILES]
+    return {max(option.opts, key=len).removeprefix("--"): option for option in options}
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise typer.BadParameter(f"{path}: not TOML: {error}") from error
+
+
+def _translate(values: dict[str, Any], path: Path, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the file's values by parameter name, as the command line would give them."""
+    named = {key.replace("_", "-"): value for key, value in values.items()}
+    unknown = [f"{key}{near_misses(key, tuple(options))}" for key in named if key not in options]
+    if unknown:
+        raise typer.BadParameter(
+            f"{path}: no option {', '.join(unknown)} (options of this command: {', '.join(options)})"
+        )
+    return {options[key].name: _as_given(value, repeatable=options[key].multiple) for key, value in named.items()}
+
+
+def _as_given(value: Any, *, repeatable: bool) -> Any:  # noqa: ANN401 - any TOML value
+    if isinstance(value, dict):
+        value = [f"{key}={item}" for key, item in value.items()]
+    if repeatable:
+        return [str(item) for item in (value if isinstance(value, list) else [value])]
+    if isinstance(value, list):
+        return ",".join(map(str, value))
+    return value if isinstance(value, bool) else str(value)
+
+
+def _line(key: str, value: Any) -> str:  # noqa: ANN401 - any value of an option
+    if value is None or value in ([], ()):
+        return f"# {key} ="
+    if isinstance(value, bool):
+        return f"{key} = {str(value).lower()}"
+    if isinstance(value, int | float):
+        return f"{key} = {value!r}"
+    if isinstance(value, list | tuple):
+        return f"{key} = {json.dumps([str(item) for item in value], ensure_ascii=False)}"
+    return f"{key} = {json.dumps(str(value), ensure_ascii=False)}"

@@ -1,0 +1,116 @@
+"""``friction-audit convert``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice
+from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
+from friction_audit.cli.settings import read_options
+from friction_audit.cli.values import parse_joints
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.export import Writer
+    from friction_audit.joint_log import JointLog
+
+EXAMPLES = """Examples:
+  friction-audit convert run.bag run.parquet
+  friction-audit convert run.mcap part.csv --t-start 10 --t-end 70 --joints 7
+  friction-audit convert --list-dialects"""
+
+
+DIRECTORY = "(folder)"
+
+
+def _list_dialects(wanted: bool) -> None:
+    """Print the dialects, as a table for people and for ``cut``."""
+    if wanted:
+        from friction_audit.export import WRITERS
+
+        width = max(len(writer.name) for writer in WRITERS)
+        for writer in WRITERS:
+            typer.echo(f"{writer.name:<{width}}  {writer.suffix or DIRECTORY:<9}  {writer.summary}")
+        raise typer.Exit
+
+
+def command(
+    context: typer.Context,
+    log: LogPath,
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The new log; its suffix chooses the format.")],
+    selection: SelectionOptions,
+    reading: ReadingOptions,
+    output: OutputOptions,
+    general: GeneralOptions,
+    dialect: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="One of --list-dialects. Default: the first one of OUT's suffix.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
+        bool,
+        typer.Option(
+            "--list-dialects",
+            callback=_list_dialects,
+            is_eager=True,
+            help="List them and stop.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = False,
+) -> None:
+    """Write any log as a tidy Parquet, CSV or MCAP file, or in the form of another program."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    options, joints = read_options(reading), parse_joints(selection.joints)
+    if out.exists() and log.exists() and out.samefile(log):
+        raise UsageError(f"{out}: is the log itself; choose another name")
+    chain.refuse_existing([out], overwrite=output.overwrite)
+    writer = _choose_writer(out, dialect)
+    kept = _take(chain.read(log, options, voice), joints, selection)
+    _write(kept, out, writer, voice, overwrite=output.overwrite)
+    _report(kept, out, writer, voice, json=output.json)
+    chain.exit_if_damaged(kept)
+
+
+def _take(log: "JointLog", joints: tuple[int, ...] | None, selection: SelectionOptions) -> "JointLog":
+    """Return the joints and the time that were asked for."""
+    count = len(log.joint_names)
+    absent = [str(joint) for joint in joints or () if joint > count]
+    if absent:
+        raise UsageError(f"--joints: {log.source.path} has no joint {', '.join(absent)}; it holds 1 to {count}")
+    chosen = log if joints is None else log.take_joints([joint - 1 for joint in joints])
+    return chosen.take_window(selection.t_start, selection.t_end)
+
+
+def _choose_writer(out: Path, dialect: str | None) -> "Writer":
+    from friction_audit.export import choose_writer
+
+    return choose_writer(out, dialect)
+
+
+def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.export import write_log
+
+    with voice.step(f"write {out}"):
+        write_log(log, out, dialect=writer.name, overwrite=overwrite)
+
+
+def _report(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, json: bool) -> None:
+    """Say what was written and what the format has no place for."""
+    from friction_audit.report.convert_document import convert_document
+    from friction_audit.report.document import write_document
+
+    document = convert_document(log, str(out), writer.name, left_out=writer.left_out(log))
+    if json:
+        typer.echo(write_document(document), nl=False)
+    else:
+        voice.warn(warning["message"] for warning in document["warnings"])
+        typer.echo(str(out))

@@ -1,0 +1,116 @@
+"""``friction-audit estimate``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.cli.options import (
+    OUTPUT,
+    CycleOptions,
+    EstimateOptions,
+    GeneralOptions,
+    LogPath,
+    OutputOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
+from friction_audit.cli.settings import audit_settings, read_options
+
+if TYPE_CHECKING:
+    from friction_audit.audit import Estimate
+    from friction_audit.report.document import Document
+
+EXAMPLES = """Examples:
+  friction-audit estimate run.mcap
+  friction-audit estimate run.csv --drive robot -o results --figures pdf,png
+  friction-audit estimate run.bag --topic /left/joint_states --joints 1,3-5 --json
+  friction-audit estimate slow.parquet --thresholds auto --estimator paper"""
+
+DOCUMENT, HISTORY = "estimate.json", "history.csv"
+
+
+def command(
+    context: typer.Context,
+    log: LogPath,
+    selection: SelectionOptions,
+    reading: ReadingOptions,
+    torque: TorqueOptions,
+    cycles: CycleOptions,
+    friction: EstimateOptions,
+    output: OutputOptions,
+    general: GeneralOptions,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help=f"Also write {DOCUMENT}, {HISTORY} and the figures there.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    figures: Annotated[
+        list[str],
+        typer.Option(
+            metavar=choices.metavar(choices.IMAGE_FORMATS),
+            callback=choices.some_of(choices.IMAGE_FORMATS),
+            help="Formats of the figures in DIR; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["png"],  # noqa: B006 - Typer copies it
+) -> None:
+    """Estimate friction coefficients per joint over time, with their uncertainty."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    settings = audit_settings(selection, torque, cycles, friction, robot=reading.robot)
+    options = read_options(reading)
+    if folder is not None:
+        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
+        chain.refuse_existing(files, overwrite=output.overwrite)
+    result = chain.estimate(chain.read(log, options, voice), settings, voice)
+    if not output.json:
+        chain.warn_about(result, voice)
+    chain.require_an_estimate(result)
+    document = _document(result, chain.reading_settings(options))
+    if folder is not None:
+        _write_texts(result, document, folder, overwrite=output.overwrite)
+        write_figures(
+            result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=voice
+        )
+    _print(result, document, json=output.json)
+    chain.exit_if_damaged(result.log)
+
+
+def _document(result: "Estimate", reading: dict[str, object]) -> "Document":
+    from friction_audit.report.estimate_document import estimate_document
+
+    return estimate_document(result, reading)
+
+
+def _write_texts(result: "Estimate", document: "Document", folder: Path, *, overwrite: bool) -> None:
+    from friction_audit.report.document import write_document
+    from friction_audit.report.history_table import history_csv
+    from friction_audit.whole_file import whole_file
+
+    for name, text in ((DOCUMENT, write_document(document)), (HISTORY, history_csv(result))):
+        with whole_file(folder / name, overwrite=overwrite) as draft:
+            draft.write_text(text, encoding="utf-8")
+
+
+def _print(result: "Estimate", document: "Document", *, json: bool) -> None:
+    if json:
+        from friction_audit.report.document import write_document
+
+        typer.echo(write_document(document), nl=False)
+    else:
+        from friction_audit.report.estimate_table import estimate_table
+
+        print_rich(estimate_table(result))

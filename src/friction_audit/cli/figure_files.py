@@ -1,0 +1,63 @@
+"""Estimate -> figure files in a folder."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from friction_audit.cli.console import Voice
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from friction_audit.audit import Estimate
+
+
+class FigureFile(NamedTuple):
+    """A figure written: its kind, its joint (None: all of them) and its path."""
+
+    kind: str
+    joint: int | None
+    path: Path
+
+
+def possible_files(folder: Path, kinds: Sequence[str], formats: Sequence[str]) -> list[Path]:
+    """Return the files that figures of these kinds would replace, whatever joints there are; known before reading."""
+    sheets = [folder / f"{kind}.{suffix}" for kind in kinds for suffix in formats]
+    single = [path for kind in kinds for suffix in formats for path in folder.glob(f"{kind}-joint[0-9]*.{suffix}")]
+    return sheets + sorted(single)
+
+
+def write_figures(
+    result: "Estimate",
+    folder: Path,
+    kinds: Sequence[str],
+    formats: Sequence[str],
+    *,
+    each_joint: bool,
+    overwrite: bool,
+    voice: Voice,
+) -> list[FigureFile]:
+    """Draw the kinds, all joints on a sheet and, if asked for, each joint alone; return the files."""
+    from friction_audit.report.figures import FIGURES
+
+    numbers = result.interaction.joint_numbers
+    # A sheet of one joint is that joint's figure.
+    sheet = numbers[0] if len(numbers) == 1 else None
+    alone = numbers if each_joint and sheet is None else ()
+    files = []
+    for kind in (figure for figure in FIGURES if figure.name in kinds):
+        for name, drawn, joint in ((kind.name, sheet, sheet), *((f"{kind.name}-joint{n}", n, n) for n in alone)):
+            with voice.step(f"draw {name}"):
+                paths = [folder / f"{name}.{suffix}" for suffix in formats]
+                _write(kind.draw(result, drawn), paths, overwrite=overwrite)
+            files += [FigureFile(kind.name, joint, path) for path in paths]
+    return files
+
+
+def _write(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
+    from friction_audit.report.figures import save_figure
+    from friction_audit.whole_file import whole_file
+
+    for path in paths:
+        with whole_file(path, overwrite=overwrite) as draft:
+            save_figure(figure, draft)

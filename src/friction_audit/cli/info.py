@@ -1,0 +1,128 @@
+"""``friction-audit info``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import DAMAGED, Voice, print_rich
+from friction_audit.cli.options import (
+    OUTPUT,
+    CycleOptions,
+    GeneralOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
+from friction_audit.cli.settings import cycle_settings, read_options, torque_settings
+from friction_audit.cli.values import parse_joints
+from friction_audit.errors import FrictionAuditError, InputError
+
+if TYPE_CHECKING:
+    from friction_audit.cycles.settings import CycleSettings
+    from friction_audit.ingest import ReadOptions
+    from friction_audit.interaction.settings import TorqueSettings
+    from friction_audit.joint_log import JointLog
+    from friction_audit.report.info_document import InfoEntry, TopicSummary
+    from friction_audit.report.log_summary import LogSummary
+
+EXAMPLES = """Examples:
+  friction-audit info run.mcap
+  friction-audit info logs/*.bag --json
+  friction-audit info export.csv --map dq=velocity_{i} --map tau_J=effort_{i}"""
+
+
+def command(
+    context: typer.Context,
+    logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Log files, or directories of ROS 2 bags.")],
+    selection: SelectionOptions,
+    reading: ReadingOptions,
+    torque: TorqueOptions,
+    cycles: CycleOptions,
+    general: GeneralOptions,
+    json: Annotated[
+        bool, typer.Option("--json", help="Print one JSON document and nothing else.", rich_help_panel=OUTPUT)
+    ] = False,
+) -> None:
+    """Show what is in some logs: format, topics, channels as mapped, clock, joints, cycles."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    options = read_options(reading)
+    view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
+    entries = [_entry(path, options, view, voice) for path in logs]
+    _print(entries, voice, json=json)
+    failed = sum(entry.summary is None for entry in entries)
+    if failed == len(entries):
+        raise typer.Exit(InputError.exit_code)
+    if failed or any(_is_damaged(entry) for entry in entries):
+        raise typer.Exit(DAMAGED)
+
+
+class _View:
+    """What of a log is looked at, and how."""
+
+    def __init__(self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings") -> None:
+        self.joints = parse_joints(selection.joints)
+        self.start_s, self.stop_s = selection.t_start, selection.t_end
+        self.torque, self.cycles = torque, cycles
+
+
+def _entry(path: Path, options: "ReadOptions", view: _View, voice: Voice) -> "InfoEntry":
+    """Look at one file; a file that cannot be read becomes an entry with its message."""
+    from friction_audit.report.info_document import InfoEntry
+
+    try:
+        topics = _topics(path)
+    except FrictionAuditError as error:
+        return InfoEntry(path=str(path), message=str(error))
+    try:
+        log = chain.read(path, options, voice).take_window(view.start_s, view.stop_s)
+        return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
+    except InputError as error:
+        return InfoEntry(path=str(path), topics=topics, message=str(error))
+
+
+def _topics(path: Path) -> "tuple[TopicSummary, ...]":
+    from friction_audit.ingest import list_topics
+    from friction_audit.report.info_document import TopicSummary
+
+    _, topics = list_topics(path)
+    return tuple(TopicSummary(name=t.name, type=t.type, messages=t.messages, readable=t.readable) for t in topics)
+
+
+def _summary(log: "JointLog", view: _View) -> "LogSummary":
+    """Go as far along the chain as the log allows."""
+    from friction_audit.cycles import segment_cycles
+    from friction_audit.interaction import extract_interaction
+    from friction_audit.report.log_summary import summarize_log
+
+    try:
+        hand = view.cycles.cycles_from == "hand"
+        interaction = extract_interaction(log, view.torque, joints=view.joints, hand=hand)
+    except FrictionAuditError as error:
+        return summarize_log(log, None, None, obstacle=str(error))
+    return summarize_log(log, interaction, segment_cycles(interaction, view.cycles))
+
+
+def _is_damaged(entry: "InfoEntry") -> bool:
+    return entry.summary is not None and any(found.damaged for found in entry.summary.log.source.findings)
+
+
+def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
+    from friction_audit.report.document import write_document
+    from friction_audit.report.info_document import info_document
+    from friction_audit.report.info_table import info_table
+
+    if json:
+        typer.echo(write_document(info_document(entries)), nl=False)
+    for entry in entries:
+        if not json and (entry.summary is not None or entry.topics):
+            print_rich(info_table(entry))
+        if not json and entry.summary is not None:
+            voice.warn(str(notice) for notice in entry.summary.notices)
+        if entry.summary is None:
+            typer.echo(f"error: {entry.message}", err=True)

@@ -1,0 +1,94 @@
+"""``friction-audit plot``."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice
+from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
+from friction_audit.cli.options import (
+    OUTPUT,
+    CycleOptions,
+    EstimateOptions,
+    GeneralOptions,
+    LogPath,
+    OutputOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
+from friction_audit.cli.settings import audit_settings, read_options
+
+if TYPE_CHECKING:
+    from friction_audit.audit import Estimate
+
+EXAMPLES = """Examples:
+  friction-audit plot run.mcap
+  friction-audit plot run.csv --kind energy,coefficients --format pdf -o paper
+  friction-audit plot run.bag --kind all --joints 5 --format svg --format png"""
+
+
+def command(
+    context: typer.Context,
+    log: LogPath,
+    selection: SelectionOptions,
+    reading: ReadingOptions,
+    torque: TorqueOptions,
+    cycles: CycleOptions,
+    friction: EstimateOptions,
+    output: OutputOptions,
+    general: GeneralOptions,
+    kind: Annotated[
+        list[str],
+        typer.Option(
+            metavar=choices.metavar(choices.KINDS),
+            callback=choices.some_of(choices.KINDS),
+            help="What to draw; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["velocity-torque"],  # noqa: B006 - Typer copies it
+    formats: Annotated[
+        list[str],
+        typer.Option(
+            "--format",
+            metavar=choices.metavar(choices.IMAGE_FORMATS),
+            callback=choices.some_of(choices.IMAGE_FORMATS),
+            help="Formats of the figures; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["png"],  # noqa: B006 - Typer copies it
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
+    ] = Path("figures"),
+) -> None:
+    """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    settings = audit_settings(selection, torque, cycles, friction, robot=reading.robot)
+    options = read_options(reading)
+    kinds = choices.FIGURES if "all" in kind else tuple(kind)
+    chain.refuse_existing(possible_files(folder, kinds, formats), overwrite=output.overwrite)
+    result = chain.estimate(chain.read(log, options, voice), settings, voice)
+    if not output.json:
+        chain.warn_about(result, voice)
+    files = write_figures(result, folder, kinds, formats, each_joint=True, overwrite=output.overwrite, voice=voice)
+    if output.json:
+        _print_document(result, files, chain.reading_settings(options))
+    else:
+        for file in files:
+            typer.echo(str(file.path))
+    chain.exit_if_damaged(result.log)
+
+
+def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[str, object]) -> None:
+    from friction_audit.report.document import write_document
+    from friction_audit.report.plot_document import plot_document
+
+    figures = [(file.kind, file.joint, str(file.path)) for file in files]
+    typer.echo(write_document(plot_document(result, figures, reading)), nl=False)
