@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from friction_audit.errors import UsageError
 from friction_audit.robot import load_arm
 

@@ -136,8 +136,8 @@ def _stretches(t: Float) -> Iterator[slice]:
 
 def _grid(t: Float, rows: slice, rate_hz: float) -> Grid:
     start = float(t[rows.start])
-    # A stretch of one sample has a grid of two times all the same, so that nothing below needs to know.
-    stop = max(float(t[rows.stop - 1]), start + 1 / rate_hz)
+    # A stretch of one sample has a grid of two times all the same, so that nothing else needs to know.
+    stop = float(t[rows.stop - 1]) if rows.stop - rows.start > 1 else start + 1 / rate_hz
     intervals = int(np.ceil((stop - start) * rate_hz))
     return Grid(rows=rows, t=np.linspace(start, stop, intervals + 1), rate_hz=rate_hz)
 
