@@ -24,7 +24,7 @@ from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 
 SQLITE_MAGIC = b"SQLite format 3\x00"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
-MESSAGES_PER_BLOCK = 8192
+MESSAGES_PER_BLOCK = 1024  # larger ones wake the garbage collector, which doubles the time
 STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _LISTED_FILE = re.compile(r"^\s*-\s*['\"]?(?:.*/)?([^/'\"\s]+\.(?:db3|mcap)(?:\.zstd?)?)['\"]?\s*$", re.MULTILINE)
@@ -63,11 +63,10 @@ class Sqlite3Stream:
         try:
             with closing(self._connect()) as database:
                 for key in keys:
-                    query = "SELECT timestamp, data FROM messages WHERE topic_id = ? ORDER BY id"
-                    cursor = database.execute(query, (key,))
+                    cursor = database.execute("SELECT timestamp, data FROM messages WHERE topic_id = ?", (key,))
                     while rows := cursor.fetchmany(MESSAGES_PER_BLOCK):
-                        times, payloads = zip(*rows, strict=True)
-                        yield block_of_payloads(key, times, self._decompressed(payloads))
+                        payloads = self._decompressed([payload for _, payload in rows])
+                        yield block_of_payloads(key, [log_time for log_time, _ in rows], payloads)
         except sqlite3.Error as error:
             raise self._broken(error) from error
 
@@ -109,8 +108,8 @@ def _read_connections(path: Path, database: sqlite3.Connection) -> tuple[Connect
     if "message_definitions" in tables:
         query = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions"
         definitions = {name: (language, text) for name, language, text in database.execute(query)}
-    counts = dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
     topics = database.execute("SELECT id, name, type, serialization_format FROM topics ORDER BY id").fetchall()
+    counts = _count_messages(database, [key for key, *_ in topics])
     connections = []
     for key, topic, typename, encoding in topics:
         language, text = definitions.get(typename, ("", ""))
@@ -126,6 +125,13 @@ def _read_connections(path: Path, database: sqlite3.Connection) -> tuple[Connect
             )
         )
     return tuple(connections)
+
+
+def _count_messages(database: sqlite3.Connection, keys: Sequence[int]) -> dict[int, int]:
+    """Count the messages of each topic; of a single one by the index of time stamps, without reading the messages."""
+    if len(keys) == 1:
+        return {keys[0]: database.execute("SELECT COUNT(*) FROM messages").fetchone()[0]}
+    return dict(database.execute("SELECT topic_id, COUNT(*) FROM messages GROUP BY topic_id").fetchall())
 
 
 class SeveralFiles:
