@@ -64,7 +64,8 @@ class PandaSimulation:
 def simulate_hand_guided_panda(settings: HandGuidedPanda, seed: int, *, path: str = "simulation") -> PandaSimulation:
     """Simulate a Panda whose one joint is moved by hand while gravity is compensated.
 
-    The sensor reads tau_J = gravity(q) - F_m. The other joints stand still and nobody loads them.
+    The sensor reads tau_J = gravity(q) - F_m; beyond gravity, only a compensator's torque is desired (tau_J_d). The
+    other joints stand still and nobody loads them.
 
     Args:
         settings: The joint and its motion.
@@ -85,10 +86,11 @@ def simulate_hand_guided_panda(settings: HandGuidedPanda, seed: int, *, path: st
 def _sense_arm(settings: HandGuidedPanda, motion: Motion, rng: np.random.Generator) -> dict[str, Float]:
     """Return the channels of the arm at every tick of its clock, shape (n + 1, 7) each."""
     moved, rate = settings.joint - 1, settings.moved.rate_hz
-    q, dq, interaction = (np.zeros((len(motion.t), JOINTS)) for _ in range(3))
+    q, dq, interaction, compensation = (np.zeros((len(motion.t), JOINTS)) for _ in range(4))
     q += np.asarray(settings.pose_rad)
     q[:, moved] += motion.q
     dq[:, moved] = motion.dq
+    compensation[:, moved] = motion.compensation_nm
     hidden = settings.moved.torque_offset_nm + settings.moved.gravity_error_nm * np.sin(q[:, moved])
     interaction[:, moved] = motion.interaction_nm + hidden
     gravity = load_arm(None, None, GRAVITY_M_S2).gravity(q)
@@ -99,10 +101,8 @@ def _sense_arm(settings: HandGuidedPanda, motion: Motion, rng: np.random.Generat
         "q": np.column_stack([quantise(q[:, j], sensors[j].position_step_rad) for j in columns]),
         "dq": np.column_stack([sense_velocity(dq[:, j], sensors[j], rng) for j in columns]),
         "tau_J": tau_J,
+        "tau_J_d": compensation,
         "tau_ext_hat_filtered": quantise(np.column_stack(external), LOGGED_DIGIT_NM),
         "gravity": quantise(gravity, LOGGED_DIGIT_NM),
     }
-    if settings.moved.compensation is not None:
-        channels["tau_compensation"] = np.zeros_like(q)
-        channels["tau_compensation"][:, moved] = motion.compensation_nm
-    return channels
+    return channels if settings.moved.compensation is None else channels | {"tau_compensation": compensation}

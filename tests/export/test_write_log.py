@@ -1,0 +1,164 @@
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.errors import UsageError
+from friction_audit.export import WRITERS, Writer, choose_writer, write_log
+from friction_audit.ingest import read_log
+from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, Source
+
+NAMES = [writer.name for writer in WRITERS]
+JOINT_STATE = ("q", "dq", "tau_J")
+
+
+def make_log(
+    *, joints: int = 7, samples: int = 400, channels: tuple[str, ...] = JOINT_CHANNELS, start_s: float | None = None
+) -> JointLog:
+    """A log of random numbers with stamps of whole nanoseconds and steps of about 1 ms."""
+    rng = np.random.default_rng(1)
+    steps = rng.integers(900_000, 1_100_000, samples - 1)
+    t = np.concatenate(([0], np.cumsum(steps))) / 1e9
+    q = np.cumsum(rng.normal(0.0, 1e-3, (samples, joints)), axis=0)
+    arrays: dict[str, Float] = {name: rng.normal(0.0, 0.3, (samples, joints)) for name in channels}
+    dq = np.gradient(q, t, axis=0)
+    names = tuple(f"panda_joint{number}" for number in range(1, joints + 1))
+    source = Source(path="made.bag", sha256="", format="test", robot="panda", start_s=start_s)
+    return JointLog(t=t, **{**arrays, "q": q, "dq": dq}, joint_names=names, source=source)
+
+
+def place(folder: Path, writer: Writer) -> Path:
+    return folder / f"log{writer.suffix}"
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+def test_file_reads_back(writer: Writer, tmp_path: Path) -> None:
+    log = make_log(channels=("q", "dq", *(name for name in writer.holds if name not in ("q", "dq"))))
+    path = place(tmp_path, writer)
+    assert write_log(log, path, dialect=writer.name) is writer
+    back = read_log(path)
+    assert back.channels().keys() == log.channels().keys()
+    compare = assert_array_equal if writer.lossless else assert_nearly_equal
+    compare(back.t, log.t)
+    for name, channel in back.channels().items():
+        compare(channel, log.channels()[name])
+
+
+def assert_nearly_equal(actual: Float, desired: Float) -> None:
+    """Six digits, and milliseconds."""
+    assert_allclose(actual, desired, rtol=1e-5, atol=0.51e-3)
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+def test_writing_twice_gives_the_same_numbers(writer: Writer, tmp_path: Path) -> None:
+    log = make_log(channels=tuple(writer.holds), samples=50)
+    paths = [tmp_path / f"{number}{writer.suffix}" for number in (1, 2)]
+    for path in paths:
+        write_log(log, path, dialect=writer.name)
+    one, two = (read_log(path).channels() for path in paths)
+    for name, channel in one.items():
+        assert_array_equal(channel, two[name])
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+def test_channels_without_a_place_are_told(writer: Writer, tmp_path: Path) -> None:
+    log = make_log(samples=10)
+    used = write_log(log, place(tmp_path, writer), dialect=writer.name)
+    assert set(used.left_out(log)) == set(JOINT_CHANNELS) - set(writer.holds)
+
+
+@pytest.mark.parametrize("name", ["mcap", "rosbag1-joint-state", "rosbag2-sqlite3", "csv-rostopic", "mcap-protobuf"])
+def test_start_of_the_recording_is_kept(name: str, tmp_path: Path) -> None:
+    log = make_log(channels=JOINT_STATE, start_s=1_700_000_000.25)
+    path = tmp_path / f"log{next(writer.suffix for writer in WRITERS if writer.name == name)}"
+    write_log(log, path, dialect=name)
+    start_s = read_log(path).source.start_s
+    assert start_s is not None
+    assert_allclose(start_s, 1_700_000_000.25, rtol=0, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "dialect"),
+    [
+        ("a.parquet", "parquet"),
+        ("a.csv", "csv"),
+        ("a.NPZ", "npz"),
+        ("a.mcap", "mcap"),
+        ("a.bag", "rosbag1-joint-state"),
+    ],
+)
+def test_ending_chooses_the_writer(name: str, dialect: str) -> None:
+    assert choose_writer(Path(name)).name == dialect
+
+
+@pytest.mark.parametrize(
+    ("name", "dialect", "words"),
+    [
+        ("a.xyz", None, "ending .xyz: expected one of .parquet, .csv, .npz, .bag, .db3, .mcap"),
+        ("a", None, "ending missing"),
+        ("a.csv", "cvs", "--dialect cvs: expected one of parquet, "),
+        ("a.csv", "mcap-json", "the dialect mcap-json writes .mcap"),
+    ],
+)
+def test_unclear_requests_are_refused(name: str, dialect: str | None, words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        choose_writer(Path(name), dialect)
+
+
+@pytest.mark.parametrize("writer", [writer for writer in WRITERS if writer.needs], ids=lambda writer: writer.name)
+def test_interaction_torque_alone_is_refused_where_effort_is_tau_J(writer: Writer, tmp_path: Path) -> None:
+    log = make_log(channels=("q", "dq", "tau_interaction"), samples=10)
+    path = place(tmp_path, writer)
+    with pytest.raises(
+        UsageError, match=r"needs tau_J \(the log has q, dq, tau_interaction\).* parquet, parquet-lists, csv"
+    ):
+        write_log(log, path, dialect=writer.name)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("writer", [writer for writer in WRITERS if writer.joints], ids=lambda writer: writer.name)
+def test_franka_dialects_need_seven_joints(writer: Writer, tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match=r"made.bag: .* needs 7 joints \(the log has 6\)"):
+        write_log(make_log(joints=6, samples=10), place(tmp_path, writer), dialect=writer.name)
+
+
+@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
+def test_what_is_there_is_kept_unless_asked(writer: Writer, tmp_path: Path) -> None:
+    log, path = make_log(samples=10), place(tmp_path, writer)
+    path.write_text("precious")
+    with pytest.raises(UsageError, match="exists already"):
+        write_log(log, path, dialect=writer.name)
+    assert path.read_text() == "precious"
+    path.unlink()
+    write_log(log, path, dialect=writer.name)
+    write_log(log, path, dialect=writer.name, overwrite=True)
+    assert [item.name for item in tmp_path.iterdir()] == [path.name]
+
+
+@pytest.mark.parametrize("name", ["csv", "csv-long", "mcap", "mcap-json", "parquet-lists"])
+@settings(max_examples=20, deadline=None)
+@given(number=st.floats(allow_nan=False, allow_infinity=False, min_value=-1e300, max_value=1e300))
+def test_any_number_survives(name: str, number: float, tmp_path_factory: pytest.TempPathFactory) -> None:
+    log = make_log(channels=JOINT_STATE, joints=2, samples=10)
+    assert log.tau_J is not None
+    torque = log.tau_J.copy()
+    torque[3, 1] = number
+    path = tmp_path_factory.mktemp("log") / f"log{next(w.suffix for w in WRITERS if w.name == name)}"
+    write_log(replace(log, tau_J=torque), path, dialect=name)
+    assert_array_equal(read_log(path).channels()["tau_J"], torque)
+
+
+def test_names_are_unique() -> None:
+    assert len(set(NAMES)) == len(NAMES)
+
+
+def test_several_blocks_of_messages_read_back(tmp_path: Path) -> None:
+    log = make_log(channels=JOINT_STATE, joints=2, samples=9000)
+    write_log(log, tmp_path / "log.mcap")
+    back = read_log(tmp_path / "log.mcap")
+    assert_array_equal(back.q, log.q)
+    assert_array_equal(back.t, log.t)
