@@ -27,7 +27,8 @@ class EnergySums:
     Attributes:
         work_j: Integral of F_m dq dt, the net energy input. [J]
         compensation_j: Integral of u dq dt, the energy that a logged compensator put in. [J]
-        path_rad: Integral of sgn(dq) dq dt, with the sign of the filtered velocity: noise adds no path. [rad]
+        path_rad: Path, from the increments of q with the sign of the filtered velocity: the velocity's noise adds no
+            path, which at rest and in slow motion it would. [rad]
         rectified_path_rad: Integral of |dq| dt, as (14) prints it. [rad]
         square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
         displacement_rad: Change of q: the work of one newton metre of torque offset. [rad]

@@ -60,12 +60,20 @@ def find_borders(  # noqa: C901 - one pass over the samples, one state machine
 
 @njit(cache=True)
 def add_up(
-    t: Float, dq: Float, filtered: Float, torque: Float, compensation: Float, borders: NDArray[np.int64], parts: int
+    t: Float,
+    q: Float,
+    dq: Float,
+    filtered: Float,
+    torque: Float,
+    compensation: Float,
+    borders: NDArray[np.int64],
+    parts: int,
 ) -> tuple[Float, NDArray[np.int64], Float]:
     """Add up energies over parts of equal path of each cycle, by the trapezoid rule on the real stamps.
 
     Args:
         t: Time, shape (n,). [s]
+        q: Position, shape (n,). [rad]
         dq: Velocity as measured, shape (n,). [rad/s]
         filtered: Velocity, filtered without phase, shape (n,). [rad/s]
         torque: Interaction torque F_m, shape (n,). [N m]
@@ -97,7 +105,7 @@ def add_up(
             sums[c, k, WORK] += half * (torque[i] * v0 + torque[i + 1] * v1)
             if len(compensation) > 0:
                 sums[c, k, COMPENSATION] += half * (compensation[i] * v0 + compensation[i + 1] * v1)
-            sums[c, k, PATH] += half * (np.sign(filtered[i]) * v0 + np.sign(filtered[i + 1]) * v1)
+            sums[c, k, PATH] += 0.5 * (np.sign(filtered[i]) + np.sign(filtered[i + 1])) * (q[i + 1] - q[i])
             sums[c, k, RECTIFIED] += half * (abs(v0) + abs(v1))
             sums[c, k, SQUARE] += half * (v0 * v0 + v1 * v1)
             gone += half * (abs(filtered[i]) + abs(filtered[i + 1]))

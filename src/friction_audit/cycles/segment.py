@@ -103,7 +103,14 @@ def _add_up(
     nothing = np.empty(0)
     u = nothing if interaction.compensation is None else interaction.compensation[:, column]
     raw, edges, extremes = kernels.add_up(
-        interaction.t, interaction.dq[:, column], filtered, interaction.torque[:, column], u, borders, PARTS
+        interaction.t,
+        interaction.q[:, column],
+        interaction.dq[:, column],
+        filtered,
+        interaction.torque[:, column],
+        u,
+        borders,
+        PARTS,
     )
     start, stop = borders[:-1], borders[1:]
     parts = _name_sums(raw, interaction, column, edges)
