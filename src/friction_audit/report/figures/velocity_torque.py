@@ -118,12 +118,21 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
         dq: Velocity, shape (n,). [rad/s]
 
     Returns:
-        Friction torque, the fitted offset included, shape (n,). [N m]
+        Friction torque around the constant part of the torque, shape (n,). [N m]
     """
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
-    torque = coulomb * np.sign(dq) + viscous * dq + np.nan_to_num(friction.offset_nm)
+    torque = coulomb * np.sign(dq) + viscous * dq + drawn_offset(friction)
     return None if np.isnan(coulomb + viscous) else torque
+
+
+def drawn_offset(friction: JointFriction) -> float:
+    """Return the constant part of the torque, around which friction is drawn. [N m]
+
+    The torque regression's: the offset beside the energy estimate shares the place of the curve with a gravity error.
+    """
+    offset = friction.offset_nm if friction.regression is None else friction.regression.offset_nm
+    return float(np.nan_to_num(offset))
 
 
 def fitted_label(friction: JointFriction) -> str:
@@ -133,8 +142,8 @@ def fitted_label(friction: JointFriction) -> str:
         terms.append(rf"{friction.coulomb.value:.3f}\,\mathrm{{sgn}}\,\dot{{q}}")
     if friction.model != "coulomb":
         terms.append(rf"{friction.viscous.value:+.3f}\,\dot{{q}}")
-    if np.isfinite(friction.offset_nm):
-        terms.append(f"{friction.offset_nm:+.3f}")
+    if drawn_offset(friction):
+        terms.append(f"{drawn_offset(friction):+.3f}")
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
 
 

@@ -1,0 +1,130 @@
+"""Every figure draws; what it draws is what the numbers say."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib import rc_context
+
+from friction_audit.audit import Estimate
+from friction_audit.errors import UsageError
+from friction_audit.friction.history import UNDETERMINED
+from friction_audit.report.figures import FIGURES, FigureKind, save_figure, velocity_torque
+from friction_audit.report.figures.energy import dissipated_stairs, net_energy
+from friction_audit.report.figures.joint_series import joint_series
+from friction_audit.report.figures.save import FORMATS
+from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
+from friction_audit.report.figures.velocity_torque import (
+    filtered_loop,
+    fitted_label,
+    fitted_torque,
+    typical_strokes,
+)
+from tests.report.conftest import COULOMB, VISCOUS, build_estimate
+
+KINDS = pytest.mark.parametrize("kind", FIGURES, ids=lambda kind: kind.name)
+
+
+@KINDS
+def test_sheets_are_a_page_wide_and_joints_a_column(kind: FigureKind, seven: Estimate) -> None:
+    assert kind.draw(seven, None).get_figwidth() == SHEET_IN
+    assert kind.draw(seven, 1).get_figwidth() == COLUMN_IN
+
+
+@KINDS
+def test_a_sheet_names_every_joint(kind: FigureKind, seven: Estimate) -> None:
+    titles = {axes.get_title(loc="left") for axes in kind.draw(seven, None).axes} - {""}
+    assert titles == {f"panda_joint{j}" for j in range(1, 8)}
+
+
+@pytest.mark.parametrize("kind", [k for k in FIGURES if k.name != "signals"], ids=lambda kind: kind.name)
+def test_a_joint_without_an_estimate_says_why(kind: FigureKind, seven: Estimate) -> None:
+    texts = " ".join(text.get_text() for axes in kind.draw(seven, 3).axes for text in axes.texts)
+    assert "not determined: the joint does not move" in texts.replace("\n", " ")
+
+
+@KINDS
+def test_a_joint_that_is_not_there_is_named(kind: FigureKind, single: Estimate) -> None:
+    with pytest.raises(UsageError, match=r"joint 4: .* holds 1"):
+        kind.draw(single, 4)
+
+
+@KINDS
+@pytest.mark.parametrize("suffix", FORMATS)
+def test_the_same_result_gives_the_same_bytes(kind: FigureKind, suffix: str, single: Estimate, tmp_path: Path) -> None:
+    paths = [tmp_path / f"{k}.{suffix}" for k in range(2)]
+    for path in paths:
+        save_figure(kind.draw(single, 1), path)
+    first, second = (path.read_bytes() for path in paths)
+    assert first == second
+    assert len(first) > 1000
+    assert not re.search(rb"20\d\d-\d\d-\d\dT", first)
+
+
+def test_the_users_own_matplotlib_settings_change_nothing(single: Estimate) -> None:
+    with rc_context({"font.size": 30, "lines.linewidth": 9}):
+        figure = FIGURES[0].draw(single, 1)
+        assert figure.axes[0].xaxis.label.get_fontsize() == 7.5
+
+
+def test_fitted_friction_is_odd_around_the_torques_constant_part(single: Estimate) -> None:
+    friction = single.friction.joints[0]
+    torque = fitted_torque(friction, np.array([-2.0, 2.0]))
+    assert torque is not None
+    assert torque.mean() == pytest.approx(0.01)
+    assert np.diff(torque) / 2 == pytest.approx(COULOMB[0] + 2 * VISCOUS[0])
+    assert fitted_label(friction) == r"fitted: $0.245\,\mathrm{sgn}\,\dot{q}+0.400\,\dot{q}+0.010$"
+
+
+def test_a_model_without_a_coefficient_is_drawn_without_it(single: Estimate) -> None:
+    bare = replace(single.friction.joints[0], regression=None)
+    coulomb = replace(bare, model="coulomb", viscous=UNDETERMINED)
+    assert fitted_torque(coulomb, np.array([3.0])) == pytest.approx(COULOMB[0])
+    assert fitted_label(replace(bare, model="viscous", coulomb=UNDETERMINED)) == r"fitted: $0.400\,\dot{q}$"
+    assert fitted_torque(replace(bare, viscous=UNDETERMINED), np.array([3.0])) is None
+
+
+def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -> None:
+    cycles = single.cycles.of_joint(0)
+    strokes = typical_strokes(cycles)
+    row = cycles.start.tolist().index(strokes.start)
+    following = next(r for r in range(row + 1, len(cycles.joint)) if cycles.reason[r] == 0)
+    assert cycles.reason[row] == 0
+    assert strokes.stop == cycles.stop[following] + 1
+
+
+def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(velocity_torque, "MOST_POINTS", 1000)
+    loop = filtered_loop(joint_series(single, 1))
+    assert loop.every > 1
+    assert np.isfinite(loop.dq).sum() <= 1500
+    legend = velocity_torque.draw_velocity_torque(single, 1).legends[0]
+    assert f"every {loop.every}th cycle" in " ".join(text.get_text() for text in legend.get_texts())
+
+
+def test_the_stairs_meet_the_net_energy_at_the_borders(single: Estimate) -> None:
+    series = joint_series(single, 1)
+    edges, stairs = dissipated_stairs(series)
+    energy = np.interp(edges, series.t, net_energy(series))
+    assert stairs[0] == 0.0
+    assert stairs == pytest.approx(energy, abs=0.01)
+
+
+def test_the_net_energy_of_constant_power_is_a_line(single: Estimate) -> None:
+    series = joint_series(single, 1)
+    steady = replace(series, dq=np.full_like(series.t, 2.0), torque=np.full_like(series.t, 0.5))
+    assert net_energy(steady) == pytest.approx(series.t)
+
+
+def test_cycles_left_out_are_hatched(single: Estimate) -> None:
+    figure = next(kind for kind in FIGURES if kind.name == "energy").draw(single, 1)
+    hatched = [patch for patch in figure.axes[0].patches if patch.get_hatch()]
+    assert len(hatched) == int((single.cycles.reason != 0).sum()) == 1
+
+
+def test_too_many_cycles_are_not_shaded() -> None:
+    crowded = build_estimate(1, count=90, rate=100.0)
+    figure = next(kind for kind in FIGURES if kind.name == "energy").draw(crowded, 1)
+    assert not figure.axes[0].patches

@@ -1,0 +1,79 @@
+"""Tables say in eighty columns what the result says."""
+
+import io
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import pytest
+from rich.console import Console
+
+from friction_audit.audit import Estimate
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.report.estimate_table import estimate_table, format_coefficient, joint_label
+from friction_audit.report.info_document import InfoEntry, TopicSummary
+from friction_audit.report.info_table import info_table
+from friction_audit.report.log_summary import summarize_log
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+
+def shown(parts: "Iterable[RenderableType]") -> str:
+    console = Console(file=io.StringIO(), width=80)
+    for part in parts:
+        console.print(part, soft_wrap=isinstance(part, str))
+    assert isinstance(console.file, io.StringIO)
+    return console.file.getvalue()
+
+
+def test_a_row_per_joint_and_the_reason_of_the_one_without(seven: Estimate) -> None:
+    text = shown(estimate_table(seven))
+    assert "0.2450 ± 0.0074" in text
+    assert "0.400 ± 0.012" in text
+    assert "14 (1)" in text
+    assert "joint 3: not determined: the joint does not move" in text
+    assert "estimator: weighted, combined model" in text
+    assert max(map(len, text.splitlines())) <= 80
+    assert "…" not in text
+
+
+def test_info_shows_the_mapping_the_torque_and_the_motion(seven: Estimate) -> None:
+    entry = InfoEntry(path="run 1.csv", summary=summarize_log(seven.log, seven.interaction, seven.cycles))
+    text = shown(info_table(entry))
+    for words in ("channel  dq = dq_{i}", "no gaps", "F_m as logged", "robot panda, 7 joints"):
+        assert words in text
+
+
+def test_a_file_with_several_arms_lists_them() -> None:
+    topics = tuple(
+        TopicSummary(name=f"/{side}/joint_states", type="sensor_msgs/JointState", messages=9, readable=side != "camera")
+        for side in ("left", "right", "camera")
+    )
+    text = shown(info_table(InfoEntry(path="both.bag", topics=topics, message="choose one with --topic")))
+    assert "/left/joint_states (sensor_msgs/JointState, 9 messages)" in text
+    assert "no joint log" in text
+    assert "not read: choose one with --topic" in text
+
+
+@pytest.mark.parametrize(
+    ("coefficient", "text"),
+    [
+        (Coefficient(value=0.245, low=0.239, high=0.251), "0.2450 ± 0.0060"),
+        (Coefficient(value=0.246, low=0.146, high=0.346), "0.25 ± 0.10"),
+        (Coefficient(value=0.25, low=0.22, high=0.26), "0.250 +0.010/-0.030"),
+        (Coefficient(value=-0.02, low=-0.47, high=0.43), "-0.02 ± 0.45"),
+        (Coefficient(value=12.0, low=-18.0, high=42.0), "12 ± 30"),
+        (Coefficient(value=0.25, low=0.25, high=0.25), "0.250000 ± 0.000000"),
+        (Coefficient(value=0.25, low=math.nan, high=math.nan), "0.25"),
+        (UNDETERMINED, "-"),
+    ],
+)
+def test_digits_follow_the_interval(coefficient: Coefficient, text: str) -> None:
+    assert format_coefficient(coefficient) == text
+
+
+def test_a_name_is_shown_only_where_it_says_more_than_the_number() -> None:
+    assert joint_label(3, "panda_joint3") == "3"
+    assert joint_label(3, "elbow") == "3 elbow"
+    assert joint_label(3, "") == "3"
