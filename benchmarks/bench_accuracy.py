@@ -8,7 +8,7 @@ Every recording lasts 120 s at 1 kHz, moved by hand with strokes of varied speed
 import argparse
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 
@@ -33,7 +33,7 @@ class Case:
 
     name: str
     settings: JointSettings
-    cycles: CycleSettings = CycleSettings()
+    cycles: CycleSettings = field(default_factory=CycleSettings)
     target: str
 
 
@@ -103,8 +103,8 @@ def ideal() -> str:
                 if truth:
                     worst[name] = max(worst[name], abs(getattr(found, name).value / truth - 1))
     return (
-        f"Without noise, the paper's estimator (8), (14), (20) with k = 2, ten recordings each: the worst coefficient of "
-        f"a recording is {100 * worst['coulomb']:.4f} % off (Coulomb) and {100 * worst['viscous']:.4f} % (viscous); "
+        "Without noise, the paper's estimator (8), (14), (20) with k = 2, ten recordings each: the worst coefficient "
+        f"of a recording is {100 * worst['coulomb']:.4f} % off (Coulomb) and {100 * worst['viscous']:.4f} % (viscous); "
         "goal: 0.1 %."
     )
 
@@ -114,8 +114,8 @@ def page(seeds: int) -> Iterator[str]:
     yield "# Accuracy on simulated recordings"
     yield ""
     yield f"Made by `python benchmarks/bench_accuracy.py --seeds {seeds}`: 120 s at 1 kHz per recording, sensors of a"
-    yield f"Panda. Errors are medians over {TABLE_SEEDS} seeds; coverage is over {seeds} seeds, of the value for the whole"
-    yield "recording and of the points of the history (windows of 20 cycles). Goal for the coverage: 93 to 97 %."
+    yield f"Panda. Errors are medians over {TABLE_SEEDS} seeds; coverage is over {seeds} seeds, of the value for the"
+    yield "whole recording and of the points of the history (windows of 20 cycles). Goal for the coverage: 93 to 97 %."
     yield ""
     yield "| recording | goal | Coulomb error | covered | history | viscous error | covered | history |"
     yield "| --- | --- | --- | --- | --- | --- | --- | --- |"

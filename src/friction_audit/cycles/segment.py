@@ -116,7 +116,8 @@ def _add_up(
     parts = _name_sums(raw, interaction, column, edges)
     reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
     is_open = end_to_end(reach, start, stop) > settings.closure_rad
-    too_long = extremes[:, 1] > settings.maximum_gap_s
+    # At a low rate a single lost sample is no hole: the motion in between is still told by its neighbours.
+    hole_s = max(settings.maximum_gap_s, LONGEST_STEP * float(np.median(np.diff(interaction.t))))
     return EnergyCycles(
         joint=np.full(len(start), column),
         start=start,
@@ -127,7 +128,7 @@ def _add_up(
         sums=parts.total(),
         parts=parts,
         open=is_open,
-        reason=_reason(parts.total(), is_open & interaction.choice.gravity_in_torque, too_long),
+        reason=_reason(parts.total(), is_open & interaction.choice.gravity_in_torque, extremes[:, 1] > hole_s),
         initiation=np.array(thresholds[:1]),
         termination=np.array(thresholds[1:2]),
         moving_s=np.array(thresholds[2:]),
@@ -161,6 +162,8 @@ def _reason(sums: EnergySums, open_with_gravity: NDArray[np.bool_], too_long: ND
 
 
 ONE_WAY_SHARE = 0.95
+LONGEST_STEP = 3.5
+"""A step of the clock of this many median steps is a hole, however low the rate."""
 
 
 def _common_reason(cycles: EnergyCycles, settings: CycleSettings) -> NDArray[np.int64]:

@@ -21,7 +21,7 @@ class CycleSettings:
         hand_initiation_m_s: Hand speed above which a cycle begins. [m/s]
         hand_termination_m_s: Hand speed below which it ends. [m/s]
         minimum_path_rad: With ``"hand"``, a cycle counts only if every joint selected has moved this far. [rad]
-        maximum_gap_s: A cycle with a longer hole in the log is left out. [s]
+        maximum_gap_s: A cycle with a longer hole in the log (and longer than 3.5 steps) is left out. [s]
         closure_rad: A cycle whose ends are further apart is open in position. [rad]
 
     Raises:
