@@ -83,8 +83,8 @@ class GridTorque:
 
 def grids_of(log: JointLog, rate_hz: float) -> tuple[Grid, ...]:
     """Return grids of this rate (of the log's own, if that is lower), one for each stretch of a log without a hole."""
-    rate_hz = min(rate_hz, log.rate_hz)
-    return tuple(_grid(log.t, rows, rate_hz) for rows in _stretches(log.t))
+    own_rate_hz = log.rate_hz
+    return tuple(_grid(log.t, rows, min(rate_hz, own_rate_hz)) for rows in _stretches(log.t, 1 / own_rate_hz))
 
 
 def torque_on_grids(grids: tuple[Grid, ...], torque: Callable[[Grid], Float]) -> GridTorque:
@@ -127,9 +127,8 @@ class _Reading:
         return read
 
 
-def _stretches(t: Float) -> Iterator[slice]:
-    step = np.diff(t)
-    ends = np.flatnonzero(step > max(HOLE_S, HOLE_STEPS * float(np.median(step)))) + 1
+def _stretches(t: Float, usual_step: float) -> Iterator[slice]:
+    ends = np.flatnonzero(np.diff(t) > max(HOLE_S, HOLE_STEPS * usual_step)) + 1
     for first, last in pairwise([0, *ends.tolist(), len(t)]):
         yield slice(first, last)
 

@@ -1,6 +1,7 @@
 """What the user may say about the torque that friction sees."""
 
 from dataclasses import dataclass
+from math import isfinite
 from pathlib import Path
 
 from friction_audit.errors import UsageError
@@ -35,7 +36,7 @@ class TorqueSettings:
         model_rate_hz: Rate at which the rigid-body model is evaluated. [Hz]
 
     Raises:
-        UsageError: If a choice is not one of the names.
+        UsageError: If a choice is not one of the names, or a number out of range.
     """
 
     torque: str = "auto"
@@ -53,3 +54,7 @@ class TorqueSettings:
         for name, allowed in CHOICES:
             if getattr(self, name) not in allowed:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
+        if not self.model_rate_hz > 0:
+            raise UsageError(f"--model-rate {self.model_rate_hz:g}: expected a rate above zero, in Hz")
+        if not all(map(isfinite, self.gravity_vector)):
+            raise UsageError(f"--gravity-vector {self.gravity_vector}: expected three finite numbers, in m/s^2")

@@ -63,11 +63,12 @@ class CoarseLog:
 
 def coarse_log(log: JointLog) -> CoarseLog:
     """Return block means of a log at about RATE_HZ."""
-    samples = max(1, min(round(log.rate_hz / RATE_HZ), len(log.t) // 2))
+    rate_hz = log.rate_hz
+    samples = max(1, min(round(rate_hz / RATE_HZ), len(log.t) // 2))
     t = _block_mean(log.t[:, None], samples)[:, 0]
     step = np.diff(t, prepend=2 * t[0] - t[1], append=2 * t[-1] - t[-2])
-    usual = 3 * samples / log.rate_hz
-    whole = (step[1:] < usual) & (step[:-1] < usual)
+    longest = 3 * samples / rate_hz
+    whole = (step[1:] < longest) & (step[:-1] < longest)
     return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from importlib import resources
 from pathlib import Path
 from types import ModuleType
@@ -73,7 +74,7 @@ class Arm:
             Gravity torque, shape (n, j). [N m]
         """
         pin, data = _pinocchio(), self.model.createData()
-        return self._rows(lambda position: pin.computeGeneralizedGravity(self.model, data, position), q)
+        return self._rows(partial(pin.computeGeneralizedGravity, self.model, data), q)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
         """Return M(q) ddq + c(q, dq) + g(q), without friction.
@@ -87,7 +88,7 @@ class Arm:
             Joint torque, shape (n, j). [N m]
         """
         pin, data = _pinocchio(), self.model.createData()
-        return self._rows(lambda *motion: pin.rnea(self.model, data, *motion), q, dq, ddq)
+        return self._rows(partial(pin.rnea, self.model, data), q, dq, ddq)
 
     def hand_speed(self, q: Float, dq: Float) -> Float:
         """Return the speed of the flange frame's origin.
