@@ -13,7 +13,7 @@ from friction_audit.cycles.settings import CycleSettings
 from friction_audit.cycles.thresholds import thresholds_from_log
 from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 
 PARTS = 8
 """Parts of equal path into which each cycle is cut. Within a stroke the speed runs through its whole range, so the
@@ -44,7 +44,7 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     Returns:
         All cycles, those left out included, with the reason.
     """
-    rate_hz = 1.0 / float(np.median(np.diff(interaction.t)))
+    rate_hz = 1.0 / median_step(interaction.t)
     hand = _hand_detector(interaction, settings, rate_hz) if settings.cycles_from == "hand" else None
     joints = [_segment_joint(interaction, c, settings, rate_hz, hand) for c in range(len(interaction.joint_numbers))]
     cycles = _join(joints)
@@ -117,7 +117,7 @@ def _add_up(
     reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
     is_open = end_to_end(reach, start, stop) > settings.closure_rad
     # At a low rate a single lost sample is no hole: the motion in between is still told by its neighbours.
-    hole_s = max(settings.maximum_gap_s, LONGEST_STEP * float(np.median(np.diff(interaction.t))))
+    hole_s = max(settings.maximum_gap_s, LONGEST_STEP * median_step(interaction.t))
     return EnergyCycles(
         joint=np.full(len(start), column),
         start=start,

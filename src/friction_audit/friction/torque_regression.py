@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.friction.history import Coefficient, TorqueRegression
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, median_step
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
@@ -62,7 +62,7 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
 def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> tuple[Float, Float, float] | None:
     """Return the design matrix, the torque and the spacing of its rows in time."""
     t = interaction.t
-    rate_hz = 1.0 / float(np.median(np.diff(t)))
+    rate_hz = 1.0 / median_step(t)
     velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
     load = interaction.torque[:, column]
     if interaction.compensation is not None:
