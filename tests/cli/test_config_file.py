@@ -1,0 +1,60 @@
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Run
+
+
+def write(folder: Path, text: str) -> Path:
+    path = folder / "settings.toml"
+    path.write_text(text)
+    return path
+
+
+def test_values_come_from_the_file_and_the_command_line_wins(run: Run, logs: Path, tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        'model = "coulomb"\nwindow = 7\njoints = [1, 2]\nmin_path = 0.2\njson = true\n'
+        '[map]\ndq = "dq_{i}"\nq = "q_{i}"\n',
+    )
+    settings = run("estimate", logs / "moved2.csv", "--config", path, "--window", 9).document()["settings"]
+    assert settings["friction"]["model"] == "coulomb"
+    assert settings["friction"]["window"] == 9
+    assert settings["joints"] == [1, 2]
+    assert settings["cycles"]["minimum_path_rad"] == 0.2
+    assert settings["reading"]["mapping"] == {"dq": "dq_{i}", "q": "q_{i}"}
+
+
+def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -> None:
+    words = ("--payload", "0.5,0,0,0.1", "--map", "dq=a", "--map", 'q=b"c', "--t-start", "1.5", "--figures", "pdf,svg")
+    first = run("estimate", logs / "absent.csv", *words, "--dump-config")
+    assert first.code == 0
+    values = tomllib.loads(first.out)
+    assert values["map"] == ["dq=a", 'q=b"c']
+    assert values["t-start"] == 1.5
+    assert values["figures"] == ["pdf", "svg"]
+    path = write(tmp_path, first.out)
+    assert run("estimate", logs / "absent.csv", "--config", path, "--dump-config").out == first.out
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("modle = 1", "no option modle; did you mean model?"),
+        ("window = [", "not TOML"),
+        ('model = "combind"', "did you mean combined?"),
+        ('window = "many"', "'--window'"),
+        ("log = 1", "no option log"),
+    ],
+)
+def test_mistakes_in_the_file_are_usage_errors(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("estimate", logs / "moved1.csv", "--config", write(tmp_path, text))
+    assert answer.code == 2
+    assert message in answer.err
+
+
+def test_a_file_that_is_not_there(run: Run, logs: Path) -> None:
+    answer = run("estimate", logs / "moved1.csv", "--config", "absent.toml")
+    assert answer.code == 2
+    assert "absent.toml: cannot be read" in answer.err

@@ -1,0 +1,79 @@
+"""Words -> exit code -> text, through ``main``."""
+
+from pathlib import Path
+
+import pytest
+
+from friction_audit import __version__
+from friction_audit.cli import main
+from friction_audit.cli.app import COMMANDS
+from tests.cli.conftest import Run
+
+NAMES = [module.__name__.rpartition(".")[2] for module in COMMANDS]
+
+TABLE = [
+    # asked for
+    ("--version", 0, "out", __version__),
+    ("--help", 0, "out", "estimate"),
+    ("estimate --help", 0, "out", "friction-audit estimate run.mcap"),
+    ("convert --list-dialects", 0, "out", "parquet"),
+    # usage
+    ("", 2, "both", "Usage"),
+    ("estmate x.csv", 2, "err", "Did you mean 'estimate'"),
+    ("estimate", 2, "err", "Missing argument 'LOG'"),
+    ("estimate {logs}/moved1.csv --jsn", 2, "err", "--json"),
+    ("estimate {logs}/moved1.csv --model combind", 2, "err", "did you mean combined?"),
+    ("estimate {logs}/moved1.csv --figures png,gif", 2, "err", "gif: expected one of png, svg, pdf"),
+    ("estimate {logs}/moved1.csv --joints 1,x", 2, "err", "error: --joints 1,x: 'x' is no joint"),
+    ("estimate {logs}/moved1.csv --joints 9", 2, "err", "error: --joints 9"),
+    ("estimate {logs}/moved1.csv --payload 1,2", 2, "err", "expected 4: mass,x,y,z"),
+    ("estimate {logs}/moved1.csv --gravity-vector a,b,c", 2, "err", "expected numbers x,y,z"),
+    ("estimate {logs}/moved1.csv --thresholds 0.1,0.2", 2, "err", "initiation above termination"),
+    ("estimate {logs}/moved1.csv --map dq", 2, "err", "expected CHANNEL=NAME"),
+    ("estimate {logs}/moved1.csv --window 1", 2, "err", "needs at least 2 cycles"),
+    ("plot {logs}/moved1.csv --kind energi", 2, "err", "did you mean energy"),
+    ("convert {logs}/moved1.csv", 2, "err", "Missing argument 'OUT'"),
+    ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),
+    ("convert {logs}/moved1.csv {logs}/moved1.csv --overwrite", 2, "err", "is the log itself"),
+    ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "err", "has no joint 3"),
+    # the input
+    ("estimate {logs}/absent.csv", 3, "err", "error: "),
+    ("estimate {logs}/empty.csv", 3, "err", "error: "),
+    ("plot {logs}/empty.csv", 3, "err", "error: "),
+    ("convert {logs}/empty.csv out.parquet", 3, "err", "error: "),
+    ("info {logs}/empty.csv", 3, "err", "error: "),
+    ("estimate {logs}/empty.csv --json", 3, "err", "error: "),
+    # no answer
+    ("estimate {logs}/still.csv", 4, "err", "no joint has an estimate:\n  joint 1: "),
+    ("estimate {logs}/still.csv --json", 4, "err", "no joint has an estimate"),
+    # damaged input
+    ("estimate {logs}/damaged.csv", 6, "out", "Coulomb"),
+    ("plot {logs}/damaged.csv", 6, "out", "velocity-torque.png"),
+    ("convert {logs}/damaged.csv out.parquet", 6, "out", "out.parquet"),
+    ("info {logs}/damaged.csv", 6, "out", "1 joints"),
+    ("info {logs}/moved1.csv {logs}/empty.csv", 6, "out", "moved1.csv"),
+]
+
+
+@pytest.mark.parametrize(("words", "code", "stream", "text"), TABLE, ids=[row[0] or "nothing" for row in TABLE])
+def test_table(words: str, code: int, stream: str, text: str, run: Run, logs: Path) -> None:
+    answer = run(*(word.format(logs=logs) for word in words.split()))
+    assert answer.code == code, answer
+    assert text in {"out": answer.out, "err": answer.err, "both": answer.out + answer.err}[stream]
+    assert "Traceback" not in answer.err
+    if code in (2, 3, 4) and stream == "err":
+        assert answer.out == ""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) -> None:
+    text = run(name, "--help").out
+    for heading in ("Reading the log:", "Output:", "General:", "Examples:"):
+        assert heading in text
+    assert max(map(len, text.splitlines())) <= 100
+
+
+def test_a_bug_keeps_its_traceback(logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.cli.chain.read", lambda *_: 1 / 0)
+    with pytest.raises(ZeroDivisionError):
+        main(["estimate", str(logs / "moved1.csv")])

@@ -1,0 +1,34 @@
+from pathlib import Path
+
+from tests.cli.conftest import Run
+
+
+def test_one_bad_file_does_not_sink_the_others(run: Run, logs: Path) -> None:
+    answer = run("info", logs / "moved1.csv", logs / "empty.csv", logs / "moved2.csv", "--json")
+    document = answer.document()
+    assert answer.code == 6
+    assert [Path(log["path"]).name for log in document["logs"]] == ["moved1.csv", "moved2.csv"]
+    assert [Path(log["path"]).name for log in document["failed"]] == ["empty.csv"]
+    assert answer.err == f"error: {document['failed'][0]['message']}\n"
+
+
+def test_cycles_and_channels(run: Run, logs: Path) -> None:
+    log = run("info", logs / "moved2.csv", "--json", "--joints", "2", "--t-end", "20").document()["logs"][0]
+    assert log["channels"]["tau_interaction"] == "tau_interaction_{i}"
+    assert log["duration_s"] < 20
+    assert [joint["joint"] for joint in log["joints"]] == [2]
+    assert log["joints"][0]["cycles"] > 5
+    assert log["torque"]["source"] == "interaction"
+
+
+def test_a_torque_that_cannot_be_made_is_a_warning(run: Run, logs: Path) -> None:
+    answer = run("info", logs / "moved1.csv", "--torque", "tau_J")
+    assert answer.code == 0
+    assert "warning: " in answer.err
+    assert "peak speed" in answer.out
+
+
+def test_nothing_readable(run: Run, logs: Path) -> None:
+    answer = run("info", logs / "empty.csv", logs / "absent.csv", "--json")
+    assert answer.code == 3
+    assert len(answer.document()["failed"]) == 2

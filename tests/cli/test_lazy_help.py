@@ -1,0 +1,47 @@
+"""Help and usage errors load no numerics."""
+
+import subprocess
+import sys
+
+import pytest
+
+from friction_audit.cli import choices
+from friction_audit.cycles import settings as cycles
+from friction_audit.friction import settings as friction
+from friction_audit.interaction import settings as torque
+from friction_audit.report import figures
+from friction_audit.report.figures import save
+
+HEAVY = ("numpy", "scipy", "pandas", "pyarrow", "matplotlib", "rich", "rosbags", "mcap", "pinocchio", "statsmodels")
+
+SCRIPT = f"""
+import sys
+from friction_audit.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    pass
+print(*(name for name in {HEAVY!r} if name in sys.modules), file=sys.stderr)
+"""
+
+
+@pytest.mark.parametrize(
+    "words", ["--help", "estimate --help", "plot --help", "info --help", "convert --help", "estimate"]
+)
+def test_nothing_heavy_is_loaded(words: str) -> None:
+    done = subprocess.run([sys.executable, "-c", SCRIPT, *words.split()], capture_output=True, text=True, check=True)
+    assert "Usage" in done.stdout + done.stderr
+    assert done.stderr.splitlines()[-1] == ""
+
+
+def test_names_of_options_are_those_of_the_steps() -> None:
+    assert choices.TORQUES == torque.TORQUES
+    assert choices.GRAVITIES == torque.GRAVITIES
+    assert choices.INERTIAS == torque.INERTIAS
+    assert choices.DRIVES == torque.DRIVES
+    assert choices.ROBOTS == torque.ROBOTS
+    assert choices.CYCLES_FROM == cycles.CYCLES_FROM
+    assert choices.ESTIMATORS == friction.ESTIMATORS
+    assert choices.MODELS == friction.MODELS
+    assert tuple(kind.name for kind in figures.FIGURES) == choices.FIGURES
+    assert choices.IMAGE_FORMATS == save.FORMATS

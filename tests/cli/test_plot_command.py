@@ -1,0 +1,35 @@
+from pathlib import Path
+
+from friction_audit.report.figures import FIGURES
+from tests.cli.conftest import Run
+
+
+def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("plot", logs / "moved2.csv")
+    names = ["velocity-torque", "velocity-torque-joint1", "velocity-torque-joint2"]
+    assert answer.out.split() == [f"figures/{name}.png" for name in names]
+    assert all((tmp_path / path).stat().st_size > 10_000 for path in answer.out.split())
+
+
+def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
+    answer = run(
+        "plot", logs / "moved2.csv", "--joints", "2", "--kind", "all", "--format", "svg,pdf", "-o", "x", "--json"
+    )
+    figures = answer.document()["figures"]
+    assert [figure["kind"] for figure in figures[::2]] == [kind.name for kind in FIGURES]
+    assert {figure["joint"] for figure in figures} == {2}
+    assert {Path(figure["path"]).suffix for figure in figures} == {".svg", ".pdf"}
+
+
+def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "figures").mkdir()
+    (tmp_path / "figures" / "energy-joint5.png").touch()
+    answer = run("plot", logs / "absent.csv", "--kind", "energy")
+    assert answer.code == 2
+    assert "energy-joint5.png: exists already" in answer.err
+
+
+def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
+    answer = run("plot", logs / "still.csv", "--kind", "all")
+    assert answer.code == 0
+    assert len(answer.out.split()) == len(FIGURES)
