@@ -20,8 +20,11 @@ GRAVITY_M_S2 = (0.0, 0.0, -9.81)
 EXTERNAL_CUTOFF_HZ = 100.0
 """Corner of the filter on ``tau_ext_hat_filtered``; the vendor's is not published, this one is an assumption."""
 
-LOGGED_DIGIT_NM = 1e-6
-"""Torques that a controller computes are logged to this digit."""
+EXTERNAL_STEP_NM = 1e-3
+"""Resolution of ``tau_ext_hat_filtered`` as logged."""
+
+GRAVITY_STEP_NM = 1e-6
+"""Resolution of ``gravity`` as logged."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -102,7 +105,7 @@ def _sense_arm(settings: HandGuidedPanda, motion: Motion, rng: np.random.Generat
         "dq": np.column_stack([sense_velocity(dq[:, j], sensors[j], rng) for j in columns]),
         "tau_J": tau_J,
         "tau_J_d": compensation,
-        "tau_ext_hat_filtered": quantise(np.column_stack(external), LOGGED_DIGIT_NM),
-        "gravity": quantise(gravity, LOGGED_DIGIT_NM),
+        "tau_ext_hat_filtered": quantise(np.column_stack(external), EXTERNAL_STEP_NM),
+        "gravity": quantise(gravity, GRAVITY_STEP_NM),
     }
     return channels if settings.moved.compensation is None else channels | {"tau_compensation": compensation}

@@ -1,0 +1,74 @@
+"""The committed sample logs: made by their script, readable, and their friction is found again."""
+
+import importlib.util
+import json
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.export import WRITERS
+from friction_audit.ingest import read_log
+
+FOLDER = Path(__file__).parents[1] / "sample_logs"
+TRUTH: dict[str, dict[str, Any]] = json.loads((FOLDER / "truth.json").read_text())
+
+
+def load_script() -> ModuleType:
+    spec = importlib.util.spec_from_file_location("make_sample_logs", FOLDER / "make_sample_logs.py")
+    assert spec is not None
+    assert spec.loader is not None
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    return script
+
+
+@pytest.fixture(scope="module")
+def remade(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    folder = tmp_path_factory.mktemp("sample_logs")
+    load_script().write_samples(folder)
+    return folder
+
+
+@pytest.mark.parametrize("name", TRUTH)
+def test_script_makes_the_committed_file(name: str, remade: Path) -> None:
+    committed, again = read_log(FOLDER / name), read_log(remade / name)
+    assert again.joint_names == committed.joint_names
+    assert_allclose(again.t, committed.t, atol=1e-9)
+    assert again.channels().keys() == committed.channels().keys()
+    for channel, numbers in again.channels().items():
+        # Another processor may round the last bit otherwise, and a quantised number may then fall to the other side.
+        same = np.isclose(numbers, committed.channels()[channel], rtol=1e-9, atol=1e-9)
+        assert same.mean() > 0.999, channel
+
+
+def test_script_makes_the_committed_pages(remade: Path) -> None:
+    for page in ("README.md", "truth.json"):
+        assert (remade / page).read_text() == (FOLDER / page).read_text()
+
+
+def test_every_format_has_a_sample() -> None:
+    assert {f"formats/{writer.name}{writer.suffix}" for writer in WRITERS} <= TRUTH.keys()
+
+
+def test_samples_are_small() -> None:
+    assert sum(file.stat().st_size for file in FOLDER.rglob("*") if file.is_file()) < 9e6
+
+
+@pytest.mark.parametrize("name", TRUTH)
+def test_estimate_finds_the_friction(name: str) -> None:
+    truth = TRUTH[name]
+    result = estimate_log(read_log(FOLDER / name), AuditSettings())
+    (joint,) = (joint for joint in result.friction.joints if joint.joint == truth["joint"])
+    assert_allclose(joint.coulomb.value, truth["coulomb_nm"], rtol=0.05)
+    assert joint.coulomb.low <= truth["coulomb_nm"] <= joint.coulomb.high
+    assert joint.viscous.low <= truth["viscous_nms_per_rad"] <= joint.viscous.high
+
+
+def test_other_joints_stand_still() -> None:
+    result = estimate_log(read_log(FOLDER / "hand_guided.parquet"), AuditSettings())
+    assert [joint.cycles for joint in result.friction.joints[1:]] == [0] * 6
