@@ -86,7 +86,7 @@ def map_columns(
         raise InputError(f"{path}: --map {unknown[0]}=...: no such channel; there are t, {', '.join(JOINT_CHANNELS)}")
     bare = [name.strip() for name in names]
     stated = {c: _stated_group(c, mapping[c], bare, path) for c in JOINT_CHANNELS if c in mapping}
-    groups = {**_guessed_groups(bare, labels or {}, path), **stated}
+    groups = {**_guessed_groups(bare, labels or {}, stated, path), **stated}
     time = _stated_time(mapping["t"], bare, path) if "t" in mapping else find_time(bare, constant)
     if time is None or not _is_complete(groups):
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
@@ -119,13 +119,14 @@ def shorten(names: Sequence[str]) -> str:
     return ", ".join(shown[:_SHOWN_GROUPS]) + (f" and {more} more" if more > 0 else "")
 
 
-def _guessed_groups(names: Sequence[str], labels: Mapping[int, str], path: str) -> dict[str, Group]:
+def _guessed_groups(
+    names: Sequence[str], labels: Mapping[int, str], stated: Collection[str], path: str
+) -> dict[str, Group]:
     """Group the columns by channel and template, and keep the most telling template of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
     for cell, name in enumerate(names):
         parsed = parse_name(name)
-        if parsed is not None:
-            # Time, position, velocity and so on of one joint share its column name: {joint} stays in the template.
+        if parsed is not None and parsed.channel not in stated:
             key = (parsed.rank, parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
     groups = {}
@@ -175,10 +176,14 @@ def _stated_group(channel: str, value: str, names: Sequence[str], path: str) -> 
             hint = f"did you mean {', '.join(near)}?" if near else f"found {shorten(names)}"
             raise InputError(f"{path}: no column matches --map {channel}={value}; {hint}")
         base = 0 if 0 in numbered else 1
-        return Group(template=value, cells={number - base: numbered[number] for number in sorted(numbered)})
+        cells: dict[JointKey, int] = {number - base: numbered[number] for number in sorted(numbered)}
+        told = {
+            key: parsed.joint for key, cell in cells.items() if (parsed := parse_name(names[cell])) and parsed.joint
+        }
+        return Group(template=value, cells=cells, names=told)
     elements = [cell for cell, name in enumerate(names) if re.fullmatch(re.escape(value) + r"\[\d+\]", name)]
-    cells = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names, path)]
-    return Group(template=value, cells=dict(enumerate(cells)), in_order=not elements)
+    listed = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names, path)]
+    return Group(template=value, cells=dict(enumerate(listed)), in_order=not elements)
 
 
 def _stated_cells(part: str, names: Sequence[str], path: str) -> list[int]:

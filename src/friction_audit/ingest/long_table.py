@@ -68,9 +68,13 @@ def pivot_long(
     values: Mapping[str, Float],
     *,
     path: str,
+    unit: str | None = None,
     findings: tuple[Finding, ...] = (),
 ) -> Recording:
-    """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
+    """Bring a long table to one row per time; rows of times that some joint lacks are left out.
+
+    ``unit`` is the unit of the stamps where their type tells it.
+    """
     import pandas as pd
 
     codes, labels = pd.factorize(joint, sort=False)
@@ -93,7 +97,7 @@ def pivot_long(
         findings=findings,
     )
     noticed = () if lost == 0 else (_incomplete(lost),)
-    clock = to_clock(np.ascontiguousarray(time[rows[0]]), long.time.unit, path=path)
+    clock = to_clock(np.ascontiguousarray(time[rows[0]]), unit or long.time.unit, path=path)
     return to_recording(columns, clock, channels, findings=noticed)
 
 

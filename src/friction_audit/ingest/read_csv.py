@@ -73,7 +73,7 @@ def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
 def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
     """Read a table with one row per joint and time."""
     kinds: dict[int, Any] = dict.fromkeys(long.channels.values(), np.float64) | {long.joint: str}
-    kinds[long.time.cells[0]] = _empty_time(dialect, long.time, 0).dtype.type
+    kinds |= dict.fromkeys(long.time.cells, _empty_time(dialect, long.time, 0).dtype.type)
     blocks: list[Any] = []
     findings: list[Finding] = []
     for block in _parse(path, dialect, kinds):
@@ -82,7 +82,7 @@ def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
         else:
             blocks.append(block)
     joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
-    time = np.concatenate([block[long.time.cells[0]].to_numpy() for block in blocks])
+    time = np.concatenate([_stamps(block, long.time) for block in blocks])
     values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
     return pivot_long(long, joint, time, values, path=str(path), findings=tuple(findings))
 
@@ -112,12 +112,18 @@ def _frame(path: Path, dialect: Dialect, block: bytes, line: int, kinds: Mapping
             decimal=dialect.decimal,
             skipinitialspace=True,
             na_values=list(_NA),
-            float_precision="round_trip",
+            **_exact_floats(pd.__version__),
             index_col=False,
             engine="c",
         )
     except (ValueError, OverflowError) as error:  # pandas' ParserError is a ValueError
         raise _bad_text(path, dialect, block, line, kinds, error) from error
+
+
+def _exact_floats(version: str) -> dict[str, Any]:
+    """Ask for correctly rounded numbers; since pandas 3.1 there is nothing else, and asking is deprecated."""
+    major, minor = version.split(".")[:2]
+    return {} if (int(major), int(minor)) >= (3, 1) else {"float_precision": "round_trip"}
 
 
 def _blocks(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:

@@ -47,7 +47,8 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
 def _load(path: Path) -> dict[str, NDArray[Any]]:
     """Return the arrays of numbers in the archive."""
     try:
-        with np.load(path, allow_pickle=False) as archive:
+        # The stream is opened here: NumPy leaves it open when the archive is damaged.
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             loaded = {name: _array(archive, name, path) for name in archive.files}
     except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
         raise InputError(f"{path}: a damaged NumPy archive: {error}; copy or save it again") from error

@@ -109,13 +109,15 @@ def _targets(
 
 def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns) -> Recording:  # noqa: ANN401
     """Read a table with one row per joint and time."""
-    names = [cells[cell].column for cell in (long.joint, long.time.cells[0], *long.channels.values())]
+    names = [cells[cell].column for cell in (long.joint, *long.time.cells, *long.channels.values())]
     table = file.read(columns=names).combine_chunks()
     values = {
         c: np.asarray(table[cells[cell].column].to_numpy(), dtype=np.float64) for c, cell in long.channels.items()
     }
-    joint, time = table[names[0]].to_numpy(), _integers_or_floats(table[names[1]].combine_chunks())
-    return pivot_long(long, joint.astype(str).astype(object), time, values, path=str(path))
+    joint = table[names[0]].to_numpy().astype(str).astype(object)
+    stamps = [_integers_or_floats(table[cells[cell].column].combine_chunks()) for cell in long.time.cells]
+    time = stamps[0] if len(stamps) == 1 else stamps[0].astype(np.int64) * 1_000_000_000 + stamps[1]
+    return pivot_long(long, joint, time, values, path=str(path), unit=_stamp_unit(file, cells[long.time.cells[0]]))
 
 
 def _read_column(
@@ -141,6 +143,8 @@ def _values(batch: Any, column: str, width: int, path: Path, start: int) -> NDAr
     """Return the numbers of one column of a batch: (m,), or (m, width) for lists; NaN where nothing is."""
     array = _child(batch, column)
     if width == 0:
+        if not _is_number_or_stamp(array.type):
+            raise InputError(f"{path}: {column} holds {array.type}; expected numbers; name another column with --map")
         return _integers_or_floats(array)
     lengths = array.value_lengths().fill_null(width).to_numpy(zero_copy_only=False)
     if (lengths != width).any():
@@ -218,6 +222,13 @@ def _is_number(kind: Any) -> bool:  # noqa: ANN401
     import pyarrow as pa
 
     return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
+
+
+def _is_number_or_stamp(kind: Any) -> bool:  # noqa: ANN401
+    import pyarrow as pa
+
+    stamp = pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_boolean(kind)
+    return stamp or _is_number(kind)
 
 
 def _field_type(file: Any, cell: Cell) -> Any:  # noqa: ANN401

@@ -41,6 +41,7 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     """
     _refuse_short(recording, path)
     recording = leave_out_missing(recording, path)
+    _refuse_short(recording, path)
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
     recording = check_motion(recording, path, scaled=options.time_scale != 1.0)

@@ -43,8 +43,8 @@ def _refuse_no_clock(recording: Recording, steps: NDArray[np.float64], path: str
     if behind[worst] > _LONGEST_BACKWARDS_S or backwards > max(_MOST_BACKWARDS * len(steps), 1.0):
         raise InputError(
             f"{path}: time ({name}) goes back at {backwards} of {len(steps)} rows, by up to {behind[worst]:.4g} s "
-            f"at row {worst + 1}; expected increasing stamps; split a file of several recordings, or name another clock "
-            "with --map t=<column>"
+            f"at row {worst + 1}; expected increasing stamps; split a file of several recordings, or name another "
+            "clock with --map t=<column>"
         )
 
 

@@ -17,6 +17,7 @@ from friction_audit.joint_log import Finding, Float
 DEGREES_PER_RADIAN = 180.0 / np.pi
 _WINDOW_S = 0.2
 _WINDOW_SAMPLES = 7
+_FEWEST_PARTS = 16
 _MOST_SAMPLES = 1 << 18
 """Samples that are looked at; of longer logs, stretches spread evenly over the whole."""
 _STRETCHES = 64
@@ -87,7 +88,8 @@ def motion_ratios(t: Float, q: Float, dq: Float) -> MotionRatio:
 def _windows(t: Float) -> tuple[np.ndarray, np.ndarray]:
     """Return first and last sample of windows without gaps, at most _MOST_SAMPLES long together."""
     step = (t[-1] - t[0]) / (len(t) - 1)
-    length = max(_WINDOW_SAMPLES, round(_WINDOW_S / step)) if step < _WINDOW_S else _WINDOW_SAMPLES
+    # The step is in doubt, its unit may be misjudged: a window never is a large part of the log.
+    length = max(_WINDOW_SAMPLES, min(round(_WINDOW_S / step), len(t) // _FEWEST_PARTS))
     starts = np.arange(0, len(t) - length, length)
     if len(t) > _MOST_SAMPLES:
         per_stretch = max(_MOST_SAMPLES // length // _STRETCHES, 1)
@@ -206,6 +208,6 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
     message = (
         f"the clock is stretched: q changes {ratio:.4g} times the integral of dq, so the log seems to last "
         f"{1.0 / ratio:.4g} times as long as the motion did; time is kept as it is; energies and times are off by that "
-        f"factor, and so is the inertial torque; coefficients without it are not; --time-scale {ratio:.4g} mends the clock"
+        f"factor, and so is the inertial torque; coefficients without it are not; --time-scale {ratio:.4g} mends it"
     )
     return Finding(code="clock_stretched", message=message, amount=ratio)

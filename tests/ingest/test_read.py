@@ -1,0 +1,138 @@
+import hashlib
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from friction_audit.errors import InputError
+from friction_audit.ingest import READERS, ReadOptions, list_topics, read_log
+from friction_audit.ingest.fingerprint import sha256_of
+from friction_audit.ingest.read_csv import CSV
+from friction_audit.ingest.reader import Recording
+from tests.ingest.synthetic_recordings import tidy_frame, write_tidy_csv
+
+
+def test_no_such_file(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"none.csv: no such file or directory; check the path"):
+        read_log(tmp_path / "none.csv")
+
+
+@pytest.mark.parametrize("suffix", sorted({suffix for reader in READERS for suffix in reader.suffixes}))
+def test_an_empty_file(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"run{suffix}"
+    path.touch()
+    with pytest.raises(InputError, match=r"the file is empty \(0 bytes\)"):
+        read_log(path)
+
+
+def test_a_directory_that_is_no_bag(tmp_path: Path) -> None:
+    write_tidy_csv(tmp_path / "run.csv")
+    with pytest.raises(InputError, match=r"a directory without the storage files of a bag; what is read: .*parquet"):
+        read_log(tmp_path)
+
+
+def test_an_empty_directory(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="the directory holds no files"):
+        read_log(tmp_path)
+
+
+def test_no_permission(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+
+    def refuse(self: Path, *_: object, **__: object) -> None:
+        raise PermissionError(13, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "open", refuse)
+    with pytest.raises(InputError, match=r"run.csv: no permission to read it"):
+        read_log(path)
+    with pytest.raises(InputError, match=r"run.csv: no permission to read it"):
+        list_topics(path)
+
+
+def test_an_unknown_format(tmp_path: Path) -> None:
+    path = tmp_path / "photo.jpg"
+    path.write_bytes(b"\xff\xd8\xff\xe0" + bytes(100))
+    with pytest.raises(InputError, match=r"photo.jpg: of no known format; what is read: .*csv \(.csv .tsv"):
+        read_log(path)
+
+
+@pytest.mark.parametrize("suffix", [".parquet", ".npz"])
+def test_a_table_under_a_wrong_name_is_read_by_content(tmp_path: Path, suffix: str) -> None:
+    log = read_log(write_tidy_csv(tmp_path / f"run{suffix}"))
+    assert log.source.format == "csv"
+    assert [f.code for f in log.source.findings] == ["suffix_mismatch"]
+
+
+def test_parquet_under_the_name_of_a_text_table(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    tidy_frame(300).to_parquet(path)
+    log = read_log(path)
+    assert log.source.format == "parquet"
+    assert [f.code for f in log.source.findings] == ["suffix_mismatch"]
+
+
+def test_binary_under_the_name_of_a_text_table(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    path.write_bytes(bytes(range(256)) * 20)
+    with pytest.raises(InputError, match=r"run\.csv: "):
+        read_log(path)
+
+
+def test_the_hash_is_that_of_the_content(tmp_path: Path) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+    log = read_log(str(path))
+    assert log.source.sha256 == hashlib.sha256(path.read_bytes()).hexdigest()
+    assert log.source.path == str(path)
+
+
+def test_the_hash_of_a_directory_is_that_of_its_files_in_order(tmp_path: Path) -> None:
+    (tmp_path / "b").write_bytes(b"two")
+    (tmp_path / "a").write_bytes(b"one")
+    assert sha256_of(tmp_path) == hashlib.sha256(b"onetwo").hexdigest()
+
+
+def test_a_file_that_grows_while_it_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+
+    def read_and_grow(file: Path, options: ReadOptions) -> Recording:
+        recording = CSV.read(file, options)
+        with file.open("a") as stream:
+            stream.write("9,0,0,0,0,0,0,0,0,0\n")
+        return recording
+
+    monkeypatch.setattr("friction_audit.ingest.read.READERS", (replace(CSV, read=read_and_grow),))
+    log = read_log(path)
+    assert [(f.code, f.damaged, f.amount) for f in log.source.findings] == [("file_grew", True, 20.0)]
+
+
+def test_an_error_of_the_disk_is_an_input_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+
+    def fail(_: Path, __: ReadOptions) -> Recording:
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("friction_audit.ingest.read.READERS", (replace(CSV, read=fail),))
+    with pytest.raises(InputError, match=r"run.csv: cannot be read: Input/output error"):
+        read_log(path)
+
+
+def test_tables_are_listed(tmp_path: Path) -> None:
+    name, topics = list_topics(write_tidy_csv(tmp_path / "run.csv"))
+    assert (name, topics[0].messages, topics[0].readable) == ("csv", 300, True)
+    tidy_frame(300).to_parquet(tmp_path / "run.parquet")
+    name, topics = list_topics(tmp_path / "run.parquet")
+    assert (name, topics[0].messages) == ("parquet", 300)
+
+
+def test_every_reader_is_described() -> None:
+    assert len({reader.name for reader in READERS}) == len(READERS)
+    assert all(reader.summary for reader in READERS)
+
+
+def test_importing_ingest_is_light() -> None:
+    heavy = ("pandas", "pyarrow", "rosbags", "mcap")
+    code = f"import sys, friction_audit.ingest; print([name for name in {heavy} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"

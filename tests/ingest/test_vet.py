@@ -1,0 +1,325 @@
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.errors import InputError
+from friction_audit.ingest.reader import ReadOptions, Recording
+from friction_audit.ingest.vet import vet
+from friction_audit.joint_log import Finding, JointLog
+from tests.ingest.synthetic_recordings import recording
+
+
+def vetted(given_recording: Recording, options: ReadOptions | None = None) -> JointLog:
+    return vet(given_recording, path="run.log", sha256="0" * 64, format="test", options=options or ReadOptions())
+
+
+def finding(log: JointLog, code: str) -> Finding:
+    found = [finding for finding in log.source.findings if finding.code == code]
+    assert len(found) == 1, f"{code} not once in {[f.code for f in log.source.findings]}"
+    return found[0]
+
+
+def codes(log: JointLog) -> list[str]:
+    return [finding.code for finding in log.source.findings]
+
+
+def test_a_clean_recording_passes_unchanged() -> None:
+    log = vetted(recording())
+    assert codes(log) == []
+    assert log.t[0] == 0.0
+    assert len(log.t) == 3000
+    np.testing.assert_array_equal(log.dq, recording().channels["dq"])
+    assert log.q.flags.f_contiguous
+
+
+def test_time_starts_at_zero_and_the_start_follows() -> None:
+    given_recording = recording()
+    given_recording.t += 5.0
+    given_recording.start_s = 1.7e9
+    log = vetted(given_recording)
+    assert log.t[0] == 0.0
+    assert log.source.start_s == 1.7e9 + 5.0
+
+
+def test_an_empty_channel_is_dropped() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J_d"] = np.full((3000, 3), np.nan)
+    log = vetted(given_recording)
+    assert log.tau_J_d is None
+    assert finding(log, "empty_channel").amount == 3000
+
+
+def test_the_only_torque_is_nan() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J"][:] = np.nan
+    given_recording.mapping = {"tau_J": "effort.{i}"}
+    with pytest.raises(InputError, match=r"tau_J \(effort.\{i\}\): none of the 3000 rows holds a number"):
+        vetted(given_recording)
+
+
+def test_rows_with_nan_or_infinity_are_left_out() -> None:
+    given_recording = recording()
+    given_recording.channels["q"][10, 0] = np.nan
+    given_recording.channels["tau_J"][20, 2] = np.inf
+    given_recording.t[30] = np.nan
+    log = vetted(given_recording)
+    noticed = finding(log, "non_finite")
+    assert (noticed.amount, noticed.damaged, len(log.t)) == (3, True, 2997)
+
+
+def test_a_joint_without_data_is_dropped() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J"][:, 1] = np.nan
+    log = vetted(given_recording)
+    assert log.joint_names == ("panda_joint1", "panda_joint3")
+    assert finding(log, "empty_joint").joint == 2
+
+
+def test_a_sparse_channel_is_dropped_and_its_rows_are_kept() -> None:
+    given_recording = recording()
+    given_recording.channels["temperature"] = np.full((3000, 3), 30.0)
+    given_recording.channels["temperature"][1::2] = np.nan
+    log = vetted(given_recording)
+    assert log.temperature is None
+    assert len(log.t) == 3000
+    assert finding(log, "sparse_channel").amount == 1500
+
+
+def test_rows_out_of_order_are_sorted() -> None:
+    given_recording = recording()
+    order = np.arange(3000)
+    order[[100, 101]] = [101, 100]
+    given_recording.t = given_recording.t[order]
+    given_recording.channels = {c: np.asfortranarray(a[order]) for c, a in given_recording.channels.items()}
+    log = vetted(given_recording)
+    assert finding(log, "unordered").amount == 1
+    np.testing.assert_array_equal(log.q, recording().channels["q"])
+
+
+def test_time_that_runs_backwards_is_refused_with_row_and_amount() -> None:
+    given_recording = recording()
+    given_recording.t[2000:] -= 2.0
+    with pytest.raises(InputError, match=r"goes back at 1 of 2999 rows, by up to 1.999 s at row 2001"):
+        vetted(given_recording)
+
+
+def test_reversed_time_is_refused() -> None:
+    given_recording = recording(300)
+    given_recording.t = given_recording.t[::-1].copy()
+    with pytest.raises(InputError, match="goes back at 299 of 299 rows"):
+        vetted(given_recording)
+
+
+def test_constant_time_is_refused() -> None:
+    given_recording = recording()
+    given_recording.t[:] = 4.0
+    with pytest.raises(InputError, match="is the same in all 3000 rows"):
+        vetted(given_recording)
+
+
+def test_duplicate_stamps_keep_the_first() -> None:
+    given_recording = recording()
+    given_recording.t[50] = given_recording.t[49]
+    log = vetted(given_recording)
+    assert finding(log, "duplicate_stamps").amount == 1
+    np.testing.assert_array_equal(log.q, np.delete(recording().channels["q"], 50, axis=0))
+
+
+def test_stale_samples_are_dropped_while_the_arm_moves() -> None:
+    given_recording = recording()
+    for array in given_recording.channels.values():
+        array[101:104] = array[100]
+    log = vetted(given_recording)
+    noticed = finding(log, "stale_samples")
+    assert noticed.amount == 3
+    assert "0.1%" in noticed.message
+    assert len(log.t) == 2997
+
+
+def test_equal_rows_at_rest_are_kept() -> None:
+    given_recording = recording()
+    for channel, array in given_recording.channels.items():
+        array[2000:] = 0.0 if channel == "dq" else array[2000]
+    assert "stale_samples" not in codes(vetted(given_recording))
+
+
+def test_a_torque_that_changes_makes_a_row_fresh() -> None:
+    given_recording = recording()
+    for channel in ("q", "dq"):
+        given_recording.channels[channel][101] = given_recording.channels[channel][100]
+    assert "stale_samples" not in codes(vetted(given_recording))
+
+
+def without(given_recording: Recording, rows: list[int]) -> Recording:
+    channels = {c: np.asfortranarray(np.delete(a, rows, axis=0)) for c, a in given_recording.channels.items()}
+    return replace(given_recording, t=np.delete(given_recording.t, rows), channels=channels)
+
+
+def test_dropped_samples_are_counted() -> None:
+    log = vetted(without(recording(), [100, 500, 501, 502]))
+    assert finding(log, "dropped_samples").amount == 4
+    assert "gap" not in codes(log)
+
+
+def test_gaps_are_counted_and_do_not_count_as_jitter() -> None:
+    log = vetted(without(recording(), [*range(1000, 1200), *range(2000, 2100)]))
+    noticed = finding(log, "gap")
+    assert noticed.amount == 2
+    assert "longest 0.201 s" in noticed.message
+    assert "jitter" not in codes(log)
+
+
+def test_jitter_is_measured() -> None:
+    rng = np.random.default_rng(1)
+    given_recording = recording(20_000)
+    given_recording.t += rng.uniform(-0.3e-3, 0.3e-3, 20_000)
+    amount = finding(vetted(given_recording), "jitter").amount
+    assert amount is not None
+    # The difference of two uniform errors of half width a has the variance 2 a^2/3; long steps count as holes.
+    assert 0.15e-3 < amount <= 0.3e-3 * np.sqrt(2 / 3) * 1.02
+
+
+def test_a_low_rate_is_named() -> None:
+    assert finding(vetted(recording(900, rate_hz=30.0)), "low_rate").amount == pytest.approx(30.0)
+
+
+@pytest.mark.parametrize(("turned", "named"), [(("q",), 1), (("dq",), 1)])
+def test_degrees_are_told_by_the_ratio(turned: tuple[str, ...], named: int) -> None:
+    given_recording = recording()
+    for channel in turned:
+        given_recording.channels[channel] *= 180.0 / np.pi
+    log = vetted(given_recording)
+    assert codes(log).count("degrees") == named
+    np.testing.assert_allclose(log.q, recording().channels["q"], atol=1e-12)
+    np.testing.assert_allclose(log.dq, recording().channels["dq"], atol=1e-12)
+
+
+def test_degrees_in_both_are_told_by_the_magnitudes() -> None:
+    given_recording = recording()
+    for channel in ("q", "dq"):
+        given_recording.channels[channel] *= 180.0 / np.pi
+    log = vetted(given_recording)
+    assert codes(log) == ["degrees", "degrees"]
+    np.testing.assert_allclose(log.q, recording().channels["q"], atol=1e-12)
+
+
+@pytest.mark.parametrize("stretch", [0.8, 0.96, 1.04, 1.3])
+def test_a_stretched_clock_is_noticed_and_kept(stretch: float) -> None:
+    given_recording = recording()
+    given_recording.t *= stretch
+    log = vetted(given_recording)
+    noticed = finding(log, "clock_stretched")
+    assert noticed.amount == pytest.approx(1.0 / stretch, rel=2e-3)
+    assert log.duration_s == pytest.approx(2.999 * stretch)
+
+
+def test_the_time_scale_mends_a_stretched_clock() -> None:
+    given_recording = recording()
+    given_recording.t *= 2.0
+    log = vetted(given_recording, ReadOptions(time_scale=0.5))
+    assert codes(log) == []
+    assert log.duration_s == pytest.approx(2.999)
+
+
+def test_a_clock_stretched_too_far_is_refused() -> None:
+    given_recording = recording()
+    given_recording.t *= 2.0
+    with pytest.raises(InputError, match=r"q changes 0\.5 times the integral of dq over time; .*--time-scale 0\.5"):
+        vetted(given_recording)
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_a_misjudged_unit_of_time_is_mended(factor: float) -> None:
+    given_recording = recording()
+    given_recording.t *= factor
+    log = vetted(given_recording)
+    assert finding(log, "time_unit").amount == pytest.approx(1.0 / factor)
+    assert log.duration_s == pytest.approx(2.999)
+
+
+@pytest.mark.parametrize("delay", [5, 20])
+def test_a_delay_of_the_velocity_is_no_stretched_clock(delay: int) -> None:
+    given_recording = recording()
+    given_recording.channels = {
+        c: np.asfortranarray(a[delay:] if c == "q" else a[:-delay]) for c, a in given_recording.channels.items()
+    }
+    given_recording.t = given_recording.t[delay:].copy()
+    assert codes(vetted(given_recording)) == []
+
+
+def test_a_wrong_column_is_named_by_joint() -> None:
+    given_recording = recording(joints=7)
+    given_recording.channels["q"][:, 4] = 0.5 * np.sin(1.3 * given_recording.t)
+    log = vetted(given_recording)
+    assert finding(log, "position_mismatch").joint == 5
+
+
+def test_a_joint_with_the_other_sign_is_named() -> None:
+    given_recording = recording(joints=7)
+    given_recording.channels["q"][:, 2] *= -1.0
+    assert finding(vetted(given_recording), "position_mismatch").joint == 3
+
+
+def test_noise_of_a_real_arm_is_no_finding() -> None:
+    rng = np.random.default_rng(3)
+    given_recording = recording(joints=7)
+    given_recording.channels["q"] += 1e-5 * rng.standard_normal((3000, 7))
+    given_recording.channels["dq"] += 2e-3 * rng.standard_normal((3000, 7))
+    assert codes(vetted(given_recording)) == []
+
+
+def test_rest_is_no_finding() -> None:
+    rng = np.random.default_rng(3)
+    given_recording = recording(joints=7)
+    given_recording.channels["q"][:] = 1.0 + 1e-5 * rng.standard_normal((3000, 7))
+    given_recording.channels["dq"][:] = 1e-3 * rng.standard_normal((3000, 7))
+    assert codes(vetted(given_recording)) == []
+
+
+@pytest.mark.parametrize("samples", [0, 1])
+def test_too_few_samples(samples: int) -> None:
+    with pytest.raises(InputError, match=f"{samples} sample"):
+        vetted(recording(samples))
+
+
+def test_too_few_samples_left() -> None:
+    given_recording = recording(3)
+    given_recording.t[1:] = np.nan
+    with pytest.raises(InputError, match=r"1 sample; .*2 of 3 rows hold NaN"):
+        vetted(given_recording)
+
+
+def _with_nan(given_recording: Recording, row: int) -> None:
+    given_recording.channels["dq"][row] = np.nan
+
+
+def _with_old_stamp(given_recording: Recording, row: int) -> None:
+    given_recording.t[row] = given_recording.t[row - 1]
+
+
+def _with_repeat(given_recording: Recording, row: int) -> None:
+    for array in given_recording.channels.values():
+        array[row] = array[row - 1]
+
+
+@settings(max_examples=30, deadline=None)
+@given(
+    faults=st.lists(
+        st.tuples(st.sampled_from([_with_nan, _with_old_stamp, _with_repeat]), st.integers(1, 299)), max_size=20
+    )
+)
+def test_whatever_the_faults_the_log_keeps_its_promises(
+    faults: list[tuple[Callable[[Recording, int], None], int]],
+) -> None:
+    given_recording = recording(300)
+    for fault, row in faults:
+        fault(given_recording, row)
+    log = vetted(given_recording)
+    lost = sum(
+        f.amount or 0 for f in log.source.findings if f.code in ("non_finite", "duplicate_stamps", "stale_samples")
+    )
+    assert len(log.t) + lost == 300
