@@ -1,3 +1,5 @@
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,9 +21,9 @@ JOINT_STATE = ("q", "dq", "tau_J")
 def make_log(
     *, joints: int = 7, samples: int = 400, channels: tuple[str, ...] = JOINT_CHANNELS, start_s: float | None = None
 ) -> JointLog:
-    """A log of random numbers with stamps of whole nanoseconds and steps of about 1 ms."""
+    """A log of random numbers with stamps of whole nanoseconds and steps of a little more than 1 ms."""
     rng = np.random.default_rng(1)
-    steps = rng.integers(900_000, 1_100_000, samples - 1)
+    steps = rng.integers(1_010_000, 1_300_000, samples - 1)
     t = np.concatenate(([0], np.cumsum(steps))) / 1e9
     q = np.cumsum(rng.normal(0.0, 1e-3, (samples, joints)), axis=0)
     arrays: dict[str, Float] = {name: rng.normal(0.0, 0.3, (samples, joints)) for name in channels}
@@ -51,17 +53,6 @@ def test_file_reads_back(writer: Writer, tmp_path: Path) -> None:
 def assert_nearly_equal(actual: Float, desired: Float) -> None:
     """Six digits, and milliseconds."""
     assert_allclose(actual, desired, rtol=1e-5, atol=0.51e-3)
-
-
-@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
-def test_writing_twice_gives_the_same_numbers(writer: Writer, tmp_path: Path) -> None:
-    log = make_log(channels=tuple(writer.holds), samples=50)
-    paths = [tmp_path / f"{number}{writer.suffix}" for number in (1, 2)]
-    for path in paths:
-        write_log(log, path, dialect=writer.name)
-    one, two = (read_log(path).channels() for path in paths)
-    for name, channel in one.items():
-        assert_array_equal(channel, two[name])
 
 
 @pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
@@ -150,6 +141,12 @@ def test_any_number_survives(name: str, number: float, tmp_path_factory: pytest.
     path = tmp_path_factory.mktemp("log") / f"log{next(w.suffix for w in WRITERS if w.name == name)}"
     write_log(replace(log, tau_J=torque), path, dialect=name)
     assert_array_equal(read_log(path).channels()["tau_J"], torque)
+
+
+def test_writers_are_listed_without_their_libraries() -> None:
+    heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
+    code = f"import sys, friction_audit.export; print([name for name in {heavy} if name in sys.modules])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
 def test_names_are_unique() -> None:
