@@ -144,6 +144,7 @@ def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_mode
 
 def test_an_unknown_arm_keeps_its_gravity_and_says_what_to_do() -> None:
     found = extract(hand_log("unknown"))
+    assert found.choice.formula == "F_m = -tau_J, gravity still inside"
     assert (found.choice.gravity, found.choice.gravity_in_torque) == ("none", True)
     assert "gravity_in_torque" in codes(found)
 
@@ -223,6 +224,17 @@ def test_nothing_moves_nothing_is_proved() -> None:
     found = extract(replace(log, dq=np.zeros_like(log.dq), q=np.zeros_like(log.q)))
     assert not found.choice.sign_proved
     assert codes(found) == []
+
+
+def test_joints_that_only_give_way_do_not_vote() -> None:
+    log = hand_log()
+    still = np.array([True] * 6 + [False])
+    wobble = 0.03 * np.sin(2 * np.pi * 5 * log.t)[:, None]
+    dq, noise = np.where(still, wobble, log.dq), np.random.default_rng(4).normal(0, 0.3, log.dq.shape)
+    torque = np.where(still, noise, friction())
+    found = extract(replace(log, dq=dq, tau_J=None, tau_interaction=torque))
+    assert [one.verdict for one in found.choice.sign_evidence].count("rises") < 4
+    assert found.choice.sign_proved
 
 
 def test_one_way_motion_says_that_nothing_is_proved() -> None:

@@ -102,3 +102,10 @@ def test_a_log_at_30_hz() -> None:
     found = extract_interaction(bag_at_30_hz(), TorqueSettings())
     assert (found.choice.drive, found.choice.sign_proved) == ("robot", True)
     assert coulomb(found)[6] == pytest.approx(0.25, abs=0.05)
+
+
+def test_with_gravity_still_inside_the_arm_that_moves_by_itself_is_noticed_too() -> None:
+    found = extract_interaction(excitation("unknown"), TorqueSettings())
+    assert (found.choice.drive, found.choice.gravity) == ("robot", "none")
+    assert not found.choice.sign_proved
+    assert {"gravity_in_torque", "sign_turned", "sign_unproved"} <= {caution.code for caution in found.warnings}

@@ -9,7 +9,7 @@ from friction_audit.interaction.interaction import Caution, Interaction, SignEvi
 from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
-from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prove_sign
+from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prevails, prove_sign, voting
 from friction_audit.joint_log import Float, JointLog
 
 SIGNS = {"hand": -1, "robot": 1}
@@ -102,7 +102,7 @@ def _columns(log: JointLog, joints: tuple[int, ...] | None) -> list[int]:
 
 
 def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid, ...]) -> tuple[_Balance, bool]:
-    """Return the row of the balance that the energy proves, and whether it is not the one tried first."""
+    """Return the row of the balance that the energy speaks for, and whether it is not the one tried first."""
     first = _proved(log, coarse, plan, _row(log, plan, grids, plan.drives[0]))
     if first.proved:
         return first, False
@@ -113,7 +113,9 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid,
     else:
         return first, False
     other = _proved(log, coarse, plan, other)
-    return (other, True) if other.proved else (first, False)
+    # Gravity that is still inside leaves most joints undecided; the others may still tell one row from the other.
+    better = prevails(other.evidence) and not prevails(first.evidence)
+    return (other, True) if better else (first, False)
 
 
 def _row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str) -> _Balance:
@@ -192,7 +194,7 @@ def _formula(plan: Plan, balance: _Balance) -> str:
     removed += ["g"] if plan.gravity != "none" else []
     inside = "" if plan.gravity != "none" else ", gravity still inside"
     if balance.drive == "hand":
-        return f"F_m = {' + '.join(removed)} - tau_J".replace("=  -", "= -") + inside
+        return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
     listed = " + ".join(removed)
     return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
 
@@ -250,6 +252,6 @@ def _disagreeing(evidence: tuple[SignEvidence, ...]) -> tuple[Caution, ...]:
             "the motion) while that of most joints does not: gravity, payload or inertia of this joint is wrong",
             joint=one.joint,
         )
-        for one in evidence
+        for one in voting(evidence)
         if one.verdict == minority
     )

@@ -21,6 +21,7 @@ class SignEvidence:
         joint: Joint number for people (1..n of the log).
         verdict: ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"`` or ``"still"``.
         moving_s: Time for which the joint moves. [s]
+        path_rad: How far it moves in that time, both directions added. [rad]
         against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it cannot be told. [N m]
         standard_error_nm: Its standard error, strokes taken as independent. [N m]
     """
@@ -28,6 +29,7 @@ class SignEvidence:
     joint: int
     verdict: str
     moving_s: float
+    path_rad: float
     against_motion_nm: float
     standard_error_nm: float
 

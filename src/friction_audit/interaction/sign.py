@@ -31,6 +31,7 @@ SHARE_OF_PEAK = 0.2
 STILL_RAD_S = 0.02
 """A joint whose peak speed stays below this does not move."""
 
+SHARE_OF_FARTHEST = 0.1
 MINIMUM_STROKES = 4
 SIGNIFICANT = 2.0
 """Standard errors."""
@@ -83,38 +84,51 @@ def prove_sign(log: CoarseLog, torque: Float) -> tuple[SignEvidence, ...]:
     return tuple(_judge(log, joint, ddq[:, joint], torque[:, joint]) for joint in range(log.q.shape[1]))
 
 
+def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
+    """Return the joints that move on their own account: at least a tenth as far as the one that goes farthest.
+
+    The others only give way while another joint is moved, and their noise shall not outvote it.
+    """
+    farthest = max((one.path_rad for one in evidence), default=0.0)
+    return tuple(one for one in evidence if one.verdict != "still" and one.path_rad >= SHARE_OF_FARTHEST * farthest)
+
+
 def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
-    """Return True if more than half of the moving joints have this verdict."""
-    moving = [one for one in evidence if one.verdict != "still"]
-    return 2 * sum(one.verdict == verdict for one in moving) > len(moving)
+    """Return True if more than half of the joints that vote have this verdict."""
+    votes = [one.verdict == verdict for one in voting(evidence)]
+    return 2 * sum(votes) > len(votes)
+
+
+def prevails(evidence: tuple[SignEvidence, ...]) -> bool:
+    """Return True if more joints rise than fall, and a third of those that vote rise: enough to prefer one sign."""
+    verdicts = [one.verdict for one in voting(evidence)]
+    rising = verdicts.count("rises")
+    return rising > verdicts.count("falls") and 3 * rising >= len(verdicts)
 
 
 def _judge(log: CoarseLog, joint: int, ddq: Float, torque: Float) -> SignEvidence:
     speed = np.abs(log.dq[:, joint])
     peak = float(speed.max())
     moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
-    seconds = float(moving.sum() * np.median(np.diff(log.t)))
-    number = joint + 1
-    if peak < STILL_RAD_S:
-        return _without_number(number, seconds, "still")
+    step = float(np.median(np.diff(log.t)))
+    verdict: Verdict = "undecided" if peak >= STILL_RAD_S else "still"
+    against = error = float("nan")
     direction = np.sign(log.dq[moving, joint])
     stroke = np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
-    if stroke.size == 0 or stroke[-1] + 1 < MINIMUM_STROKES:
-        return _without_number(number, seconds, "undecided")
-    q = log.q[moving, joint]
-    others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq[moving]])
-    against, error = _coefficient(direction, others, torque[moving], stroke)
-    verdict: Verdict = "undecided"
-    if abs(against) > SIGNIFICANT * error:
-        verdict = "rises" if against > 0 else "falls"
+    if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
+        q = log.q[moving, joint]
+        others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq[moving]])
+        against, error = _coefficient(direction, others, torque[moving], stroke)
+        if abs(against) > SIGNIFICANT * error:
+            verdict = "rises" if against > 0 else "falls"
     return SignEvidence(
-        joint=number, verdict=verdict, moving_s=seconds, against_motion_nm=against, standard_error_nm=error
+        joint=joint + 1,
+        verdict=verdict,
+        moving_s=step * int(np.count_nonzero(moving)),
+        path_rad=step * float(speed[moving].sum()),
+        against_motion_nm=against,
+        standard_error_nm=error,
     )
-
-
-def _without_number(joint: int, seconds: float, verdict: Verdict) -> SignEvidence:
-    nan = float("nan")
-    return SignEvidence(joint=joint, verdict=verdict, moving_s=seconds, against_motion_nm=nan, standard_error_nm=nan)
 
 
 def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
@@ -129,8 +143,9 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
         return float("nan"), float("nan")
     value = float(own @ left) / square
     scores = np.bincount(stroke, weights=own * (left - value * own))
-    clusters = len(scores)
-    return value, float(np.sqrt(scores @ scores * clusters / (clusters - 1)) / square)
+    strokes = len(scores)
+    # Few strokes fit the column, the offset and the place by themselves: three of them do not count.
+    return value, float(np.sqrt(scores @ scores * strokes / (strokes - 3)) / square)
 
 
 def _block_mean(signal: Float, samples: int) -> Float:
