@@ -7,7 +7,7 @@ from friction_audit.errors import InputError
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet.clock import order_clock
 from friction_audit.ingest.vet.missing import leave_out_missing
-from friction_audit.ingest.vet.motion import check_motion
+from friction_audit.ingest.vet.motion import check_motion, mend_units
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.joint_log import MINIMUM_SAMPLES, JointLog, Source
@@ -44,11 +44,11 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     _refuse_short(recording, path)
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
-    recording = check_motion(recording, path, scaled=options.time_scale != 1.0)
+    recording = mend_units(recording)
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
     _refuse_short(recording, path)
-    return recording
+    return check_motion(recording, path, scaled=options.time_scale != 1.0)
 
 
 def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002

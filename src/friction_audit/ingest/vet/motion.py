@@ -15,8 +15,8 @@ from friction_audit.ingest.vet.sampling import gap_threshold_s
 from friction_audit.joint_log import Finding, Float
 
 DEGREES_PER_RADIAN = 180.0 / np.pi
-_WINDOW_S = 0.2
-_WINDOW_SAMPLES = 7
+_WINDOW_S = 0.5
+_WINDOW_SAMPLES = 15
 _FEWEST_PARTS = 16
 _MOST_SAMPLES = 1 << 18
 """Samples that are looked at; of longer logs, stretches spread evenly over the whole."""
@@ -53,26 +53,31 @@ class MotionRatio:
         return float(np.median(trusted)) if len(trusted) else float("nan")
 
 
+def mend_units(recording: Recording) -> Recording:
+    """Turn degrees into radians, and mend a unit of time that was misjudged."""
+    ratio = _ratios(recording).common
+    turned = _turn_degrees(recording, ratio)
+    return _mend_unit(turned, ratio if turned is recording else _ratios(turned).common)
+
+
 def check_motion(recording: Recording, path: str, *, scaled: bool) -> Recording:
-    """Turn degrees into radians, mend a misjudged unit of time, and notice a stretched clock and wrong columns.
+    """Notice a stretched clock and columns of the wrong joint; nothing is changed.
 
     Args:
-        recording: In order of time.
+        recording: In order of time, in SI units, without stale samples.
         path: The file, for messages.
-        scaled: True if the user stated the clock's factor, which then is not judged again.
+        scaled: True if the user stated the clock's factor, which then is not refused.
 
     Raises:
         InputError: If the clock is wrong by a factor that nothing explains.
     """
-    ratios = motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
-    recording, turned = _turn_degrees(recording, ratios)
-    if turned:
-        ratios = motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
-    recording, mended = _mend_unit(recording, ratios.common)
-    if mended:
-        ratios = motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
+    ratios = _ratios(recording)
     recording = with_findings(recording, *_mismatches(recording, ratios))
     return with_findings(recording, _stretch(ratios.common, path, scaled=scaled))
+
+
+def _ratios(recording: Recording) -> MotionRatio:
+    return motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
 
 
 def motion_ratios(t: Float, q: Float, dq: Float) -> MotionRatio:
@@ -127,12 +132,11 @@ def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, flo
     return float(solution[0]), 1.0 - float(np.dot(residual, residual)) / total if total > 0.0 else 0.0
 
 
-def _turn_degrees(recording: Recording, ratios: MotionRatio) -> tuple[Recording, bool]:
+def _turn_degrees(recording: Recording, ratio: float) -> Recording:
     """Turn q, dq or both into radians where their ratio and their magnitudes say degrees."""
     q, dq = recording.channels["q"], recording.channels["dq"]
     largest_q = max(float(np.abs(column).max()) for column in (q.min(axis=0), q.max(axis=0)))
     largest_dq = max(float(np.abs(column).max()) for column in (dq.min(axis=0), dq.max(axis=0)))
-    ratio = ratios.common
     degrees = []
     if _near(ratio, DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
@@ -143,9 +147,8 @@ def _turn_degrees(recording: Recording, ratios: MotionRatio) -> tuple[Recording,
     for channel in degrees:
         array = recording.channels[channel]
         array /= DEGREES_PER_RADIAN
-    return with_findings(
-        recording, *(_degrees(c, largest_q if c == "q" else largest_dq, ratio) for c in degrees)
-    ), bool(degrees)
+    noticed = (_degrees(channel, largest_q if channel == "q" else largest_dq, ratio) for channel in degrees)
+    return with_findings(recording, *noticed)
 
 
 def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
@@ -161,17 +164,17 @@ def _degrees(channel: str, largest: float, ratio: float) -> Finding:
     return Finding(code="degrees", message=message, amount=largest)
 
 
-def _mend_unit(recording: Recording, ratio: float) -> tuple[Recording, bool]:
+def _mend_unit(recording: Recording, ratio: float) -> Recording:
     """A factor of a thousand between motion and clock is a unit misjudged from the time step, and mended."""
     factor = next((factor for factor in _UNIT_FACTORS if _near(ratio, factor, 0.3)), None)
     if factor is None:
-        return recording, False
+        return recording
     message = (
         f"the motion runs {ratio:.4g} times too fast for the clock ({recording.mapping.get('t', recording.clock)}): "
         f"its unit was misjudged; time was multiplied by {factor:g}"
     )
     finding = Finding(code="time_unit", message=message, amount=factor)
-    return with_findings(replace(recording, t=recording.t * factor), finding), True
+    return with_findings(replace(recording, t=recording.t * factor), finding)
 
 
 def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
