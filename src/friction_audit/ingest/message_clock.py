@@ -75,7 +75,7 @@ def _disagreement(t: Float, log_t: Float, chosen: str) -> list[Finding]:
     centred = t - t.mean()
     drift = float(centred @ difference / (centred @ centred))
     sd_s = float(np.std(difference - drift * centred))
-    limit_s = max(DISAGREEMENT_SD_S, DISAGREEMENT_STEPS * float(np.median(np.abs(np.diff(t)))))
+    limit_s = max(DISAGREEMENT_SD_S, DISAGREEMENT_STEPS * float(t.max()) / (len(t) - 1))
     findings = []
     if sd_s > limit_s:
         text = f"{CLOCK_TITLES[chosen]} and the log time differ irregularly, standard deviation {sd_s * 1e3:.3g} ms"

@@ -4,8 +4,7 @@ import json
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol
 
-from friction_audit.errors import InputError
-from friction_audit.ingest.message_definitions import find_definition
+from friction_audit.ingest.message_definitions import DefinitionError, find_definition
 from friction_audit.ingest.message_layout import Layout, LayoutError, find_layout
 from friction_audit.ingest.message_stream import Connection
 
@@ -46,7 +45,7 @@ def decoder_for(connection: Connection, payload: bytes | None = None) -> Message
         None if the type is not known, or cannot be known without a message.
 
     Raises:
-        InputError: If the definition in the file cannot be parsed.
+        DefinitionError: If the definition in the file cannot be used.
     """
     if connection.encoding in ("cdr", "ros1"):
         types = find_definition(connection, payload)
@@ -62,12 +61,19 @@ class RosDecoder:
     """ROS 1 and ROS 2 (CDR) messages, through rosbags."""
 
     def __init__(self, connection: Connection, types: "Typesdict") -> None:
-        """Keep the definitions; the decoder proper is generated when it is first needed."""
+        """Keep the definitions; the decoder proper is generated when it is first needed.
+
+        Raises:
+            DefinitionError: If the definitions are not all there.
+        """
         self._type = connection.type
         self._encoding = connection.encoding
         self._types = types
         self._store: Typestore | None = None
-        self.paths = tuple(_ros_paths(connection.type, types))
+        try:
+            self.paths = tuple(_ros_paths(connection.type, types))
+        except KeyError as error:
+            raise DefinitionError(f"its definition does not say what {error} is") from error
 
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
@@ -161,7 +167,7 @@ class ProtobufDecoder:
         """Build the message class from the descriptors in the file.
 
         Raises:
-            InputError: If the descriptors are missing or broken.
+            DefinitionError: If the descriptors are missing or broken.
         """
         from google.protobuf.message import DecodeError
         from mcap.exceptions import McapError
@@ -173,9 +179,9 @@ class ProtobufDecoder:
         try:
             decode = DecoderFactory().decoder_for("protobuf", schema)
         except (McapError, DecodeError, TypeError, KeyError) as error:
-            raise _unusable(connection, str(error)) from error
+            raise DefinitionError(f"its protobuf descriptors cannot be used ({error})") from error
         if decode is None:
-            raise _unusable(connection, f"schema encoding {connection.definition_format!r}")
+            raise DefinitionError(f"its schema is of encoding {connection.definition_format!r}, not protobuf")
         self._decode = decode
         self.paths = tuple(_protobuf_paths(self._decode(b"").DESCRIPTOR))
 
@@ -189,13 +195,6 @@ class ProtobufDecoder:
 
     def layout(self, payload: bytes) -> None:
         """Return None: protobuf leaves out fields that are zero."""
-
-
-def _unusable(connection: Connection, reason: str) -> InputError:
-    return InputError(
-        f"topic {connection.topic}: the protobuf descriptors of {connection.type} in the file cannot be used "
-        f"({reason}); choose another topic with --topic"
-    )
 
 
 def _protobuf_paths(descriptor: object, prefix: str = "") -> Iterator[str]:

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
-from friction_audit.errors import InputError
 from friction_audit.ingest.message_layout import LayoutError, find_layout
 from friction_audit.ingest.message_stream import Connection
 
@@ -20,6 +19,10 @@ ERROR_FLAGS = (36, 41)
 """Number of flags in ``franka_msgs/Errors``, by generation."""
 
 
+class DefinitionError(Exception):
+    """The definition that a file carries cannot be used."""
+
+
 def find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
     """Find the definition of a connection's type and of all that it contains.
 
@@ -31,7 +34,7 @@ def find_definition(connection: Connection, payload: bytes | None) -> "Typesdict
         Definitions as rosbags parses them, or None if nothing is known.
 
     Raises:
-        InputError: If the file carries a definition that cannot be parsed.
+        DefinitionError: If the file carries a definition that cannot be parsed.
     """
     if connection.definition:
         return _parse(connection)
@@ -59,10 +62,7 @@ def _parse(connection: Connection) -> "Typesdict":
         else:
             types.update(get_types_from_msg(text, connection.type))
     except (TypesysError, UnicodeDecodeError) as error:
-        raise InputError(
-            f"topic {connection.topic}: the definition of {connection.type} in the file cannot be parsed ({error}); "
-            "choose another topic with --topic"
-        ) from error
+        raise DefinitionError(f"its definition cannot be parsed ({error})") from error
     return types
 
 

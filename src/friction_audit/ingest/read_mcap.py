@@ -319,7 +319,7 @@ def _read(path: Path, options: ReadOptions) -> Recording:
 
 
 def _topics(path: Path) -> tuple[Topic, ...]:
-    return topics_of(McapStream(path))
+    return topics_of(path, McapStream(path))
 
 
 MCAP = Reader(

@@ -13,7 +13,7 @@ from friction_audit.ingest.joint_order import robot_of
 from friction_audit.ingest.joint_samples import JointSamples, stamp_paths
 from friction_audit.ingest.message_clock import choose_clock
 from friction_audit.ingest.message_decoder import MessageDecoder, UndecodableError, decoder_for
-from friction_audit.ingest.message_definitions import may_be_known
+from friction_audit.ingest.message_definitions import DefinitionError, may_be_known
 from friction_audit.ingest.message_stream import Block, Connection, Damage, MessageStream
 from friction_audit.ingest.reader import ReadOptions, Recording, Topic
 from friction_audit.ingest.topic_choice import Candidate, Choice, choose_topic
@@ -35,8 +35,8 @@ def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Re
         InputError: If there is no joint state to read.
         UsageError: If the log holds several arms and the user named none.
     """
-    candidates = _candidates(stream, options)
-    choice = choose_topic(path, candidates, topics_of(stream, candidates), options.topic)
+    candidates = _candidates(path, stream, options)
+    choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
     samples, undecodable = _collect(stream, choice)
     if not samples.count:
         raise InputError(
@@ -46,9 +46,13 @@ def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Re
     return _recording(choice, samples, options, candidates, _losses(stream.damage, samples, undecodable))
 
 
-def topics_of(stream: MessageStream, candidates: Sequence[Candidate] | None = None) -> tuple[Topic, ...]:
+def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
     """List the topics in a stream."""
-    readable = {c.topic for c in (_candidates(stream, ReadOptions()) if candidates is None else candidates)}
+    return _topics(stream, _candidates(path, stream, ReadOptions()))
+
+
+def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
+    readable = {candidate.topic for candidate in candidates}
     topics: dict[str, Topic] = {}
     for connection in stream.connections:
         known = topics.get(connection.topic)
@@ -66,24 +70,42 @@ def _sum(counts: Sequence[int | None]) -> int | None:
     return sum(known) if len(known) == len(counts) else None
 
 
-def _candidates(stream: MessageStream, options: ReadOptions) -> list[Candidate]:
+def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list[Candidate]:
     """Find the topics that can be read, with their first messages decoded."""
-    wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
+    wanted = _wanted(options)
     used = [c for c in stream.connections if c.messages != 0]
-    decoders = {c.key: decoder for c in used if (decoder := decoder_for(c)) is not None}
+    decoders = {c.key: decoder for c in used if (decoder := _decoder(path, c, None, wanted)) is not None}
     unknown = [c for c in used if c.key not in decoders and (c.encoding == "json" or may_be_known(c))]
     firsts = _first_blocks(stream, [c.key for c in unknown])
     for connection in unknown:
         block = firsts.get(connection.key)
-        if block is not None and (late := decoder_for(connection, block.payload(0))) is not None:
+        if block is not None and (late := _decoder(path, connection, block.payload(0), wanted)) is not None:
             decoders[connection.key] = late
-    kinds = {c.key: k for c in used if c.key in decoders and (k := _kind(c, decoders[c.key], options, wanted))}
+    kinds = _kinds(path, [c for c in used if c.key in decoders], decoders, options)
     firsts |= _first_blocks(stream, [key for key in kinds if key not in firsts])
     groups: dict[str, list[Connection]] = {}
     for connection in used:
         if connection.key in kinds and connection.key in firsts:
             groups.setdefault(connection.topic, []).append(connection)
     return [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
+
+
+def _wanted(options: ReadOptions) -> str | None:
+    """Return the topic that the user asked for, without the arm and the slashes around it."""
+    return options.topic.partition("#")[0].strip("/") if options.topic else None
+
+
+def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: str | None) -> MessageDecoder | None:
+    """Make a decoder; a broken definition matters only on the topic that the user asked for."""
+    try:
+        return decoder_for(connection, payload)
+    except DefinitionError as error:
+        if connection.topic.strip("/") != wanted:
+            return None
+        raise InputError(
+            f"{path}: topic {connection.topic} of type {connection.type} cannot be read: {error}; "
+            "choose another topic with --topic, or convert the log"
+        ) from error
 
 
 def _candidate(
@@ -125,29 +147,48 @@ def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> lis
     return rows
 
 
-def _kind(
-    connection: Connection, decoder: MessageDecoder, options: ReadOptions, wanted: str | None
-) -> MessageKind | None:
-    """Match the fields of a connection; what the user mapped wins, on the topic that the user named or on all."""
+def _kinds(
+    path: Path, connections: Sequence[Connection], decoders: Mapping[int, MessageDecoder], options: ReadOptions
+) -> dict[int, MessageKind]:
+    """Match the fields of all connections.
+
+    Raises:
+        InputError: If the user mapped fields that no connection has.
+    """
+    wanted = _wanted(options)
+    kinds: dict[int, MessageKind] = {}
+    refused: list[tuple[Connection, list[str]]] = []
+    for connection in connections:
+        decoder = decoders[connection.key]
+        mapping = options.mapping if wanted in (None, connection.topic.strip("/")) else {}
+        kind, missing = _kind(decoder, mapping)
+        if missing:
+            refused.append((connection, missing))
+        elif kind is not None:
+            kinds[connection.key] = kind
+    if refused and (wanted is not None or not kinds):
+        connection, missing = refused[0]
+        raise _no_such_field(path, connection, decoders[connection.key], missing)
+    return kinds
+
+
+def _kind(decoder: MessageDecoder, mapping: Mapping[str, str]) -> tuple[MessageKind | None, list[str]]:
+    """Match the fields of a connection; what the user mapped wins. Returns also the fields mapped but not there."""
     kind = match_kind(decoder.paths)
-    if not options.mapping or (wanted is not None and connection.topic.strip("/") != wanted):
-        return kind
-    named = {channel: _field_path(text) for channel, text in options.mapping.items()}
-    missing = [path for path in named.values() if path not in decoder.paths]
-    if missing and (kind is None or wanted is None):
-        return None if wanted is None else _refuse(connection, decoder, missing)
-    if missing:
-        return _refuse(connection, decoder, missing)
+    named = {channel: _field_path(text) for channel, text in mapping.items()}
+    missing = [field for field in named.values() if field not in decoder.paths]
+    if not named or missing:
+        return kind, missing
     robot_time = named.pop("t", None)
     base = kind or MessageKind(title="as mapped", rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
-    return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time)
+    return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time), []
 
 
-def _refuse(connection: Connection, decoder: MessageDecoder, missing: Sequence[str]) -> MessageKind:
-    near = sorted({name for path in missing for name in get_close_matches(path, decoder.paths, cutoff=0.5)})
+def _no_such_field(path: Path, connection: Connection, decoder: MessageDecoder, missing: Sequence[str]) -> InputError:
+    near = sorted({name for field in missing for name in get_close_matches(field, decoder.paths, cutoff=0.5)})
     hint = f"; did you mean {', '.join(near)}?" if near else ""
-    raise InputError(
-        f"topic {connection.topic}: no field {', '.join(missing)} in {connection.type}{hint}; "
+    return InputError(
+        f"{path}: topic {connection.topic}: no field {', '.join(missing)} in {connection.type}{hint}; "
         f"its fields are {', '.join(decoder.paths)}; correct --map"
     )
 

@@ -385,7 +385,7 @@ def _read(path: Path, options: ReadOptions) -> Recording:
 
 
 def _topics(path: Path) -> tuple[Topic, ...]:
-    return topics_of(Rosbag1Stream(path))
+    return topics_of(path, Rosbag1Stream(path))
 
 
 ROSBAG1 = Reader(

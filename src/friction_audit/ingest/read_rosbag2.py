@@ -250,7 +250,7 @@ def _read(path: Path, options: ReadOptions) -> Recording:
 
 def _topics(path: Path) -> tuple[Topic, ...]:
     with ExitStack() as stack:
-        return topics_of(_open(path, stack))
+        return topics_of(path, _open(path, stack))
 
 
 ROSBAG2 = Reader(

@@ -92,7 +92,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
         return Choice(candidate, _arm_joints(path, candidate, arm))
     measured = [c for c in candidates if c.arms and not NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
     if not measured:
-        raise InputError(_nothing_to_read(path, topics))
+        raise InputError(_nothing_to_read(path, candidates, topics))
     if _several_arms(measured):
         raise UsageError(f"{path}: several arms in one log; choose one with {_choices(measured)}")
     best = min(measured, key=_preference)
@@ -163,9 +163,14 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
     raise InputError(f"{path}: no topic {wanted}; {hint}{list_topics(topics)}; choose one with --topic")
 
 
-def _nothing_to_read(path: Path, topics: Sequence[Topic]) -> str:
+def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     if not topics:
         return f"{path}: no messages at all; expected a topic with joint states; check that the recording was running"
+    if broken := next((candidate for candidate in candidates if not candidate.rows), None):
+        return (
+            f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "
+            f"{list_topics(topics)}; choose another one with --topic, or record anew"
+        )
     return (
         f"{path}: no topic with measured joint states; expected fields q, dq and tau_J, or position, velocity and "
         f"effort; {list_topics(topics)}; name the fields with --topic and --map if one of them holds the joints"

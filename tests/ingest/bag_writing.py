@@ -1,0 +1,177 @@
+"""Bags for tests, written by rosbags' and mcap's own writers."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.writer import Writer as McapWriter
+from numpy.typing import NDArray
+from rosbags.rosbag1 import Writer as Rosbag1Writer
+from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin
+from rosbags.rosbag2 import Writer as Rosbag2Writer
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
+from rosbags.typesys.store import Typestore
+
+JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
+START_NS = 1_700_000_000_000_000_123
+STEP_NS = 1_000_000
+LOG_DELAY_NS = 200_000
+
+Samples = dict[str, NDArray[np.float64]]
+
+
+def samples(n: int, joints: int = 7, seed: int = 0) -> Samples:
+    """Random q, dq and tau_J of shape (n, joints)."""
+    rng = np.random.default_rng(seed)
+    return {name: rng.normal(size=(n, joints)) for name in ("q", "dq", "tau_J")}
+
+
+def ros1_store(*definitions: tuple[str, str]) -> Typestore:
+    return _store(Stores.ROS1_NOETIC, definitions)
+
+
+def ros2_store(*definitions: tuple[str, str]) -> Typestore:
+    return _store(Stores.ROS2_HUMBLE, definitions)
+
+
+def _store(base: Stores, definitions: Sequence[tuple[str, str]]) -> Typestore:
+    store = get_typestore(base)
+    types: Any = {}
+    for name, text in definitions:
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
+    return store
+
+
+def stamp_ns(index: int) -> int:
+    return START_NS + index * STEP_NS
+
+
+def header(store: Typestore, index: int, frame: str = "", *, stamp: int | None = None) -> Any:
+    ns = stamp_ns(index) if stamp is None else stamp
+    times: Any = store.types["builtin_interfaces/msg/Time"]
+    kind: Any = store.types["std_msgs/msg/Header"]
+    extra = {"seq": index} if "seq" in kind.__dataclass_fields__ else {}
+    return kind(stamp=times(sec=ns // 10**9, nanosec=ns % 10**9), frame_id=frame, **extra)
+
+
+def joint_state(
+    store: Typestore,
+    index: int,
+    values: Samples,
+    *,
+    names: Sequence[str] = JOINTS,
+    stamp: int | None = None,
+    empty: Sequence[str] = (),
+) -> Any:
+    """One JointState; the columns of the values follow JOINTS, whatever the order of the names."""
+    order = [JOINTS.index(name) if name in JOINTS else -1 for name in names]
+    picked = {
+        channel: np.zeros(0)
+        if channel in empty
+        else np.array([array[index, at] if at >= 0 else 99.0 for at in order], np.float64)
+        for channel, array in values.items()
+    }
+    kind: Any = store.types["sensor_msgs/msg/JointState"]
+    return kind(
+        header=header(store, index, stamp=stamp),
+        name=list(names),
+        position=picked["q"],
+        velocity=picked["dq"],
+        effort=picked["tau_J"],
+    )
+
+
+Stream = tuple[str, str, Sequence[tuple[int, Any]]]
+"""Topic, message type, and (log time, message) of every message."""
+
+
+def joint_states(
+    store: Typestore, values: Samples, topic: str = "/joint_states", *, every: int = 1, **options: Any
+) -> Stream:
+    count = len(values["q"])
+    messages = [(stamp_ns(i) + LOG_DELAY_NS, joint_state(store, i, values, **options)) for i in range(0, count, every)]
+    return topic, "sensor_msgs/msg/JointState", messages
+
+
+def write_rosbag1(path: Path, store: Typestore, streams: Sequence[Stream], compression: str | None = None) -> Path:
+    writer = Rosbag1Writer(path)
+    if compression:
+        writer.set_compression(Rosbag1Writer.CompressionFormat[compression])
+    with writer:
+        connections = [writer.add_connection(topic, kind, typestore=store) for topic, kind, _ in streams]
+        for at, time, message in _in_order(streams):
+            writer.write(connections[at], time, store.serialize_ros1(message, streams[at][1]))
+    return path
+
+
+def write_rosbag2(
+    path: Path, store: Typestore, streams: Sequence[Stream], *, storage: str = "SQLITE3", compression: str | None = None
+) -> Path:
+    writer = Rosbag2Writer(path, version=9, storage_plugin=StoragePlugin[storage])
+    if compression:
+        writer.set_compression(CompressionMode[compression], CompressionFormat.ZSTD)
+    with writer:
+        connections = [writer.add_connection(topic, kind, typestore=store) for topic, kind, _ in streams]
+        for at, time, message in _in_order(streams):
+            writer.write(connections[at], time, store.serialize_cdr(message, streams[at][1]))
+    return path
+
+
+def write_mcap(
+    path: Path,
+    store: Typestore,
+    streams: Sequence[Stream],
+    *,
+    ros1: bool = False,
+    chunk_size: int = 64 * 1024,
+    **options: Any,
+) -> Path:
+    """An MCAP file of ROS messages by the mcap library's own writer."""
+    payloads = [
+        (
+            topic,
+            kind,
+            [(t, bytes((store.serialize_ros1 if ros1 else store.serialize_cdr)(m, kind))) for t, m in messages],
+        )
+        for topic, kind, messages in streams
+    ]
+    schemas = {kind: store.generate_msgdef(kind, ros_version=1 if ros1 else 2)[0].encode() for _, kind, _ in streams}
+    encodings = ("ros1", "ros1msg") if ros1 else ("cdr", "ros2msg")
+    return write_mcap_payloads(path, payloads, schemas, *encodings, chunk_size=chunk_size, **options)
+
+
+def write_mcap_payloads(
+    path: Path,
+    streams: Sequence[tuple[str, str, Sequence[tuple[int, bytes]]]],
+    schemas: dict[str, bytes],
+    message_encoding: str,
+    schema_encoding: str,
+    *,
+    chunk_size: int = 64 * 1024,
+    **options: Any,
+) -> Path:
+    with path.open("wb") as file:
+        writer: Any = McapWriter(file, chunk_size=chunk_size, **options)
+        writer.start(profile="")
+        channels = []
+        for topic, kind, _ in streams:
+            name = kind.replace("/msg/", "/") if message_encoding == "ros1" else kind
+            schema = writer.register_schema(name, schema_encoding, schemas[kind])
+            channels.append(writer.register_channel(topic, message_encoding, schema))
+        for at, time, payload in _in_order(streams):
+            writer.add_message(channels[at], time, payload, time)
+        writer.finish()
+    return path
+
+
+def write_json_mcap(path: Path, topic: str, kind: str, messages: Sequence[tuple[int, Any]]) -> Path:
+    payloads = [(time, json.dumps(message).encode()) for time, message in messages]
+    return write_mcap_payloads(path, [(topic, kind, payloads)], {kind: b'{"type": "object"}'}, "json", "jsonschema")
+
+
+def _in_order(streams: Sequence[tuple[str, str, Sequence[tuple[int, Any]]]]) -> list[tuple[int, int, Any]]:
+    rows = [(at, time, message) for at, (_, _, messages) in enumerate(streams) for time, message in messages]
+    return sorted(rows, key=lambda row: row[1])
