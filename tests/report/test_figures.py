@@ -17,6 +17,7 @@ from friction_audit.report.figures.joint_series import joint_series
 from friction_audit.report.figures.save import FORMATS
 from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
 from friction_audit.report.figures.velocity_torque import (
+    centre_nm,
     filtered_loop,
     fitted_label,
     fitted_torque,
@@ -69,21 +70,24 @@ def test_the_users_own_matplotlib_settings_change_nothing(single: Estimate) -> N
         assert figure.axes[0].xaxis.label.get_fontsize() == 7.5
 
 
-def test_fitted_friction_is_odd_around_the_torques_constant_part(single: Estimate) -> None:
-    friction = single.friction.joints[0]
-    torque = fitted_torque(friction, np.array([-2.0, 2.0]))
-    assert torque is not None
-    assert torque.mean() == pytest.approx(0.01)
-    assert np.diff(torque) / 2 == pytest.approx(COULOMB[0] + 2 * VISCOUS[0])
-    assert fitted_label(friction) == r"fitted: $0.245\,\mathrm{sgn}\,\dot{q}+0.400\,\dot{q}+0.010$"
+def test_fitted_friction_is_odd(single: Estimate) -> None:
+    torque = fitted_torque(single.friction.joints[0], np.array([-2.0, 2.0]))
+    assert torque == pytest.approx(np.array([-1.0, 1.0]) * (COULOMB[0] + 2 * VISCOUS[0]))
+
+
+def test_the_curve_is_drawn_where_the_torque_is(single: Estimate) -> None:
+    series = joint_series(single, 1)
+    assert centre_nm(series) == pytest.approx(0.0, abs=0.02)
+    assert centre_nm(replace(series, torque=series.torque + 0.5)) == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_model_without_a_coefficient_is_drawn_without_it(single: Estimate) -> None:
-    bare = replace(single.friction.joints[0], regression=None)
-    coulomb = replace(bare, model="coulomb", viscous=UNDETERMINED)
+    friction = single.friction.joints[0]
+    assert fitted_label(friction, 0.01) == r"fitted: $0.245\,\mathrm{sgn}\,\dot{q}+0.400\,\dot{q}+0.010$"
+    assert fitted_label(replace(friction, model="viscous", coulomb=UNDETERMINED), 0.0) == r"fitted: $0.400\,\dot{q}$"
+    coulomb = replace(friction, model="coulomb", viscous=UNDETERMINED)
     assert fitted_torque(coulomb, np.array([3.0])) == pytest.approx(COULOMB[0])
-    assert fitted_label(replace(bare, model="viscous", coulomb=UNDETERMINED)) == r"fitted: $0.400\,\dot{q}$"
-    assert fitted_torque(replace(bare, viscous=UNDETERMINED), np.array([3.0])) is None
+    assert fitted_torque(replace(friction, viscous=UNDETERMINED), np.array([3.0])) is None
 
 
 def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -> None:
@@ -99,9 +103,12 @@ def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monke
     monkeypatch.setattr(velocity_torque, "MOST_POINTS", 1000)
     loop = filtered_loop(joint_series(single, 1))
     assert loop.every > 1
+    assert loop.every % 2 == 1
+    assert np.nanmin(loop.dq) < -0.3
+    assert np.nanmax(loop.dq) > 0.3
     assert np.isfinite(loop.dq).sum() <= 1500
     legend = velocity_torque.draw_velocity_torque(single, 1).legends[0]
-    assert f"every {loop.every}th cycle" in " ".join(text.get_text() for text in legend.get_texts())
+    assert f"1 cycle in {loop.every}" in " ".join(text.get_text() for text in legend.get_texts())
 
 
 def test_the_stairs_meet_the_net_energy_at_the_borders(single: Estimate) -> None:

@@ -8,6 +8,7 @@ from friction_audit.audit import Estimate
 from friction_audit.joint_log import Float
 from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
 from friction_audit.report.figures.layout import (
+    MOST_SHADED,
     add_legend,
     cycle_handles,
     label_panel,
@@ -76,10 +77,11 @@ def _draw_panel(axes: "Axes", series: JointSeries) -> "list[Artist]":
     edges, stairs = dissipated_stairs(series)
     if len(edges):
         handles.extend(axes.step(edges, stairs, where="post", color=DISSIPATED, lw=0.9, label="dissipated, per cycle"))
+    if 0 < len(series.cycles.joint) <= MOST_SHADED:
         borders = np.concatenate([series.cycles.start[:1], series.cycles.stop])
-        marks = axes.plot(series.t[borders], energy[borders], "o", color=BORDER, ms=2.0, mew=0, zorder=5)
-        marks[0].set_label("zero velocity")
-        handles.extend(marks)
+        handles += axes.plot(
+            series.t[borders], energy[borders], "o", color=BORDER, ms=2.0, mew=0, zorder=5, label="zero velocity"
+        )
     axes.set_xlim(series.t[0], series.t[-1])
     if np.ptp(energy) < SMALLEST_ENERGY_J:
         axes.set_ylim(-SMALLEST_ENERGY_J, SMALLEST_ENERGY_J)

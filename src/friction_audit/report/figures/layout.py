@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 MOST_SHADED = 80
 """Cycles in one panel above which stripes would only be grey."""
+LONGEST_LABEL = 24
+"""Characters of a label up to which two stand side by side in a column of a paper."""
 TICKS_ON_SHEET = 4
 TICKS_IN_COLUMN = 6
 
@@ -78,8 +80,11 @@ def cycle_handles(all_series: Sequence[JointSeries]) -> "list[Artist]":
 
 def add_legend(figure: "Figure", handles: "Sequence[Artist]") -> None:
     """Write one legend above all panels, as wide as the figure allows."""
-    if handles:
-        figure.legend(handles=list(handles), loc="outside upper center", ncols=2 if is_narrow(figure) else 6)
+    if not handles:
+        return
+    longest = max(len(str(handle.get_label())) for handle in handles if "$" not in str(handle.get_label()))
+    columns = (2 if longest <= LONGEST_LABEL else 1) if is_narrow(figure) else 6
+    figure.legend(handles=list(handles), loc="outside upper center", ncols=columns)
 
 
 def is_narrow(figure: "Figure | None") -> bool:

@@ -63,7 +63,7 @@ def _draw_signal(axes: "Axes", t: Float, signal: Float) -> "list[Artist]":
     longest_s = GAP_PERIODS / median_rate_hz(t)
     curves = (
         (signal, RAW, 0.5, "raw"),
-        (smooth(t, signal), FILTERED, 0.7, f"filtered, zero phase, {cutoff_hz(t):.3g} Hz"),
+        (smooth(t, signal), FILTERED, 0.7, f"filtered, {cutoff_hz(t):.3g} Hz"),
     )
     handles: list[Artist] = []
     for values, color, width, label in curves:

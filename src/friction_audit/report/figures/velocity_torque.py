@@ -27,6 +27,10 @@ NEAR_REST = 0.2
 """Share of the peak speed below which no arrow is drawn: there the curve is steep and crowded."""
 POINTS_PER_PERIOD = 10
 """Samples of the filtered curve per period of its highest frequency: enough for a smooth line."""
+SMALLEST_CENTRE_NM = 0.0005
+"""What the label's three decimals would round to nothing. [N m]"""
+MOST_LOOPS = 60
+"""Cycles of the filtered curve above which it would be a blot."""
 SMALLEST_SPEED_RAD_S = 0.1
 """Half width of the panel of a joint that stands still. [rad/s]"""
 
@@ -84,9 +88,9 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
     loop = filtered_loop(series)
     filtered = axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True)[0]
     _add_arrows(axes, series)
-    raw.set_label("raw" if thinned.step == 1 else f"raw, every {thinned.step}th sample")
-    shown = "" if loop.every == 1 else f", every {loop.every}th cycle"
-    filtered.set_label(f"filtered, zero phase, {cutoff_hz(series.t):.3g} Hz{shown}")
+    raw.set_label("raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}")
+    shown = "" if loop.every == 1 else f", 1 cycle in {loop.every}"
+    filtered.set_label(f"filtered, {cutoff_hz(series.t):.3g} Hz{shown}")
     handles: list[Artist] = [raw, filtered]
     if not series.not_determined:
         handles.extend(_draw_fit(axes, series))
@@ -101,9 +105,10 @@ def filtered_loop(series: JointSeries) -> Loop:
     """Return the filtered curve, thinned to smooth lines; of a long log every k-th cycle, gaps between them as NaN."""
     step = max(1, int(median_rate_hz(series.t) / (POINTS_PER_PERIOD * CUTOFF_HZ)))
     dq, torque = (smooth(series.t, signal)[::step] for signal in (series.dq, series.torque))
-    every = -(-len(dq) // MOST_POINTS)
-    if every == 1:
+    every = max(-(-len(dq) // MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
+    if every <= 1:
         return Loop(dq, torque, 1)
+    every |= 1  # odd, so that strokes there and strokes back are both shown
     shown = np.zeros(len(series.t), dtype=np.bool_)
     for start, stop in zip(series.cycles.start[::every], series.cycles.stop[::every], strict=True):
         shown[start:stop] = True
@@ -118,32 +123,38 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
         dq: Velocity, shape (n,). [rad/s]
 
     Returns:
-        Friction torque around the constant part of the torque, shape (n,). [N m]
+        Friction torque, shape (n,). [N m]
     """
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
-    torque = coulomb * np.sign(dq) + viscous * dq + drawn_offset(friction)
+    torque = coulomb * np.sign(dq) + viscous * dq
     return None if np.isnan(coulomb + viscous) else torque
 
 
-def drawn_offset(friction: JointFriction) -> float:
-    """Return the constant part of the torque, around which friction is drawn. [N m]
+def centre_nm(series: JointSeries) -> float:
+    """Return the constant around which the curve is drawn: the middle of what friction leaves while moving. [N m]
 
-    The torque regression's: the offset beside the energy estimate shares the place of the curve with a gravity error.
+    An offset of the torque sensor or an error of gravity shifts the measured curve; friction itself has no constant.
     """
-    offset = friction.offset_nm if friction.regression is None else friction.regression.offset_nm
-    return float(np.nan_to_num(offset))
+    moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
+    friction = fitted_torque(series.friction, series.dq[moving])
+    return 0.0 if friction is None else float(np.median(series.torque[moving] - friction))
 
 
-def fitted_label(friction: JointFriction) -> str:
-    """Return the fitted curve's formula with its numbers, for the legend."""
+def fitted_label(friction: JointFriction, centre: float) -> str:
+    """Return the fitted curve's formula with its numbers, for the legend.
+
+    Args:
+        friction: The joint's friction.
+        centre: Constant that the curve is drawn around. [N m]
+    """
     terms = []
     if friction.model != "viscous":
         terms.append(rf"{friction.coulomb.value:.3f}\,\mathrm{{sgn}}\,\dot{{q}}")
     if friction.model != "coulomb":
         terms.append(rf"{friction.viscous.value:+.3f}\,\dot{{q}}")
-    if drawn_offset(friction):
-        terms.append(f"{drawn_offset(friction):+.3f}")
+    if abs(centre) >= SMALLEST_CENTRE_NM:
+        terms.append(f"{centre:+.3f}")
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
 
 
@@ -154,7 +165,9 @@ def _draw_fit(axes: "Axes", series: JointSeries) -> "list[Artist]":
     torque = fitted_torque(series.friction, dq)
     if torque is None:
         return []
-    return list(axes.plot(dq, torque, color=FITTED, lw=1.3, zorder=4, label=fitted_label(series.friction)))
+    centre = centre_nm(series)
+    label = fitted_label(series.friction, centre)
+    return list(axes.plot(dq, torque + centre, color=FITTED, lw=1.3, zorder=4, label=label))
 
 
 def typical_strokes(cycles: EnergyCycles) -> slice:
@@ -173,6 +186,8 @@ def _add_arrows(axes: "Axes", series: JointSeries) -> None:
     if strokes.stop - strokes.start < 2 * ARROWS:
         return
     dq, torque = (smooth(series.t, signal)[strokes] for signal in (series.dq, series.torque))
+    # A white rim keeps the strokes apart from the curve around them.
+    axes.plot(dq, torque, color="white", lw=2.2, rasterized=True)
     axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
     steps = np.hypot(np.diff(dq) / np.ptp(dq), np.diff(torque) / np.ptp(torque))
     steps[np.abs(dq[1:]) < NEAR_REST * np.abs(dq).max()] = 0.0
