@@ -4,6 +4,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from friction_audit.errors import InputError
@@ -11,7 +12,8 @@ from friction_audit.ingest import READERS, ReadOptions, list_topics, read_log
 from friction_audit.ingest.fingerprint import sha256_of
 from friction_audit.ingest.read_csv import CSV
 from friction_audit.ingest.reader import Recording
-from tests.ingest.synthetic_recordings import tidy_frame, write_tidy_csv
+from friction_audit.ingest.sniff_csv import Dialect, sniff_csv
+from tests.ingest.synthetic_recordings import motion, tidy_frame, write_tidy_csv
 
 
 def test_no_such_file(tmp_path: Path) -> None:
@@ -105,6 +107,53 @@ def test_a_file_that_grows_while_it_is_read(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr("friction_audit.ingest.read.READERS", (replace(CSV, read=read_and_grow),))
     log = read_log(path)
     assert [(f.code, f.damaged, f.amount) for f in log.source.findings] == [("file_grew", True, 20.0)]
+
+
+def test_what_is_appended_later_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+    sniff = sniff_csv
+
+    def sniff_and_grow(file: Path) -> Dialect:
+        dialect = sniff(file)
+        with file.open("a") as stream:
+            stream.write("9,0,0,0,0,0,0,0,0,0\n" * 10)
+        return dialect
+
+    monkeypatch.setattr("friction_audit.ingest.read_csv.sniff_csv", sniff_and_grow)
+    log = read_log(path)
+    assert len(log.t) == 300
+    assert [f.code for f in log.source.findings] == ["file_grew"]
+
+
+def test_a_file_that_changes_and_cannot_be_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+
+    def grow_and_fail(file: Path, _: ReadOptions) -> Recording:
+        with file.open("a") as stream:
+            stream.write("9")
+        raise InputError(f"{file}: torn")
+
+    monkeypatch.setattr("friction_audit.ingest.read.READERS", (replace(CSV, read=grow_and_fail),))
+    with pytest.raises(InputError, match="torn; the file changed while it was read"):
+        read_log(path)
+
+
+def test_the_robot_stated_by_the_user_wins(tmp_path: Path) -> None:
+    path = write_tidy_csv(tmp_path / "run.csv")
+    assert read_log(path, ReadOptions(robot="panda")).source.robot == "panda"
+
+
+@pytest.mark.parametrize("suffix", [".csv", ".parquet", ".npz"])
+def test_a_table_has_no_topics(tmp_path: Path, suffix: str) -> None:
+    path = tmp_path / f"run{suffix}"
+    if suffix == ".csv":
+        write_tidy_csv(path)
+    elif suffix == ".parquet":
+        tidy_frame(300).to_parquet(path)
+    else:
+        np.savez(path, **motion(300))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match="a table has no topics, and --topic asks for /joint_states"):
+        read_log(path, ReadOptions(topic="/joint_states"))
 
 
 def test_an_error_of_the_disk_is_an_input_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -37,6 +37,12 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
             sha256 = digest.result()
         except OSError as error:
             raise _unreadable(file, error) from error
+        except InputError as error:
+            if _stamp(file) == before:
+                raise
+            raise InputError(
+                f"{error}; the file changed while it was read: read it again when it is finished"
+            ) from error
     recording = _with_findings(recording, _growth(before, _stamp(file)))
     return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
 

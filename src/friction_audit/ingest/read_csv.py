@@ -16,7 +16,7 @@ from friction_audit.ingest.long_table import LongColumns, find_long_columns, piv
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.sniff_csv import Dialect, is_number, looks_like_csv, sniff_csv, split_line
 from friction_audit.ingest.time_column import TimeColumn, to_clock
-from friction_audit.ingest.to_recording import to_recording
+from friction_audit.ingest.to_recording import refuse_topic, to_recording
 from friction_audit.joint_log import Finding
 
 _BLOCK_BYTES = 8 << 20
@@ -33,6 +33,7 @@ def read_csv(path: Path, options: ReadOptions) -> Recording:
     Raises:
         InputError: If columns are missing, or a line does not hold what it should.
     """
+    refuse_topic(path, options)
     dialect = sniff_csv(path)
     _refuse_headerless(path, dialect, options)
     names = dialect.names[: dialect.width]
@@ -129,14 +130,21 @@ def _exact_floats(version: str) -> dict[str, Any]:
 def _blocks(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
     """Yield (number of the first line, whole lines, is it the end of the file)."""
     line, rest = dialect.line, b""
+    chunks = _chunks(path, dialect)
+    chunk = next(chunks, b"")
+    while chunk:
+        following = next(chunks, b"")
+        block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
+        yield line, block + newline, not following
+        line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
+
+
+def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
+    """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
     with path.open("rb") as stream:
         stream.seek(dialect.offset)
-        chunk = stream.read(_BLOCK_BYTES)
-        while chunk:
-            following = stream.read(_BLOCK_BYTES)
-            block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
-            yield line, block + newline, not following
-            line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
+        while chunk := stream.read(min(_BLOCK_BYTES, dialect.size - stream.tell())):
+            yield chunk
 
 
 def _without_cut_line(
@@ -192,13 +200,11 @@ def _bad_text(
 
 
 def _count_lines(path: Path, dialect: Dialect) -> int:
-    """Return an upper bound of the number of rows, exact but for blank lines."""
-    count = 1
-    with path.open("rb") as stream:
-        stream.seek(dialect.offset)
-        while chunk := stream.read(_BLOCK_BYTES):
-            count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
-    return count
+    """Return the number of rows, blank lines included."""
+    count, chunk = 0, b""
+    for chunk in _chunks(path, dialect):
+        count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
+    return count + (chunk[-1:] != b"\n")
 
 
 def _empty_time(dialect: Dialect, time: TimeColumn, rows: int) -> NDArray[Any]:
@@ -286,7 +292,7 @@ def _tables(path: Path) -> tuple[Topic, ...]:
         Topic(
             name=path.name,
             type=f"table of {dialect.width} columns",
-            messages=_count_lines(path, dialect) - 1,
+            messages=_count_lines(path, dialect),
             readable=True,
         ),
     )

@@ -12,7 +12,7 @@ from friction_audit.errors import InputError
 from friction_audit.ingest.columns import map_columns
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import to_recording
+from friction_audit.ingest.to_recording import refuse_topic, to_recording
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _TABLE_DIMENSIONS = 2
@@ -24,6 +24,7 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
     Raises:
         InputError: If arrays are missing, pickled or of unequal length, or the file is damaged.
     """
+    refuse_topic(path, options)
     arrays = {name: _as_table(array) for name, array in _load(path).items()}
     cells = [(n, e) for n, array in arrays.items() for e in (range(array.shape[1]) if array.ndim > 1 else (None,))]
     names = [name if element is None else f"{name}[{element}]" for name, element in cells]

@@ -15,7 +15,7 @@ from friction_audit.ingest.columns import ColumnMap, map_columns
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import to_recording
+from friction_audit.ingest.to_recording import refuse_topic, to_recording
 from friction_audit.joint_log import Float
 
 _MAGIC = b"PAR1"
@@ -49,6 +49,7 @@ def read_parquet(path: Path, options: ReadOptions) -> Recording:
     """
     import pyarrow as pa
 
+    refuse_topic(path, options)
     try:
         with _open(path) as file:
             cells = _cells(file)

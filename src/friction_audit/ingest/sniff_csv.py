@@ -1,6 +1,7 @@
 """How a text table is written: separator, decimal sign, header, first line of numbers."""
 
 import csv
+import os
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,6 +25,7 @@ class Dialect:
         width: Fields of a line of numbers.
         offset: Byte at which the numbers begin.
         line: Number of the line there, counted from 1.
+        size: Bytes of the file; what a logger appends later is not looked at.
         rows: The fields of the first lines of numbers.
     """
 
@@ -34,6 +36,7 @@ class Dialect:
     width: int
     offset: int
     line: int
+    size: int
     rows: tuple[tuple[str, ...], ...]
 
 
@@ -77,6 +80,7 @@ def sniff_csv(path: Path) -> Dialect:
     """
     with path.open("rb") as stream:
         head = stream.read(_HEAD_BYTES)
+        size = stream.seek(0, os.SEEK_END)
     lines = head.splitlines(keepends=True)
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
     start = _first_content(texts)
@@ -97,6 +101,7 @@ def sniff_csv(path: Path) -> Dialect:
         width=_width(path, names, rows, first + 1),
         offset=sum(map(len, lines[:first])),
         line=first + 1,
+        size=size,
         rows=rows,
     )
 

@@ -2,15 +2,27 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
+from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap
-from friction_audit.ingest.reader import Recording
+from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.time_column import Clock
 from friction_audit.joint_log import Finding, Float
 
 RADIANS_PER_DEGREE = np.pi / 180.0
+
+
+def refuse_topic(path: Path, options: ReadOptions) -> None:
+    """Refuse a topic stated for a table, which has none.
+
+    Raises:
+        InputError: If one was stated.
+    """
+    if options.topic is not None:
+        raise InputError(f"{path}: a table has no topics, and --topic asks for {options.topic}; leave --topic out")
 
 
 def to_recording(

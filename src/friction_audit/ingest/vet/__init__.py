@@ -3,6 +3,8 @@
 ``examine`` runs the checks in their order, each in its own file; ``to_joint_log`` proves the invariants.
 """
 
+from dataclasses import replace
+
 from friction_audit.errors import InputError
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet.clock import order_clock
@@ -40,6 +42,8 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
         InputError: If it cannot be used.
     """
     _refuse_short(recording, path)
+    if options.robot is not None:
+        recording = replace(recording, robot=options.robot)
     recording = leave_out_missing(recording, path)
     _refuse_short(recording, path)
     recording = order_clock(recording, path, time_scale=options.time_scale)
