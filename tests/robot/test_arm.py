@@ -166,3 +166,25 @@ def test_without_pinocchio_the_message_says_so(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setitem(sys.modules, "pinocchio", None)
     with pytest.raises(UsageError, match="Windows"):
         load_arm()
+
+
+def test_gravity_direction_explains_what_a_displaced_mass_does() -> None:
+    """A point mass in the last link acts on its axis like a constant times the direction of gravity across it."""
+    rng = np.random.default_rng(3)
+    q = rng.uniform(-1.0, 1.0, (50, 7))
+    plain, heavy = load_arm(), load_arm(payload=(1.0, 0.05, 0.02, 0.1))
+    error = (heavy.gravity(q) - plain.gravity(q))[:, 6]
+    across = plain.gravity_direction(q)[:, 6]
+    left = np.linalg.lstsq(across, error, rcond=None)[1]
+    assert np.abs(error).max() > 0.3
+    assert left[0] < 1e-20
+
+
+def test_gravity_direction_is_zero_about_a_vertical_axis_and_turns_with_a_horizontal_one() -> None:
+    q = np.zeros((3, 7))
+    q[:, 1] = [0.0, 0.5, 1.0]
+    direction = load_arm().gravity_direction(q)
+    np.testing.assert_allclose(direction[:, 0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(direction[:, 1], axis=1), 1.0)
+    turned = np.arccos(direction[0, 1] @ direction[1:, 1].T)
+    np.testing.assert_allclose(turned, [0.5, 1.0])

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
 from friction_audit.interaction.interaction import Caution, Interaction, SignEvidence, TorqueChoice
@@ -76,6 +77,7 @@ def extract_interaction(
     balance, turned = _choose_row(log, coarse, plan, grids)
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
+    index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
     return Interaction(
         t=log.t,
         q=kept.q,
@@ -83,6 +85,8 @@ def extract_interaction(
         torque=balance.full(log, source, columns),
         compensation=_compensation(kept),
         hand_speed=_hand_speed(log, settings, grids) if hand else None,
+        gravity_direction=direction,
+        gravity_index=index,
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
@@ -166,6 +170,17 @@ def _hand_speed(log: JointLog, settings: TorqueSettings, grids: tuple[Grid, ...]
     # Straight lines, not a spline: a speed has kinks at zero, where a spline would swing below it.
     at_samples: Float = np.interp(log.t, np.concatenate([grid.t for grid in grids]), speed)
     return at_samples
+
+
+def _gravity_direction(
+    log: JointLog, plan: Plan, columns: list[int], rate_hz: float
+) -> tuple[NDArray[np.int64] | None, Float | None]:
+    """Return at which samples the direction of gravity across the selected axes is known, and the direction."""
+    if plan.arm is None:
+        return None, None
+    stride = max(round(log.rate_hz / rate_hz), 1)
+    index = np.append(np.arange(0, len(log.t) - 1, stride), len(log.t) - 1)
+    return index, plan.arm.gravity_direction(log.q[index])[:, columns]
 
 
 def _choice(plan: Plan, balance: _Balance, settings: TorqueSettings, *, turned: bool) -> TorqueChoice:

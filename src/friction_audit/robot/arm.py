@@ -109,6 +109,26 @@ class Arm:
             speed[row] = np.linalg.norm(pin.getFrameVelocity(self.model, data, frame, pin.ReferenceFrame.LOCAL).linear)
         return speed
 
+    def gravity_direction(self, q: Float) -> Float:
+        """Return how gravity lies across each joint's axis, seen from the link that the joint moves.
+
+        Args:
+            q: Joint position, shape (n, j). [rad]
+
+        Returns:
+            Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
+        """
+        (arranged,) = self._arranged(q)
+        along = self.model.gravity.linear / np.linalg.norm(self.model.gravity.linear)
+        direction: dict[int, Float] = {0: np.broadcast_to(along, (len(q), 3))}
+        result = np.empty((*q.shape, 2))
+        for place, joint in enumerate(range(1, self.model.njoints)):
+            axis, across = _axes(self.model, joint)
+            here = direction[self.model.parents[joint]] @ self.model.jointPlacements[joint].rotation
+            direction[joint] = _turned_back(here, axis, arranged[:, place])
+            result[:, place] = direction[joint] @ across.T
+        return result if self._in_order else result[:, np.argsort(self.columns)]
+
     def hand_pose(self, q: Float) -> Float:
         """Return the pose of the flange frame in the base frame for one configuration, shape (4, 4). [m]"""
         pin, data = _pinocchio(), self.model.createData()
@@ -170,6 +190,21 @@ def load_arm(
     names = tuple(model.names)[1:]
     name = BUILT_IN if urdf is None else urdf.stem
     return Arm(name=name, joint_names=names, flange=flange, model=model, columns=tuple(range(len(names))))
+
+
+def _axes(model: Any, joint: int) -> tuple[Float, Float]:  # noqa: ANN401
+    """Return the axis of a revolute joint, shape (3,), and two directions across it, shape (2, 3)."""
+    data = model.joints[joint].createData()
+    model.joints[joint].calc(data, np.zeros(model.nq))
+    axis = np.asarray(data.S).ravel()[3:]
+    return axis, np.linalg.svd(axis[None])[2][1:]
+
+
+def _turned_back(vector: Float, axis: Float, angle: Float) -> Float:
+    """Express vectors of shape (n, 3) in a frame that has turned about the axis (Rodrigues' formula)."""
+    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
+    along = (vector @ axis)[:, None] * axis
+    return along + cosine * (vector - along) - sine * np.cross(axis, vector)
 
 
 def _pinocchio() -> ModuleType:
