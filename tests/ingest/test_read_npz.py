@@ -43,6 +43,14 @@ def test_house_names_compressed_and_one_joint(tmp_path: Path) -> None:
     assert log.tau_J is None
 
 
+def test_joints_named_in_an_array_of_text(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, joint_names=np.array(["panda_joint1", "panda_joint2", "panda_joint3"]), **motion(300))  # type: ignore[arg-type]
+    log = read_log(path)
+    assert log.joint_names == ("panda_joint1", "panda_joint2", "panda_joint3")
+    assert log.source.robot == "panda"
+
+
 def test_pickled_arrays_are_never_unpacked(tmp_path: Path) -> None:
     path = tmp_path / "run.npz"
     np.savez(path, t=np.arange(3), q=np.array([[1.0], None, "x"], dtype=object))

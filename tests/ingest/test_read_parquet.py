@@ -126,6 +126,23 @@ def test_long_tables(tmp_path: Path) -> None:
     assert log.source.robot == "fr3"
 
 
+@pytest.mark.parametrize(
+    ("metadata", "names", "robot"),
+    [
+        ({"joint_names": '["fr3_joint1", "fr3_joint2", "fr3_joint3"]'}, "fr3_joint1", "fr3"),
+        ({"joint_names": '["a", "b", "c"]', "robot": "panda"}, "a", "panda"),
+        ({"joint_names": '["a", "b"]', "robot": "toaster"}, "joint1", "unknown"),
+        ({"joint_names": "[1, 2, 3]"}, "joint1", "unknown"),
+        ({"joint_names": "no JSON"}, "joint1", "unknown"),
+    ],
+)
+def test_joints_named_in_the_metadata(tmp_path: Path, metadata: dict[str, str], names: str, robot: str) -> None:
+    table = pa.Table.from_pandas(tidy_frame(300)).replace_schema_metadata(metadata)
+    pq.write_table(table, tmp_path / "run.parquet")
+    log = read_log(tmp_path / "run.parquet")
+    assert (log.joint_names[0], log.source.robot) == (names, robot)
+
+
 def test_truncated(tmp_path: Path) -> None:
     path = tidy(tmp_path / "run.parquet")
     path.write_bytes(path.read_bytes()[:-200])

@@ -12,7 +12,7 @@ from friction_audit.errors import InputError
 from friction_audit.ingest.columns import map_columns
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import refuse_topic, to_recording
+from friction_audit.ingest.to_recording import name_joints, refuse_topic, to_recording
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _TABLE_DIMENSIONS = 2
@@ -25,7 +25,8 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
         InputError: If arrays are missing, pickled or of unequal length, or the file is damaged.
     """
     refuse_topic(path, options)
-    arrays = {name: _as_table(array) for name, array in _load(path).items()}
+    loaded = _load(path)
+    arrays = {name: _as_table(array) for name, array in loaded.items() if array.dtype.kind in "fiu"}
     cells = [(n, e) for n, array in arrays.items() for e in (range(array.shape[1]) if array.ndim > 1 else (None,))]
     names = [name if element is None else f"{name}[{element}]" for name, element in cells]
     columns = map_columns(names, path=str(path), mapping=options.mapping)
@@ -42,18 +43,18 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
     clock = to_clock(raw, "ms" if panda_py else columns.time.unit, path=str(path))
     recording = to_recording(columns, clock, channels)
     recording.clock = "robot_time" if panda_py else recording.clock
-    return recording
+    return name_joints(recording, [str(name) for name in loaded.get("joint_names", ())])
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:
-    """Return the arrays of numbers in the archive."""
+    """Return the arrays in the archive."""
     try:
         # The stream is opened here: NumPy leaves it open when the archive is damaged.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             loaded = {name: _array(archive, name, path) for name in archive.files}
     except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
         raise InputError(f"{path}: a damaged NumPy archive: {error}; copy or save it again") from error
-    return {name: array for name, array in loaded.items() if array.dtype.kind in "fiu" and array.ndim > 0}
+    return {name: array for name, array in loaded.items() if array.ndim > 0}
 
 
 def _array(archive: Mapping[str, NDArray[Any]], name: str, path: Path) -> NDArray[Any]:

@@ -1,5 +1,6 @@
 """Parquet -> Recording: scalar columns, or one list-valued column per channel."""
 
+import json
 import os
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,7 +16,7 @@ from friction_audit.ingest.columns import ColumnMap, map_columns
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import refuse_topic, to_recording
+from friction_audit.ingest.to_recording import name_joints, refuse_topic, to_recording
 from friction_audit.joint_log import Float
 
 _MAGIC = b"PAR1"
@@ -87,7 +88,19 @@ def _read_wide(file: Any, path: Path, cells: Sequence[Cell], columns: ColumnMap)
     if len(columns.time.cells) > 1:
         time = time[:, 0] * 1_000_000_000 + time[:, 1]
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
-    return to_recording(columns, to_clock(time, unit, path=str(path)), channels)
+    recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
+    return name_joints(recording, *_stated_joints(file.schema_arrow.metadata or {}))
+
+
+def _stated_joints(metadata: Mapping[bytes, bytes]) -> tuple[list[str], str]:
+    """Return the joints' names and the robot from the file's key-value metadata, where our own writer puts them."""
+    try:
+        names = json.loads(metadata.get(b"joint_names", b"[]"))
+    except ValueError:  # somebody else's metadata under the same key: the columns name the joints
+        names = []
+    robot = metadata.get(b"robot", b"").decode(errors="replace")
+    is_list = isinstance(names, list) and all(isinstance(name, str) for name in names)
+    return names if is_list else [], robot if robot in ("panda", "fr3") else "unknown"
 
 
 def _targets(

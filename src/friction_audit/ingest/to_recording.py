@@ -1,6 +1,6 @@
 """Mapped columns and their numbers -> Recording."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -8,6 +8,7 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap
+from friction_audit.ingest.foreign_names import robot_of
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.time_column import Clock
 from friction_audit.joint_log import Finding, Float
@@ -42,3 +43,11 @@ def to_recording(
         mapping={"t": f"{columns.time.name} [{clock.unit}]", **columns.mapping},
     )
     return replace(recording, findings=(*columns.findings, *findings))
+
+
+def name_joints(recording: Recording, names: Sequence[str], robot: str = "unknown") -> Recording:
+    """Name the joints as the file says beside its columns, unless that is another number of joints."""
+    if len(names) != len(recording.joint_names):
+        return recording
+    told = robot if robot != "unknown" else robot_of(names)
+    return replace(recording, joint_names=tuple(names), robot=recording.robot if told == "unknown" else told)
