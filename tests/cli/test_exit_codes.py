@@ -36,6 +36,7 @@ TABLE = [
     ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),
     ("convert {logs}/moved1.csv {logs}/moved1.csv --overwrite", 2, "err", "is the log itself"),
     ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "err", "has no joint 3"),
+    ("estimate {logs}/absent.csv -o {logs}/empty.csv/deep", 2, "err", "cannot be written to"),
     # the input
     ("estimate {logs}/absent.csv", 3, "err", "error: "),
     ("estimate {logs}/empty.csv", 3, "err", "error: "),
@@ -50,7 +51,7 @@ TABLE = [
     ("estimate {logs}/damaged.csv", 6, "out", "Coulomb"),
     ("plot {logs}/damaged.csv", 6, "out", "velocity-torque.png"),
     ("convert {logs}/damaged.csv out.parquet", 6, "out", "out.parquet"),
-    ("info {logs}/damaged.csv", 6, "out", "1 joints"),
+    ("info {logs}/damaged.csv", 6, "out", "1 joint\n"),
     ("info {logs}/moved1.csv {logs}/empty.csv", 6, "out", "moved1.csv"),
 ]
 

@@ -3,6 +3,7 @@
 import io
 import math
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
@@ -14,6 +15,7 @@ from friction_audit.report.estimate_table import estimate_table, format_coeffici
 from friction_audit.report.info_document import InfoEntry, TopicSummary
 from friction_audit.report.info_table import info_table
 from friction_audit.report.log_summary import summarize_log
+from friction_audit.report.reasons import reason_lines
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -32,10 +34,19 @@ def test_a_row_per_joint_and_the_reason_of_the_one_without(seven: Estimate) -> N
     assert "0.2450 ± 0.0074" in text
     assert "0.400 ± 0.012" in text
     assert "14 (1)" in text
-    assert "joint 3: not determined: the joint does not move" in text
+    assert "not determined: joint 3: the joint does not move" in text
     assert "estimator: weighted, combined model" in text
     assert max(map(len, text.splitlines())) <= 80
     assert "…" not in text
+
+
+def test_joints_with_the_same_reason_share_a_line(seven: Estimate) -> None:
+    still = seven.friction.joints[2]
+    other = replace(still, joint=5, reason="one speed only")
+    assert reason_lines([seven.friction.joints[0], still, other, replace(still, joint=6)]) == [
+        f"joints 3, 6: {still.reason}",
+        "joint 5: one speed only",
+    ]
 
 
 def test_info_shows_the_mapping_the_torque_and_the_motion(seven: Estimate) -> None:

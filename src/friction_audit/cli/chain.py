@@ -1,5 +1,6 @@
 """Log -> Estimate, as the commands run it: watched, and with the exit codes of the whole program."""
 
+import os
 from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -57,15 +58,11 @@ def require_an_estimate(result: "Estimate") -> None:
     Raises:
         AnalysisError: With the reason of each joint.
     """
-    joints = result.friction.joints
-    if any(not joint.reason for joint in joints):
-        return
-    reasons: dict[str, list[int]] = {}
-    for joint in joints:
-        reasons.setdefault(joint.reason, []).append(joint.joint)
-    lines = [f"{_name_joints(numbers)}: {reason}" for reason, numbers in reasons.items()]
-    separator = "\n  "
-    raise AnalysisError(f"{result.log.source.path}: no joint has an estimate:{separator}{separator.join(lines)}")
+    from friction_audit.report.reasons import reason_lines
+
+    if all(joint.reason for joint in result.friction.joints):
+        lines = "".join(f"\n  {line}" for line in reason_lines(result.friction.joints))
+        raise AnalysisError(f"{result.log.source.path}: no joint has an estimate:{lines}")
 
 
 def exit_if_damaged(*logs: "JointLog") -> None:
@@ -74,17 +71,17 @@ def exit_if_damaged(*logs: "JointLog") -> None:
         raise typer.Exit(DAMAGED)
 
 
-def refuse_existing(paths: Sequence[Path], *, overwrite: bool) -> None:
-    """Refuse to replace files, before anything long is done.
+def check_outputs(paths: Sequence[Path], *, overwrite: bool) -> None:
+    """Refuse outputs that could not be written, before anything long is done.
 
     Raises:
-        UsageError: If one of the paths exists and may not be overwritten.
+        UsageError: If one of the paths exists and may not be overwritten, or its folder cannot be made or written to.
     """
     existing = [str(path) for path in paths if path.exists()]
     if existing and not overwrite:
         names = ", ".join(existing)
-        raise UsageError(f"{names}: exists already; nothing was written; use --overwrite or another --output")
-
-
-def _name_joints(numbers: list[int]) -> str:
-    return f"joint{'s' if len(numbers) > 1 else ''} {', '.join(map(str, numbers))}"
+        raise UsageError(f"{names}: exists already; nothing was written; use --overwrite or another name")
+    for folder in dict.fromkeys(path.absolute().parent for path in paths):
+        ground = next(parent for parent in (folder, *folder.parents) if parent.exists())
+        if not ground.is_dir() or not os.access(ground, os.W_OK):
+            raise UsageError(f"{folder}: cannot be written to; choose another place")

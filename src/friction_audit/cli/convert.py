@@ -72,7 +72,7 @@ def command(
     options, joints = read_options(reading), parse_joints(selection.joints)
     if out.exists() and log.exists() and out.samefile(log):
         raise UsageError(f"{out}: is the log itself; choose another name")
-    chain.refuse_existing([out], overwrite=output.overwrite)
+    chain.check_outputs([out], overwrite=output.overwrite)
     writer = _choose_writer(out, dialect)
     kept = _take(chain.read(log, options, voice), joints, selection)
     _write(kept, out, writer, voice, overwrite=output.overwrite)

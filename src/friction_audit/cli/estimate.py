@@ -74,7 +74,7 @@ def command(
     options = read_options(reading)
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
-        chain.refuse_existing(files, overwrite=output.overwrite)
+        chain.check_outputs(files, overwrite=output.overwrite)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:
         chain.warn_about(result, voice)

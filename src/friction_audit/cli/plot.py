@@ -73,7 +73,7 @@ def command(
     settings = audit_settings(selection, torque, cycles, friction, robot=reading.robot)
     options = read_options(reading)
     kinds = choices.FIGURES if "all" in kind else tuple(kind)
-    chain.refuse_existing(possible_files(folder, kinds, formats), overwrite=output.overwrite)
+    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:
         chain.warn_about(result, voice)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.report.reasons import reason_lines
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -26,10 +27,9 @@ def estimate_table(estimate: Estimate) -> "list[RenderableType]":
     """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
     from rich.text import Text
 
-    reasons = [joint for joint in estimate.friction.joints if joint.reason]
     parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
     parts.append(_table(estimate.friction.joints))
-    parts.extend(Text(f"joint {joint.joint}: not determined: {joint.reason}") for joint in reasons)
+    parts.extend(Text(f"not determined: {line}") for line in reason_lines(estimate.friction.joints))
     return parts
 
 

@@ -29,22 +29,28 @@ def info_table(entry: InfoEntry) -> "list[RenderableType]":
 
 
 def _topic(topic: TopicSummary) -> str:
-    count = "" if topic.messages is None else f", {topic.messages} messages"
-    return f"{topic.name} ({topic.type}{count}{'' if topic.readable else '; no joint log'})"
+    messages = "" if topic.messages is None else f", {count(topic.messages, 'message')}"
+    return f"{topic.name} ({topic.type}{messages}{'' if topic.readable else '; no joint log'})"
 
 
 def _lines(summary: LogSummary) -> "Iterator[str]":
     log, torque = summary.log, summary.torque
     topic = f", topic {log.source.topic}" if log.source.topic else ""
-    yield f"format   {log.source.format}{topic}, robot {log.source.robot}, {len(log.joint_names)} joints"
-    yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {len(log.t)} samples, {log.rate_hz:.6g} Hz"
-    gaps = f"{summary.gaps} gaps, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
-    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {summary.stale_samples} repeated samples left out"
+    yield f"format   {log.source.format}{topic}, robot {log.source.robot}, {count(len(log.joint_names), 'joint')}"
+    yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {count(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
+    gaps = f"{count(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
+    stale = f"{count(summary.stale_samples, 'repeated sample')} left out"
+    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {stale}"
     for channel, name in log.source.channels.items():
         yield f"channel  {channel} = {name}"
     if torque is not None:
         sign = "sign proved by the energy" if torque.sign_proved else "sign not proved"
         yield f"torque   {torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign}"
+
+
+def count(number: int, thing: str) -> str:
+    """Return ``"1 gap"``, ``"2 gaps"``."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def _table(joints: tuple[JointMotion, ...]) -> "Table":
