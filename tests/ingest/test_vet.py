@@ -71,6 +71,12 @@ def test_rows_with_nan_or_infinity_are_left_out() -> None:
     assert (noticed.amount, noticed.damaged, len(log.t)) == (3, True, 2997)
 
 
+def test_absurd_numbers_count_as_damage() -> None:
+    given_recording = recording()
+    given_recording.channels["q"][10, 0] = 1e300
+    assert finding(vetted(given_recording), "non_finite").amount == 1
+
+
 def test_a_joint_without_data_is_dropped() -> None:
     given_recording = recording()
     given_recording.channels["tau_J"][:, 1] = np.nan

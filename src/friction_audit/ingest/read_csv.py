@@ -51,7 +51,7 @@ def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
     capacity = _count_lines(path, dialect)
     time = _empty_time(dialect, columns.time, capacity)
     arrays = {c: np.empty((capacity, len(cells)), order="F") for c, cells in columns.channels.items()}
-    labels = {cell: dialect.rows[0][cell] for cell, name in enumerate(dialect.names) if parse_label(name) is not None}
+    labels = {cell: text for cell, text in _first_row(dialect).items() if parse_label(dialect.names[cell]) is not None}
     kinds: dict[int, Any] = {cell: np.float64 for cells in columns.channels.values() for cell in cells}
     kinds |= dict.fromkeys(columns.time.cells, time.dtype.type) | dict.fromkeys(labels, str)
     rows, cut = 0, None
@@ -82,6 +82,8 @@ def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
             findings.append(block)
         else:
             blocks.append(block)
+    if not blocks:
+        raise InputError(f"{path}: 0 samples; the table has a header and no whole row")
     joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
     time = np.concatenate([_stamps(block, long.time) for block in blocks])
     values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
@@ -231,8 +233,13 @@ def _constant_columns(dialect: Dialect) -> frozenset[int]:
 
 def _labels(dialect: Dialect) -> dict[int, str]:
     """Return the joints' names that stand beside the numbers, as ``rostopic echo -p`` writes them."""
-    cells = {cell: parse_label(name) for cell, name in enumerate(dialect.names[: dialect.width])}
-    return {index: dialect.rows[0][cell].strip() for cell, index in cells.items() if index is not None}
+    parsed = {parse_label(dialect.names[cell]): text.strip() for cell, text in _first_row(dialect).items()}
+    return {index: label for index, label in parsed.items() if index is not None}
+
+
+def _first_row(dialect: Dialect) -> dict[int, str]:
+    """Return the fields of the first row that have a column."""
+    return dict(zip(range(len(dialect.names)), dialect.rows[0], strict=False))
 
 
 def _refuse_moving_labels(path: Path, block: Any, labels: Mapping[int, str], line: int) -> None:  # noqa: ANN401

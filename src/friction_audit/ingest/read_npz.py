@@ -1,6 +1,8 @@
 """NumPy .npz -> Recording: panda-py's ``get_log()`` as people save it, or arrays under house names."""
 
+import tokenize
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -16,6 +18,17 @@ from friction_audit.ingest.to_recording import name_joints, refuse_topic, to_rec
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _TABLE_DIMENSIONS = 2
+_DAMAGED = (
+    zipfile.BadZipFile,
+    zlib.error,
+    tokenize.TokenError,
+    SyntaxError,
+    OSError,
+    EOFError,
+    ValueError,
+    NotImplementedError,
+)
+"""What NumPy and the zip module raise on a damaged archive."""
 
 
 def read_npz(path: Path, options: ReadOptions) -> Recording:
@@ -52,7 +65,7 @@ def _load(path: Path) -> dict[str, NDArray[Any]]:
         # The stream is opened here: NumPy leaves it open when the archive is damaged.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
             loaded = {name: _array(archive, name, path) for name in archive.files}
-    except (zipfile.BadZipFile, OSError, EOFError, ValueError) as error:
+    except _DAMAGED as error:
         raise InputError(f"{path}: a damaged NumPy archive: {error}; copy or save it again") from error
     return {name: array for name, array in loaded.items() if array.ndim > 0}
 
@@ -61,6 +74,8 @@ def _array(archive: Mapping[str, NDArray[Any]], name: str, path: Path) -> NDArra
     try:
         return archive[name]
     except ValueError as error:
+        if "allow_pickle" not in str(error):
+            raise
         raise InputError(
             f"{path}: array {name!r} is pickled, which could run foreign code when it is read; save plain arrays: "
             "numpy.savez(file, **{name: numpy.asarray(values, dtype=float) for name, values in log.items()})"

@@ -56,7 +56,10 @@ def split_line(line: str, separator: str) -> tuple[str, ...]:
     """Split one line into its fields, quotes respected."""
     if separator == " ":
         return tuple(line.split())
-    return tuple(next(csv.reader([line], delimiter=separator), []))
+    try:
+        return tuple(next(csv.reader([line.replace("\r", " ")], delimiter=separator), []))
+    except csv.Error:  # a field beyond the module's limit: no quotes are respected there
+        return tuple(line.split(separator))
 
 
 def looks_like_csv(path: Path) -> bool:

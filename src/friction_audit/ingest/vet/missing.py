@@ -11,6 +11,8 @@ from friction_audit.ingest.vet.rows import take_joints, take_rows, with_findings
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
+_ABSURD = 1e9
+"""No position, velocity, torque or temperature of a joint is as large, in any unit: a damaged number."""
 _SPARSE = 0.1
 """Share of missing values from which a channel that is not essential is left out, rather than the rows."""
 
@@ -22,21 +24,20 @@ def leave_out_missing(recording: Recording, path: str) -> Recording:
         InputError: If nothing usable is left.
     """
     missing = {channel: _missing_per_joint(array) for channel, array in recording.channels.items()}
-    if not any(counts.any() for counts in missing.values()) and _all_finite(recording.t):
+    if not any(counts.any() for counts in missing.values()) and bool(np.isfinite(recording.t).all()):
         return recording
     recording = _leave_out_channels(recording, missing, path)
     recording = _leave_out_joints(recording, {channel: missing[channel] for channel in recording.channels}, path)
     return _leave_out_rows(recording)
 
 
-def _all_finite(column: NDArray[np.float64]) -> bool:
-    # A sum is finite only if every term is, up to overflow: one pass and no temporary array.
-    with np.errstate(invalid="ignore", over="ignore"):
-        return bool(np.isfinite(column.sum()))
+def _is_whole(column: NDArray[np.float64]) -> bool:
+    # NaN goes through min and max: two fast passes and no temporary array.
+    return bool(column.min() > -_ABSURD and column.max() < _ABSURD)
 
 
 def _missing_per_joint(array: NDArray[np.float64]) -> NDArray[np.int64]:
-    counts = [0 if _all_finite(column) else int(np.count_nonzero(~np.isfinite(column))) for column in array.T]
+    counts = [0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD))) for column in array.T]
     return np.array(counts, dtype=np.int64)
 
 
@@ -92,12 +93,12 @@ def _leave_out_rows(recording: Recording) -> Recording:
     whole = np.isfinite(recording.t)
     for array in recording.channels.values():
         for column in array.T:
-            if not _all_finite(column):
-                whole &= np.isfinite(column)
+            if not _is_whole(column):
+                whole &= np.abs(column) < _ABSURD
     lost = len(whole) - int(np.count_nonzero(whole))
     if lost == 0:
         return recording
-    message = f"{lost} of {len(whole)} rows hold NaN or infinity; they are left out"
+    message = f"{lost} of {len(whole)} rows hold NaN, infinity or numbers beyond {_ABSURD:g}; they are left out"
     finding = Finding(code="non_finite", message=message, amount=float(lost), damaged=True)
     return with_findings(take_rows(recording, whole), finding)
 
