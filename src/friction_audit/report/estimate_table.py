@@ -33,19 +33,17 @@ def estimate_table(estimate: Estimate) -> "list[RenderableType]":
     return parts
 
 
-def _head(estimate: Estimate) -> tuple[str, str, str]:
+def _head(estimate: Estimate) -> tuple[str, ...]:
     log, choice, settings = estimate.log, estimate.interaction.choice, estimate.settings.friction
     samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
     proof = "proved by the energy" if choice.sign_proved else "not proved by the energy"
-    torque = (
-        f"interaction torque: {choice.formula} (drive {choice.drive}, gravity {choice.gravity}, "
-        f"inertia {choice.inertia}; sign {proof})"
-    )
+    torque = "; ".join(text for text in (f"interaction torque: {choice.formula}", choice.reason) if text)
+    choices = f"drive {choice.drive}, gravity {choice.gravity}, inertia {choice.inertia}; sign {proof}"
     estimator = (
         f"estimator: {estimate.friction.estimator}, {settings.model} model, "
         f"history over {settings.cycles_per_point} cycles; intervals are 95 %"
     )
-    return f"{log.source.path}: {log.source.format}, {samples}", torque, estimator
+    return f"{log.source.path}: {log.source.format}, {samples}", torque, choices, estimator
 
 
 def _table(joints: tuple[JointFriction, ...]) -> "Table":

@@ -1,0 +1,30 @@
+"""Each command has a page that names all of its options and only those."""
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+import pytest
+import typer
+
+from friction_audit.cli.app import COMMANDS, app
+
+if TYPE_CHECKING:
+    from types import ModuleType
+
+PAGES = Path(__file__).parents[2] / "docs" / "commands"
+SHORT = {"-q": "--quiet", "-v": "--verbose", "-o": "--output"}
+OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
+
+
+def options_of(name: str) -> set[str]:
+    group = cast("Any", typer.main.get_command(app))
+    return {max(p.opts, key=len) for p in group.commands[name].params if p.param_type_name == "option"}
+
+
+@pytest.mark.parametrize("module", COMMANDS, ids=lambda module: module.__name__.rpartition(".")[2])
+def test_page_and_command_agree(module: "ModuleType") -> None:
+    name = module.__name__.rpartition(".")[2]
+    named = {SHORT.get(word, word) for word in OPTION.findall((PAGES / f"{name}.md").read_text())}
+    assert options_of(name) - {"--help"} <= named
+    assert named <= options_of(name)
