@@ -45,7 +45,7 @@ def row_of(message: object, kind: MessageKind) -> Row:
             names or numbered_joints(max(map(len, channels.values()), default=0)),
             channels,
             next((ns for path in kind.stamps if (ns := _nanoseconds(value_at(message, path))) is not None), None),
-            None if robot_time is None else float(robot_time),  # type: ignore[arg-type]
+            _seconds(robot_time),
         )
     except (TypeError, ValueError) as error:
         raise UndecodableError(str(error)) from error
@@ -78,6 +78,14 @@ def _numbers(values: object) -> Float:
         return values.astype(np.float64)
     entries: list[Any] = list(values) if isinstance(values, Iterable) else [values]
     return np.array([np.nan if value is None else float(value) for value in entries], np.float64)
+
+
+def _seconds(time: Any) -> float | None:  # noqa: ANN401
+    """Return a clock's value, which some messages give as a time stamp."""
+    if time is None:
+        return None
+    stamp = _nanoseconds(time)
+    return float(time) if stamp is None else stamp / 1e9
 
 
 def _nanoseconds(stamp: object) -> int | None:

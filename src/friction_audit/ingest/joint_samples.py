@@ -15,6 +15,8 @@ from friction_audit.ingest.message_stream import Int
 from friction_audit.joint_log import Float
 
 SMALLEST_CAPACITY = 1024
+LARGEST_EXPECTATION = 20_000_000
+"""A count in a file is not trusted beyond this (5 hours at 1 kHz); the arrays then grow with the messages found."""
 NANOSECONDS = 10**9
 
 Columns = NDArray[np.intp]
@@ -36,7 +38,7 @@ class JointSamples:
         self.joints = joints
         self.count = 0
         self.incomplete = 0
-        self._capacity = max(expected or 0, SMALLEST_CAPACITY)
+        self._capacity = min(max(expected or 0, SMALLEST_CAPACITY), LARGEST_EXPECTATION)
         self.channels = {name: np.empty((self._capacity, len(joints)), order="F") for name in channels}
         self._log_time = np.empty(self._capacity, np.int64)
         self._stamp = np.empty(self._capacity, np.int64)

@@ -12,6 +12,8 @@ FIRST_UNIX_TIME_S = 1e9  # September 2001: below it, a clock counts from somethi
 DISAGREEMENT_SD_S = 5e-3
 DISAGREEMENT_STEPS = 2.0
 DISAGREEMENT_DRIFT = 2e-4
+ROBOT_TIME_UNITS = ((1e3, "milliseconds"), (1e6, "microseconds"), (1e9, "nanoseconds"))
+UNIT_TOLERANCE = 0.2
 CLOCK_TITLES = {"robot_time": "the robot's own time", "header_stamp": "the header stamp", "log_time": "the log time"}
 
 
@@ -33,6 +35,7 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
         stamp: Time stamp of the source, if there is one. [ns]
         robot_time: The robot's own clock, if there is one. [s]
     """
+    robot_time, units = (None, []) if robot_time is None else _in_seconds(robot_time, log_time)
     # Differences are taken in integers: 1.7e18 ns has no room for nanoseconds in a float64.
     offered = {
         "robot_time": None if robot_time is None else robot_time - np.min(robot_time),
@@ -42,10 +45,23 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     clocks = {name: t for name, t in offered.items() if t is not None}
     stopped = [name for name, t in clocks.items() if not _runs(t)]
     chosen = next((name for name in clocks if name not in stopped), "log_time")
-    findings = [_stopped_finding(name, chosen) for name in stopped if name != chosen]
+    findings = units + [_stopped_finding(name, chosen) for name in stopped if name != chosen]
     if chosen != "log_time":
         findings += _disagreement(clocks[chosen], clocks["log_time"], chosen)
     return MessageClock(chosen, clocks[chosen], _start(chosen, log_time, stamp), tuple(findings))
+
+
+def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]:
+    """Recognise a robot's clock that counts in milli-, micro- or nanoseconds: by that factor faster than the log."""
+    logged_s = float(np.ptp(log_time)) / NANOSECONDS
+    ratio = float(np.ptp(robot_time)) / logged_s if logged_s > 0.0 else 1.0
+    for factor, unit in ROBOT_TIME_UNITS:
+        if abs(ratio / factor - 1.0) < UNIT_TOLERANCE:
+            message = (
+                f"the robot's own time counts in {unit}, by comparison with the log time; it was divided by {factor:g}"
+            )
+            return robot_time / factor, [Finding(code="robot_time_unit", message=message, amount=factor)]
+    return robot_time, []
 
 
 def _runs(t: Float) -> bool:

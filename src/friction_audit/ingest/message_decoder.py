@@ -78,13 +78,14 @@ class RosDecoder:
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
         from rosbags.serde import SerdeError
+        from rosbags.typesys import TypesysError
 
-        store = self._store or self._make_store()
         try:
+            store = self._store or self._make_store()
             if self._encoding == "cdr":
                 return store.deserialize_cdr(payload, self._type)
             return store.deserialize_ros1(payload, self._type)
-        except SerdeError as error:
+        except (SerdeError, TypesysError, KeyError) as error:  # KeyError: a type that the definitions do not have
             raise UndecodableError(str(error)) from error
 
     def layout(self, payload: bytes) -> Layout | None:

@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Collection, Iterator
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 MAGIC = b"\x89MCAP0\r\n"
 SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE = 3, 4, 5, 6
 PARSED_OPCODES = (SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE)
+BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
+"""What the mcap library raises on a record that is not what its opcode says."""
 END_OPCODES = (2, 15)  # footer, end of the data section
 MESSAGE_HEADER = np.dtype(
     [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("sent", "<u8")]
@@ -32,6 +35,7 @@ MESSAGE_HEADER = np.dtype(
 _RECORD_START = struct.Struct("<BQ")
 _MESSAGE_START = struct.Struct("<BQHIQQ")
 MESSAGE_FIELDS_BYTES = MESSAGE_HEADER.itemsize - _RECORD_START.size
+LATEST_TIME_NS = 2**63 - 1
 LOOSE_MESSAGES_PER_BLOCK = 8192
 SHORTEST_RUN = 16
 """A run of equally long messages shorter than this means that topics alternate: no more runs are looked for."""
@@ -120,7 +124,7 @@ class McapStream:
                 if opcode in PARSED_OPCODES:
                     try:
                         yield offset, _parse(opcode, length, file)
-                    except (struct.error, UnicodeDecodeError, EOFError) as error:
+                    except BROKEN as error:
                         self._note(offset, f"a record is broken: {error}")
                 offset += _RECORD_START.size + length
 
@@ -136,7 +140,7 @@ class McapStream:
         try:
             stream, size = get_chunk_data_stream(chunk, validate_crc=True)
             data: bytes = stream.read(size)
-        except (CRCValidationError, ZstdError, RuntimeError, McapError) as error:
+        except (CRCValidationError, ZstdError, RuntimeError, McapError, OverflowError, MemoryError) as error:
             self._note(offset, f"a chunk cannot be decompressed: {error}")
             return None
         return data
@@ -148,8 +152,8 @@ class McapStream:
 
         file.seek(0)
         try:
-            summary = SeekingReader(file).get_summary()
-        except (McapError, struct.error, UnicodeDecodeError, OSError, ValueError):
+            summary = SeekingReader(file, record_size_limit=self._bytes).get_summary()
+        except (McapError, OSError, ValueError, *BROKEN):
             return None  # a file without a sound end is read from its beginning instead
         if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
             return None
@@ -164,16 +168,19 @@ class McapStream:
             name = type(record).__name__
             if name == "Chunk":
                 data = self._decompress(record, offset)
-                self._count_chunk(data or b"", counts)
+                self._count_chunk(data or b"", counts, offset)
             elif name == "Message":
                 counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
             else:
                 self._learn(record)
         return counts
 
-    def _count_chunk(self, data: bytes, counts: dict[int, int]) -> None:
-        for record in _definitions(data):
-            self._learn(record)
+    def _count_chunk(self, data: bytes, counts: dict[int, int], offset: int) -> None:
+        for opcode, at, length in _definitions(data):
+            try:
+                self._learn(_parse(opcode, length, BytesIO(data[at:])))
+            except BROKEN as error:
+                self._note(offset, f"a record is broken: {error}")
         for block in find_messages(data, None)[0]:
             counts[block.key] = counts.get(block.key, 0) + len(block)
 
@@ -204,14 +211,14 @@ def _parse(opcode: int, length: int, file: BinaryIO) -> object:
     from mcap.exceptions import EndOfFile
     from mcap.records import Channel, Chunk, Message, Schema
 
-    stream = ReadDataStream(file)
+    stream = ReadDataStream(BytesIO(file.read(length)))
     try:
         if opcode == MESSAGE_OPCODE:
             return Message.read(stream, length)
         kinds: dict[int, Any] = {CHUNK_OPCODE: Chunk, SCHEMA_OPCODE: Schema, CHANNEL_OPCODE: Channel}
         record: object = kinds[opcode].read(stream)
     except EndOfFile as error:
-        raise EOFError("it ends early") from error
+        raise EOFError("it ends early") from error  # without a text of its own in the library
     return record
 
 
@@ -225,32 +232,21 @@ def _type_name(name: str, encoding: str) -> str:
 def _gather(record: "Message", loose: dict[int, tuple[list[int], list[bytes]]]) -> Iterator[Block]:
     """Collect messages that lie outside chunks; yield a block whenever there are enough."""
     times, payloads = loose[record.channel_id]
-    times.append(record.log_time)
+    times.append(record.log_time & LATEST_TIME_NS)
     payloads.append(record.data)
     if len(payloads) == LOOSE_MESSAGES_PER_BLOCK:
         yield block_of_payloads(record.channel_id, times, payloads)
         loose[record.channel_id] = ([], [])
 
 
-def _definitions(data: bytes) -> Iterator[object]:
-    """Yield the schemas and channels in a chunk."""
-    from io import BytesIO
-
-    from mcap.data_stream import ReadDataStream
-    from mcap.records import Channel, Schema
-
-    for opcode, kind in ((SCHEMA_OPCODE, Schema), (CHANNEL_OPCODE, Channel)):
-        for at in _records_of(data, opcode):
-            yield kind.read(ReadDataStream(BytesIO(data[at:])))
-
-
-def _records_of(data: bytes, wanted: int) -> Iterator[int]:
+def _definitions(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, offset and length of the schemas and channels in a chunk."""
     position = 0
     while position + _RECORD_START.size <= len(data):
         opcode, length = _RECORD_START.unpack_from(data, position)
         position += _RECORD_START.size
-        if opcode == wanted and position + length <= len(data):
-            yield position
+        if opcode in (SCHEMA_OPCODE, CHANNEL_OPCODE) and position + length <= len(data):
+            yield opcode, position, length
         position += length
 
 
@@ -286,7 +282,7 @@ def find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block
             continue
         _, _, channel, _, log_time, _ = _MESSAGE_START.unpack_from(data, position)
         if keys is None or channel in keys:
-            entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time)
+            entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time & LATEST_TIME_NS)
             mixed.setdefault(channel, []).append(entry)
         position = following
     blocks += [_block(channel, data, entries) for channel, entries in mixed.items()]

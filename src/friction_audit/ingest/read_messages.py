@@ -128,13 +128,9 @@ def _candidate(
 
 
 def _first_blocks(stream: MessageStream, keys: Sequence[int]) -> dict[int, Block]:
-    firsts: dict[int, Block] = {}
-    if keys:
-        for block in stream.blocks(keys):
-            firsts.setdefault(block.key, block)
-            if len(firsts) == len(keys):
-                break
-    return firsts
+    # One connection at a time: a container may hand over all messages of one before it comes to the next.
+    found = ((key, next(stream.blocks([key]), None)) for key in keys)
+    return {key: block for key, block in found if block is not None}
 
 
 def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:

@@ -30,11 +30,19 @@ class BrokenRecordError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """A chunk of messages: offset and length of its data in the file [byte], and how it is compressed."""
+    """A chunk of messages.
+
+    Attributes:
+        offset: Where its data begins in the file. [byte]
+        size: Length of its data. [byte]
+        compression: Name of the compression.
+        unfinished: True if its end is missing, which has been noted.
+    """
 
     offset: int
     size: int
     compression: str
+    unfinished: bool = False
 
 
 class Rosbag1Stream:
@@ -65,8 +73,8 @@ class Rosbag1Stream:
             self._search_chunks()
         if self._damage and not self._connections:
             raise InputError(
-                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole chunk; "
-                "no message can be saved; copy it again or record anew"
+                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole message; "
+                "nothing can be saved; copy it again or record anew"
             )
 
     @property
@@ -89,7 +97,7 @@ class Rosbag1Stream:
 
     def _messages(self, data: bytes, keys: Collection[int] | None, chunk: Chunk) -> list[Block]:
         content = find_messages(data, keys)
-        if content.broken:
+        if content.broken and not chunk.unfinished:
             self._note(chunk.offset, content.broken)
         return content.blocks
 
@@ -99,8 +107,6 @@ class Rosbag1Stream:
             try:
                 header, size = _read_header(file)
                 start = file.tell()
-                if start + size > self._bytes:
-                    raise BrokenRecordError("a record is cut off")  # noqa: TRY301
                 self._survey_record(file, header, start, size)
             except BrokenRecordError as error:
                 self._note(offset, str(error))
@@ -112,15 +118,26 @@ class Rosbag1Stream:
         if kind == BAG_HEADER and "encryptor" in header and header["encryptor"]:
             raise InputError(f"{self._path}: the bag is encrypted ({header['encryptor'].decode()}); decrypt it first")
         if kind == CHUNK:
-            chunk = Chunk(start, size, header.get("compression", b"none").decode(errors="replace"))
-            self._chunks.append(chunk)
-            self._uncounted.append(chunk)
+            self._survey_chunk(header.get("compression", b"none").decode(errors="replace"), start, size)
+        elif start + size > self._bytes:
+            raise BrokenRecordError("a record is cut off")
         elif kind == CONNECTION:
-            self._connections[_number(header, "conn")] = {**_parse_header(file.read(size)), "topic": header["topic"]}
+            _learn_connection(header, file.read(size), self._connections)
         elif kind == INDEX:
             key = _number(header, "conn")
             self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
             self._uncounted = []
+
+    def _survey_chunk(self, compression: str, start: int, size: int) -> None:
+        """Note a chunk; the last one of a bag that was never closed has length 0, and may go on to the file's end."""
+        left = self._bytes - start
+        unfinished = size > left or (size == 0 and left > 0)
+        chunk = Chunk(start, left if unfinished else size, compression, unfinished)
+        if not unfinished or compression == "none":
+            self._chunks.append(chunk)
+            self._uncounted.append(chunk)
+        if unfinished:
+            raise BrokenRecordError("the last chunk has no end")
 
     def _search_chunks(self) -> None:
         """Find connections in the chunks themselves, and count the messages of chunks that have no index."""

@@ -25,6 +25,8 @@ from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 SQLITE_MAGIC = b"SQLite format 3\x00"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
 MESSAGES_PER_BLOCK = 1024  # larger ones wake the garbage collector, which doubles the time
+DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
+"""What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message."""
 STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _LISTED_FILE = re.compile(r"^\s*-\s*['\"]?(?:.*/)?([^/'\"\s]+\.(?:db3|mcap)(?:\.zstd?)?)['\"]?\s*$", re.MULTILINE)
@@ -50,7 +52,7 @@ class Sqlite3Stream:
         try:
             with closing(self._connect()) as database:
                 self.connections = _read_connections(path, database)
-        except sqlite3.Error as error:
+        except DATABASE_ERRORS as error:
             raise self._broken(error) from error
 
     @property
@@ -65,16 +67,24 @@ class Sqlite3Stream:
                 for key in keys:
                     cursor = database.execute("SELECT timestamp, data FROM messages WHERE topic_id = ?", (key,))
                     while rows := cursor.fetchmany(MESSAGES_PER_BLOCK):
-                        payloads = self._decompressed([payload for _, payload in rows])
-                        yield block_of_payloads(key, [log_time for log_time, _ in rows], payloads)
-        except sqlite3.Error as error:
+                        yield self._block(key, rows)
+        except DATABASE_ERRORS as error:
             raise self._broken(error) from error
+
+    def _block(self, key: int, rows: Sequence[tuple[int, bytes]]) -> Block:
+        try:
+            payloads = self._decompressed([payload for _, payload in rows])
+            return block_of_payloads(key, [log_time for log_time, _ in rows], payloads)
+        except (TypeError, AttributeError, ValueError, OverflowError) as error:
+            raise self._broken(f"a message is no pair of a time stamp and bytes ({error})") from error
 
     def _connect(self) -> sqlite3.Connection:
         """Open without writing anything beside the file, unless a journal of its own must be taken into account."""
         journal = self._path.with_name(f"{self._path.name}-wal")
         immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
-        return sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro{immutable}", uri=True)
+        database = sqlite3.connect(f"{self._path.resolve().as_uri()}?mode=ro{immutable}", uri=True)
+        database.text_factory = lambda text: text.decode(errors="replace")
+        return database
 
     def _decompressed(self, payloads: Sequence[bytes]) -> Sequence[bytes]:
         """Undo compression by message; no CDR message begins with the four bytes that every zstd frame begins with."""
@@ -90,7 +100,7 @@ class Sqlite3Stream:
                 f"{self._path}: a compressed message is broken ({error}); record or copy it again"
             ) from error
 
-    def _broken(self, error: sqlite3.Error) -> InputError:
+    def _broken(self, error: Exception | str) -> InputError:
         return InputError(
             f"{self._path}: the sqlite3 database cannot be read: {error}; a bag that was cut off can often be saved "
             f"with `sqlite3 {self._path.name} .recover | sqlite3 recovered.db3`"
@@ -116,11 +126,11 @@ def _read_connections(path: Path, database: sqlite3.Connection) -> tuple[Connect
         connections.append(
             Connection(
                 key=key,
-                topic=topic,
-                type=typename,
-                encoding=encoding,
-                definition=text.encode(),
-                definition_format=language,
+                topic=str(topic),
+                type=str(typename),
+                encoding=str(encoding),
+                definition=str(text).encode(),
+                definition_format=str(language),
                 messages=counts.get(key, 0),
             )
         )

@@ -1,0 +1,54 @@
+"""Arms, their joints and the robot, from names alone."""
+
+import pytest
+
+from friction_audit.ingest.joint_order import arms_in, robot_of
+
+PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
+
+
+def test_scrambled_with_fingers() -> None:
+    names = ("panda_finger_joint1", *PANDA[::-1], "panda_finger_joint2")
+    assert arms_in(names) == {"panda": PANDA}
+
+
+def test_nine_joints_are_sorted_by_number_not_by_text() -> None:
+    names = [f"joint{i}" for i in (10, 9, 1, 2, 3, 4, 5, 6, 7, 8)]
+    assert arms_in(names) == {"": tuple(f"joint{i}" for i in range(1, 11))}
+
+
+def test_two_arms() -> None:
+    names = [f"{side}_fr3_joint{i}" for i in (2, 1) for side in ("right", "left")]
+    expected = {side: (f"{side}_joint1", f"{side}_joint2") for side in ("left_fr3", "right_fr3")}
+    assert arms_in(names) == expected
+
+
+def test_lift_beside_an_arm_is_no_arm() -> None:
+    assert arms_in(["lift_joint1", *PANDA, "wheel_left"]) == {"panda": PANDA}
+
+
+def test_names_without_numbers_keep_their_order() -> None:
+    assert arms_in(["shoulder", "elbow", "left_finger"]) == {"": ("shoulder", "elbow")}
+
+
+def test_only_fingers() -> None:
+    assert arms_in(["panda_finger_joint1", "panda_finger_joint2"]) == {}
+
+
+@pytest.mark.parametrize(
+    ("prefix", "robot"),
+    [
+        ("panda_", "panda"),
+        ("fer_", "panda"),
+        ("panda_1_", "panda"),
+        ("left_panda_", "panda"),
+        ("fr3_", "fr3"),
+        ("right_fr3_", "fr3"),
+        ("fr3v2_", "fr3"),
+        ("iiwa_", "unknown"),
+        ("transfer_", "unknown"),
+        ("", "unknown"),
+    ],
+)
+def test_robot(prefix: str, robot: str) -> None:
+    assert robot_of([f"{prefix}joint{i}" for i in range(1, 8)]) == robot
