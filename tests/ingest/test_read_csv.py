@@ -149,6 +149,26 @@ def test_seconds_beside_nanoseconds(tmp_path: Path) -> None:
     assert log.t[150] == 1.0
 
 
+@pytest.mark.parametrize("zone", [None, "Europe/Berlin"])
+def test_dates(tmp_path: Path, zone: str | None) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = pd.date_range("2024-01-01 12:00", periods=300, freq="ms", tz=zone)
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
+    assert log.source.start_s == pd.Timestamp("2024-01-01 12:00", tz=zone or "UTC").timestamp()
+
+
+def test_text_that_is_no_date(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = "noon"
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    with pytest.raises(InputError, match="column time holds neither numbers nor ISO 8601 dates"):
+        read_log(path, ReadOptions(mapping={"t": "time"}))
+
+
 def test_bag_exports_count_from_zero(tmp_path: Path) -> None:
     arrays = motion(300)
     columns = {"time": arrays["t"]}

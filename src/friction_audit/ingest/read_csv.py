@@ -49,32 +49,34 @@ def read_csv(path: Path, options: ReadOptions) -> Recording:
 
 def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
     capacity = _count_lines(path, dialect)
-    time = _empty_time(dialect, columns.time, capacity)
+    kind = _time_kind(dialect, columns.time)
+    time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if kind is str else kind)
     arrays = {c: np.empty((capacity, len(cells)), order="F") for c, cells in columns.channels.items()}
     labels = {cell: text for cell, text in _first_row(dialect).items() if parse_label(dialect.names[cell]) is not None}
     kinds: dict[int, Any] = {cell: np.float64 for cells in columns.channels.values() for cell in cells}
-    kinds |= dict.fromkeys(columns.time.cells, time.dtype.type) | dict.fromkeys(labels, str)
+    kinds |= dict.fromkeys(columns.time.cells, kind) | dict.fromkeys(labels, str)
     rows, cut = 0, None
     for block in _parse(path, dialect, kinds):
         if isinstance(block, Finding):
             cut = block
             continue
         stop = rows + len(block)
-        time[rows:stop] = _stamps(block, columns.time)
+        time[rows:stop] = _stamps(block, columns.time, path)
         for channel, cells in columns.channels.items():
             for joint, cell in enumerate(cells):
                 arrays[channel][rows:stop, joint] = block[cell].to_numpy()
         _refuse_moving_labels(path, block, labels, rows + dialect.line)
         rows = stop
     findings = () if cut is None else (cut,)
-    clock = to_clock(time[:rows], "ns" if len(columns.time.cells) > 1 else columns.time.unit, path=str(path))
+    clock = to_clock(time[:rows], _time_unit(columns.time, kind), path=str(path))
     return to_recording(columns, clock, {c: array[:rows] for c, array in arrays.items()}, findings=findings)
 
 
 def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
     """Read a table with one row per joint and time."""
     kinds: dict[int, Any] = dict.fromkeys(long.channels.values(), np.float64) | {long.joint: str}
-    kinds |= dict.fromkeys(long.time.cells, _empty_time(dialect, long.time, 0).dtype.type)
+    kind = _time_kind(dialect, long.time)
+    kinds |= dict.fromkeys(long.time.cells, kind)
     blocks: list[Any] = []
     findings: list[Finding] = []
     for block in _parse(path, dialect, kinds):
@@ -85,9 +87,11 @@ def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
     if not blocks:
         raise InputError(f"{path}: 0 samples; the table has a header and no whole row")
     joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
-    time = np.concatenate([_stamps(block, long.time) for block in blocks])
+    time = np.concatenate([_stamps(block, long.time, path) for block in blocks])
     values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
-    return pivot_long(long, joint, time, values, path=str(path), findings=tuple(findings))
+    return pivot_long(
+        long, joint, time, values, path=str(path), unit=_time_unit(long.time, kind), findings=tuple(findings)
+    )
 
 
 def _parse(path: Path, dialect: Dialect, kinds: Mapping[int, Any]) -> Iterator[Any]:
@@ -209,18 +213,41 @@ def _count_lines(path: Path, dialect: Dialect) -> int:
     return count + (chunk[-1:] != b"\n")
 
 
-def _empty_time(dialect: Dialect, time: TimeColumn, rows: int) -> NDArray[Any]:
-    """Return room for the stamps: integers where a float would lose digits."""
+def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
+    """Return how stamps are read: as integers where a float would lose digits, as text where they are dates."""
     texts = [row[cell].strip() for row in dialect.rows for cell in time.cells if cell < len(row)]
+    if texts and not any(is_number(text, dialect.decimal) for text in texts):
+        return str
     exact = len(time.cells) > 1 or any(text.lstrip("-").isdigit() and len(text) >= _LONG_INTEGER for text in texts)
-    return np.empty(rows, dtype=np.int64 if exact else np.float64)
+    return np.int64 if exact else np.float64
 
 
-def _stamps(block: Any, time: TimeColumn) -> NDArray[Any]:  # noqa: ANN401
-    stamps: NDArray[Any] = block[time.cells[0]].to_numpy()
+def _time_unit(time: TimeColumn, kind: type) -> str | None:
+    return "ns" if len(time.cells) > 1 or kind is str else time.unit
+
+
+def _stamps(block: Any, time: TimeColumn, path: Path) -> NDArray[Any]:  # noqa: ANN401
+    column = block[time.cells[0]]
+    if column.dtype.kind not in "iuf":
+        return _dates(column, time, path)
+    stamps: NDArray[Any] = column.to_numpy()
     if len(time.cells) > 1:
         stamps = stamps * 1_000_000_000 + block[time.cells[1]].to_numpy()
     return stamps
+
+
+def _dates(column: Any, time: TimeColumn, path: Path) -> NDArray[np.int64]:  # noqa: ANN401
+    """Turn dates into nanoseconds since 1970."""
+    import pandas as pd
+
+    try:
+        dates = pd.to_datetime(column, format="ISO8601", utc=True)
+    except ValueError as error:
+        raise InputError(f"{path}: column {time.name} holds neither numbers nor ISO 8601 dates: {error}") from error
+    if dates.isna().any():
+        raise InputError(f"{path}: column {time.name} lacks {int(dates.isna().sum())} dates; remove those lines")
+    nanoseconds: NDArray[np.int64] = dates.dt.tz_convert(None).dt.as_unit("ns").to_numpy().astype(np.int64)
+    return nanoseconds
 
 
 def _constant_columns(dialect: Dialect) -> frozenset[int]:
