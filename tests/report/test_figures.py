@@ -91,12 +91,22 @@ def test_a_model_without_a_coefficient_is_drawn_without_it(single: Estimate) -> 
 
 
 def test_arrows_run_along_two_neighbouring_cycles_that_count(single: Estimate) -> None:
-    cycles = single.cycles.of_joint(0)
-    strokes = typical_strokes(cycles)
+    series = joint_series(single, 1)
+    cycles, strokes = series.cycles, typical_strokes(series)
     row = cycles.start.tolist().index(strokes.start)
     following = next(r for r in range(row + 1, len(cycles.joint)) if cycles.reason[r] == 0)
     assert cycles.reason[row] == 0
     assert strokes.stop == cycles.stop[following] + 1
+    assert series.dq[strokes].min() < -0.3
+    assert series.dq[strokes].max() > 0.3
+
+
+def test_friction_is_drawn_on_all_that_acts_against_it(single: Estimate) -> None:
+    helped = replace(single.interaction, compensation=np.full_like(single.interaction.torque, 0.2))
+    series = joint_series(replace(single, interaction=helped), 1)
+    assert centre_nm(series) == pytest.approx(0.2, abs=0.02)
+    figure = FIGURES[0].draw(replace(single, interaction=helped), 1)
+    assert figure.get_supylabel() == "Interaction and compensator torque [N m]"
 
 
 def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monkeypatch: pytest.MonkeyPatch) -> None:

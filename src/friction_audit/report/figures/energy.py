@@ -76,7 +76,9 @@ def _draw_panel(axes: "Axes", series: JointSeries) -> "list[Artist]":
     handles: list[Artist] = [*axes.plot(*thin_extremes(series.t, energy), color=FILTERED, lw=0.9, label="net energy")]
     edges, stairs = dissipated_stairs(series)
     if len(edges):
-        handles.extend(axes.step(edges, stairs, where="post", color=DISSIPATED, lw=0.9, label="dissipated, per cycle"))
+        # The last step holds until the log ends.
+        held = np.append(edges, max(series.t[-1], edges[-1])), np.append(stairs, stairs[-1])
+        handles.extend(axes.step(*held, where="post", color=DISSIPATED, lw=0.9, label="dissipated, per cycle"))
     if 0 < len(series.cycles.joint) <= MOST_SHADED:
         borders = np.concatenate([series.cycles.start[:1], series.cycles.stop])
         handles += axes.plot(

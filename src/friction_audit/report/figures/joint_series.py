@@ -19,6 +19,7 @@ class JointSeries:
         t: Time, shape (n,). [s]
         dq: Velocity, shape (n,). [rad/s]
         torque: Interaction torque, shape (n,). [N m]
+        compensation: Torque of a logged compensator, shape (n,), or None. [N m]
         cycles: Its cycles; start and stop are indices into the arrays above.
         friction: Its coefficients.
     """
@@ -28,13 +29,19 @@ class JointSeries:
     t: Float
     dq: Float
     torque: Float
+    compensation: Float | None
     cycles: EnergyCycles
     friction: JointFriction
 
     @property
     def not_determined(self) -> str:
-        """The sentence for a panel without an estimate; empty if there is one."""
-        return f"not determined: {self.friction.reason}" if self.friction.reason else ""
+        """The words for a panel without an estimate, without the advice behind the semicolon; empty if there is one."""
+        return f"not determined: {self.friction.reason.partition(';')[0]}" if self.friction.reason else ""
+
+    @property
+    def driving_torque(self) -> Float:
+        """What acts against friction and inertia: F_m + u, shape (n,). [N m]"""
+        return self.torque if self.compensation is None else self.torque + self.compensation
 
 
 def joint_series(estimate: Estimate, joint: int) -> JointSeries:
@@ -48,12 +55,14 @@ def joint_series(estimate: Estimate, joint: int) -> JointSeries:
         held = ", ".join(map(str, numbers))
         raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
     column = numbers.index(joint)
+    compensation = estimate.interaction.compensation
     return JointSeries(
         number=joint,
         name=estimate.interaction.joint_names[column],
         t=estimate.interaction.t,
         dq=estimate.interaction.dq[:, column],
         torque=estimate.interaction.torque[:, column],
+        compensation=None if compensation is None else compensation[:, column],
         cycles=estimate.cycles.of_joint(column),
         friction=next(found for found in estimate.friction.joints if found.joint == joint),
     )

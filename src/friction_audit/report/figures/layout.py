@@ -27,14 +27,14 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
-def label_panel(axes: "Axes", name: str) -> None:
-    """Write the joint's name above the upper left corner and keep the ticks few."""
+def label_panel(axes: "Axes", name: str, *, across: int | None = None) -> None:
+    """Write the joint's name above the upper left corner and keep the ticks few, ``across`` along the x axis."""
     from matplotlib.ticker import MaxNLocator
 
     axes.set_title(name, loc="left")
     ticks = TICKS_IN_COLUMN if is_narrow(axes.get_figure(root=True)) else TICKS_ON_SHEET
-    for axis in (axes.xaxis, axes.yaxis):
-        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 2.5, 5, 10]))
+    for axis, most in ((axes.xaxis, across or ticks), (axes.yaxis, ticks)):
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
 
 
 def say_in_panel(axes: "Axes", sentence: str, *, characters: int) -> None:

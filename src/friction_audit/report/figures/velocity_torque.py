@@ -5,11 +5,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from friction_audit.audit import Estimate
-from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
-from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel, new_figure, say_in_panel
 from friction_audit.report.figures.smoothing import CUTOFF_HZ, cutoff_hz, median_rate_hz, smooth
 from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, RAW, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import MOST_POINTS, every_nth
@@ -20,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 COLUMNS = 4
+TICKS_ACROSS = 3
 ARROWS = 6
 ARROW_LENGTH = 0.06
 """Of a panel's width."""
@@ -53,7 +53,7 @@ def draw_velocity_torque(estimate: Estimate, joint: int | None) -> "Figure":
         handles = _draw_panel(figure.subplots(), series, characters=40)
         add_legend(figure, handles)
         figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
-        figure.supylabel("Interaction torque [N m]", fontsize=7.5)
+        figure.supylabel(_torque_label(series), fontsize=7.5)
         return figure
 
 
@@ -73,8 +73,12 @@ def _draw_sheet(joints: tuple[JointSeries, ...]) -> "Figure":
         handle.set_label("fitted friction")
     add_legend(figure, handles)
     figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
-    figure.supylabel("Interaction torque [N m]", fontsize=7.5)
+    figure.supylabel(_torque_label(joints[0]), fontsize=7.5)
     return figure
+
+
+def _torque_label(series: JointSeries) -> str:
+    return "Interaction torque [N m]" if series.compensation is None else "Interaction and compensator torque [N m]"
 
 
 def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[Artist]":
@@ -82,7 +86,7 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
     from matplotlib.lines import Line2D
 
     thinned = every_nth(len(series.t))
-    axes.plot(series.dq[thinned], series.torque[thinned], ".", color=RAW, ms=1.2, mew=0, rasterized=True)
+    axes.plot(series.dq[thinned], series.driving_torque[thinned], ".", color=RAW, ms=1.2, mew=0, rasterized=True)
     # In the legend the marks are larger, or nobody would see them.
     raw = Line2D([], [], color=RAW, marker=".", ls="", ms=5, mew=0)
     loop = filtered_loop(series)
@@ -96,7 +100,7 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
         handles.extend(_draw_fit(axes, series))
     reach = max(SMALLEST_SPEED_RAD_S, 1.05 * float(np.abs(series.dq).max()))
     axes.set_xlim(-reach, reach)
-    label_panel(axes, series.name)
+    label_panel(axes, series.name, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
     say_in_panel(axes, series.not_determined, characters=characters)
     return handles
 
@@ -104,7 +108,7 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
 def filtered_loop(series: JointSeries) -> Loop:
     """Return the filtered curve, thinned to smooth lines; of a long log every k-th cycle, gaps between them as NaN."""
     step = max(1, int(median_rate_hz(series.t) / (POINTS_PER_PERIOD * CUTOFF_HZ)))
-    dq, torque = (smooth(series.t, signal)[::step] for signal in (series.dq, series.torque))
+    dq, torque = (smooth(series.t, signal)[::step] for signal in (series.dq, series.driving_torque))
     every = max(-(-len(dq) // MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
     if every <= 1:
         return Loop(dq, torque, 1)
@@ -138,7 +142,7 @@ def centre_nm(series: JointSeries) -> float:
     """
     moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
     friction = fitted_torque(series.friction, series.dq[moving])
-    return 0.0 if friction is None else float(np.median(series.torque[moving] - friction))
+    return 0.0 if friction is None else float(np.median(series.driving_torque[moving] - friction))
 
 
 def fitted_label(friction: JointFriction, centre: float) -> str:
@@ -170,22 +174,24 @@ def _draw_fit(axes: "Axes", series: JointSeries) -> "list[Artist]":
     return list(axes.plot(dq, torque + centre, color=FITTED, lw=1.3, zorder=4, label=label))
 
 
-def typical_strokes(cycles: EnergyCycles) -> slice:
-    """Return the samples of the two neighbouring cycles closest to the middling peak speed: there and back."""
-    kept = cycles.rows(cycles.reason == 0)
+def typical_strokes(series: JointSeries) -> slice:
+    """Return the samples of two neighbouring cycles of middling peak speed, if possible there and back."""
+    kept = series.cycles.rows(series.cycles.reason == 0)
     if len(kept.joint) < 2:  # noqa: PLR2004
         return slice(0, 0)
+    direction = np.array([np.sign(series.dq[a:b].sum()) for a, b in zip(kept.start, kept.stop, strict=True)])
     distance = np.abs(kept.peak_speed_rad_s - np.median(kept.peak_speed_rad_s))
-    row = int(np.argmin(distance[1:] + distance[:-1]))
+    apart = distance[1:] + distance[:-1] + 2 * distance.max() * (direction[1:] == direction[:-1])
+    row = int(np.argmin(apart))
     return slice(int(kept.start[row]), int(kept.stop[row + 1]) + 1)
 
 
 def _add_arrows(axes: "Axes", series: JointSeries) -> None:
     """Add arrows in the direction of time, evenly spread along a typical pair of strokes, away from rest."""
-    strokes = typical_strokes(series.cycles)
+    strokes = typical_strokes(series)
     if strokes.stop - strokes.start < 2 * ARROWS:
         return
-    dq, torque = (smooth(series.t, signal)[strokes] for signal in (series.dq, series.torque))
+    dq, torque = (smooth(series.t, signal)[strokes] for signal in (series.dq, series.driving_torque))
     # A white rim keeps the strokes apart from the curve around them.
     axes.plot(dq, torque, color="white", lw=2.2, rasterized=True)
     axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
