@@ -213,6 +213,15 @@ def test_degrees_in_both_are_told_by_the_magnitudes() -> None:
     np.testing.assert_allclose(log.q, recording().channels["q"], atol=1e-12)
 
 
+def test_a_rig_that_turns_without_end_is_not_turned_into_radians() -> None:
+    given_recording = recording(joints=1)
+    t = given_recording.t[:, None]
+    given_recording.channels |= {"q": 40.0 * t, "dq": 40.0 + 0.1 * np.sin(3.0 * t)}
+    log = vetted(given_recording)
+    assert codes(log) == ["degrees_suspected"]
+    assert log.q[-1, 0] == pytest.approx(40.0 * 2.999)
+
+
 @pytest.mark.parametrize("stretch", [0.8, 0.96, 1.04, 1.3])
 def test_a_stretched_clock_is_noticed_and_kept(stretch: float) -> None:
     given_recording = recording()

@@ -26,6 +26,8 @@ _MOVED = 0.003
 _FEWEST_WINDOWS = 5
 _LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
+_LARGEST_Q_DEG = 720.0
+"""Beyond this a joint turns without end, whatever the unit: a bench rig, where magnitudes prove nothing."""
 _STRETCHED = 0.02
 _STRETCHED_TOO_FAR = 1.5
 _DISAGREES = 0.05
@@ -143,6 +145,8 @@ def _turn_degrees(recording: Recording, ratio: float) -> Recording:
     elif _near(ratio, 1.0 / DEGREES_PER_RADIAN):
         degrees = ["dq"]
     elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
+        if q.shape[1] == 1 or largest_q > _LARGEST_Q_DEG:
+            return with_findings(recording, _suspected(largest_q, largest_dq))
         degrees = ["q", "dq"]
     for channel in degrees:
         array = recording.channels[channel]
@@ -162,6 +166,14 @@ def _degrees(channel: str, largest: float, ratio: float) -> Finding:
         "it was turned into radians"
     )
     return Finding(code="degrees", message=message, amount=largest)
+
+
+def _suspected(largest_q: float, largest_dq: float) -> Finding:
+    message = (
+        f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
+        "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
+    )
+    return Finding(code="degrees_suspected", message=message, amount=largest_q)
 
 
 def _mend_unit(recording: Recording, ratio: float) -> Recording:
