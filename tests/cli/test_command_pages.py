@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 PAGES = Path(__file__).parents[2] / "docs" / "commands"
 SHORT = {"-q": "--quiet", "-v": "--verbose", "-o": "--output"}
+CONSOLE = re.compile(r"^```console\n.*?^```$", re.MULTILINE | re.DOTALL)
 OPTION = re.compile(r"(?<![\w-])(--[a-z][a-z-]+|-[a-z])(?![\w-])")
 
 
@@ -25,6 +26,7 @@ def options_of(name: str) -> set[str]:
 @pytest.mark.parametrize("module", COMMANDS, ids=lambda module: module.__name__.rpartition(".")[2])
 def test_page_and_command_agree(module: "ModuleType") -> None:
     name = module.__name__.rpartition(".")[2]
-    named = {SHORT.get(word, word) for word in OPTION.findall((PAGES / f"{name}.md").read_text())}
+    prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
+    named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     assert options_of(name) - {"--help"} <= named
     assert named <= options_of(name)
