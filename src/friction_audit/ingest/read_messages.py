@@ -43,7 +43,7 @@ def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Re
             f"{path}: none of the messages on topic {choice.candidate.topic} can be decoded as "
             f"{choice.candidate.type}; choose another topic with --topic"
         )
-    return _recording(choice, samples, options, candidates, _losses(stream.damage, samples, undecodable))
+    return _recording(choice, samples, candidates, _losses(stream.damage, samples, undecodable))
 
 
 def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
@@ -275,7 +275,6 @@ def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -
 def _recording(
     choice: Choice,
     samples: JointSamples,
-    options: ReadOptions,
     candidates: Sequence[Candidate],
     losses: list[Finding],
 ) -> Recording:
@@ -287,7 +286,7 @@ def _recording(
         joint_names=choice.joints,
         clock=clock.name,
         start_s=clock.start_s,
-        robot=options.robot or _robot(choice, candidates),
+        robot=_robot(choice, candidates),
         topic=choice.candidate.topic,
         mapping={name: _shown(kind, name) for name in samples.channels},
         findings=(*choice.findings, *_empty_channels(choice, candidates), *losses, *clock.findings),
