@@ -65,8 +65,6 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     normal = _sliding_sum(equations.normal, window)
     right = _sliding_sum(equations.right, window)
     value = _solve(normal, right)
-    spread = np.zeros_like(value)
-    mean = np.zeros_like(value)
     windows = len(value)
     without = [
         _solve(normal - equations.normal[g : g + windows], right - equations.right[g : g + windows])
