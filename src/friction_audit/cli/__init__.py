@@ -1,5 +1,6 @@
 """The command line: read, one library call, write."""
 
+import io
 import sys
 
 import typer
@@ -12,6 +13,10 @@ __all__ = ["app", "main"]
 
 def main(argv: list[str] | None = None) -> None:
     """Run the command line and exit; deliberate errors become one line and their exit code, bugs a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        # File names need not be text, and terminals need not know every letter: neither is worth a traceback.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         app(args=argv, prog_name="friction-audit")
     except FrictionAuditError as error:

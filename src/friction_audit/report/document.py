@@ -38,8 +38,8 @@ def to_json(value: Any) -> Any:  # noqa: ANN401 - any value of a result or of se
 
 
 def write_document(document: Document) -> str:
-    """Return the document as text, with a newline at its end."""
-    return json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """Return the document as text in ASCII, so that any file name can be written, with a newline at its end."""
+    return json.dumps(document, indent=2, allow_nan=False) + "\n"
 
 
 def source_document(log: JointLog) -> Document:
