@@ -141,6 +141,16 @@ def test_cycles_left_out_are_hatched(single: Estimate) -> None:
     assert len(hatched) == int((single.cycles.reason != 0).sum()) == 1
 
 
+def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> None:
+    friction = single.friction.joints[0]
+    nothing = np.full_like(friction.history.coulomb_nm, np.nan)
+    history = replace(friction.history, viscous_nms_per_rad=nothing)
+    bare = replace(friction, model="coulomb", viscous=UNDETERMINED, history=history)
+    result = replace(single, friction=replace(single.friction, joints=(bare,)))
+    panels = next(kind for kind in FIGURES if kind.name == "coefficients").draw(result, 1).axes
+    assert [text.get_text() for axes in panels for text in axes.texts] == ["not in the coulomb model"]
+
+
 def test_too_many_cycles_are_not_shaded() -> None:
     crowded = build_estimate(1, count=90, rate=100.0)
     figure = next(kind for kind in FIGURES if kind.name == "energy").draw(crowded, 1)

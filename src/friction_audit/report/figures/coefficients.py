@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.audit import Estimate
-from friction_audit.friction.history import Coefficient
+from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
@@ -52,8 +52,14 @@ def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]
         axes.set_ylabel(label)
         if not found[-1]:
             axes.set_yticks([])
-            say_in_panel(axes, series.not_determined or "not determined", characters=44)
+            say_in_panel(axes, series.not_determined or _absence(friction, label), characters=44)
     return max(found, key=len)
+
+
+def _absence(friction: JointFriction, label: str) -> str:
+    """Return why one coefficient is missing where the other is there."""
+    fitted = friction.model == "combined" or label.lower().startswith(friction.model)
+    return "not determined" if fitted else f"not in the {friction.model} model"
 
 
 def _draw_coefficient(
