@@ -274,6 +274,27 @@ def test_messages_that_do_not_fit_are_left_out(tmp_path: Path) -> None:
     assert (finding.code, finding.amount, finding.damaged) == ("undecodable_messages", 1.0, True)
 
 
+def test_messages_that_are_still_in_the_write_ahead_journal(tmp_path: Path) -> None:
+    values = samples(12)
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    connection = sqlite3.connect(file)
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("DELETE FROM messages WHERE id > 10")
+    connection.commit()
+    recording = read(file)
+    connection.close()
+    assert_read(recording, {name: array[:10] for name, array in values.items()})
+
+
+def test_row_that_is_no_message(tmp_path: Path) -> None:
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(5))])
+    with sqlite3.connect(storage_file(path)) as connection:
+        connection.execute("UPDATE messages SET timestamp = 'noon' WHERE id = 4")
+    connection.close()
+    with pytest.raises(InputError, match="a message is no pair of a time stamp and bytes"):
+        read(path)
+
+
 def test_no_message_that_fits(tmp_path: Path) -> None:
     path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(3))])
     with sqlite3.connect(storage_file(path)) as connection:

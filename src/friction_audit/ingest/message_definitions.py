@@ -1,7 +1,6 @@
 """Definitions of ROS messages: from the file, from the standard set, or one of the known franka_msgs generations."""
 
 from collections.abc import Iterator
-from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from friction_audit.ingest.message_layout import LayoutError, find_layout
@@ -97,6 +96,8 @@ def _try_franka(connection: Connection, payload: bytes, standard: "Typesdict") -
 
 
 def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
+    from importlib.resources import files
+
     from rosbags.typesys import get_types_from_msg
 
     folder = files("friction_audit.ingest") / "franka_msgs"
