@@ -1,0 +1,202 @@
+"""What the documentation says is so: commands, outputs, links, codes, formats, keys."""
+
+import ast
+import io
+import re
+from collections.abc import Iterator
+from contextlib import chdir, redirect_stdout
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from friction_audit.export import WRITERS
+from friction_audit.ingest import READERS
+from friction_audit.ingest.foreign_names import ALIASES
+from friction_audit.joint_log import JOINT_CHANNELS
+from friction_audit.report.figures import FIGURES
+from friction_audit.report.schemas import KINDS, load_schema
+from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
+
+DOCS = ROOT / "docs"
+COEFFICIENTS = ("coulomb", "viscous")
+ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+
+
+def cells(page: Path) -> list[list[str]]:
+    """Return the cells of every table row of a page."""
+    rows = [line for line in page.read_text().splitlines() if line.startswith("| ")]
+    return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
+
+
+@ON_PAGES
+def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path)
+    for body in blocks(page.read_text(), "console"):
+        for example in examples(body):
+            assert not terminal.provide_logs(example.command), f"{example.command}: a log that nobody has; use ```sh"
+            shown = terminal.run(example.command)
+            assert same(example.output, shown), f"$ {example.command}\n{shown}"
+
+
+@ON_PAGES
+def test_commands_on_imagined_logs_run(page: Path, tmp_path: Path) -> None:
+    terminal = Terminal(tmp_path)
+    for command in (line for body in blocks(page.read_text(), "sh") for line in commands(body)):
+        terminal.provide_logs(command)
+        # The stand-ins hold one topic, and its name is not the one imagined.
+        shown = terminal.run(re.sub(r" --topic \S+", "", command.partition(" | ")[0]))
+        assert terminal.code == 0, f"$ {command}\n{shown}"
+
+
+@ON_PAGES
+def test_python_runs(page: Path, tmp_path: Path) -> None:
+    Terminal(tmp_path)
+    for body in blocks(page.read_text(), "python"):
+        with chdir(tmp_path), redirect_stdout(io.StringIO()) as said:
+            exec(compile(body, str(page), "exec"), {})
+        assert said.getvalue()
+
+
+def anchors(page: Path) -> set[str]:
+    """Return the anchors of a page's headings, as GitHub names them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text(), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@ON_PAGES
+def test_links_lead_somewhere(page: Path) -> None:
+    links = re.findall(r"\]\(([^)\s]+)\)", page.read_text())
+    inner = [link for link in links if not link.startswith(("http://", "https://"))]
+    for link in inner:
+        name, _, anchor = link.partition("#")
+        target = (page.parent / name).resolve() if name else page
+        assert target.exists(), link
+        assert not anchor or anchor in anchors(target), link
+
+
+def test_every_page_is_in_the_contents() -> None:
+    reached: set[Path] = set()
+    waiting = [DOCS / "index.md"]
+    while waiting:
+        page = waiting.pop()
+        reached.add(page)
+        linked = {(page.parent / name).resolve() for name in re.findall(r"\]\(([^)\s#]+\.md)", page.read_text())}
+        waiting += [one for one in linked if one.is_relative_to(DOCS) and one not in reached and one.exists()]
+    assert set(DOCS.rglob("*.md")) - reached == set()
+
+
+def test_pages_name_no_machine() -> None:
+    for page in PAGES:
+        assert not re.search(r"(?<![\w.*])/(?:home|tmp|work|root|usr)\b", page.read_text()), page
+
+
+def spelled(code: ast.expr) -> Iterator[str]:
+    """Yield a code as it stands, or for every coefficient where it is put together."""
+    if isinstance(code, ast.Constant):
+        yield str(code.value)
+    elif isinstance(code, ast.JoinedStr):
+        for name in COEFFICIENTS:
+            yield "".join(str(part.value) if isinstance(part, ast.Constant) else name for part in code.values)
+
+
+def codes_in_the_source() -> set[str]:
+    found: set[str] = set()
+    for path in (ROOT / "src").rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text())):
+            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
+                continue
+            if node.func.id in ("Finding", "Caution"):
+                given = [keyword.value for keyword in node.keywords if keyword.arg == "code"]
+                found |= {code for value in given for code in spelled(value)}
+            elif node.func.id == "Notice" and isinstance(node.args[0], ast.Constant):
+                found.add(str(node.args[0].value))
+    return found
+
+
+def codes_in_the_pages() -> set[str]:
+    told: set[str] = set()
+    for name in ("formats.md", "troubleshooting.md"):
+        in_table = False
+        for line in (DOCS / name).read_text().splitlines():
+            in_table = line.startswith(("| code | what it means", "| `", "| ---")) and (in_table or "| code" in line)
+            if in_table and line.startswith("| `"):
+                told |= set(re.findall(r"`(\w+)`", line.split(" | ")[0]))
+    return told
+
+
+def test_every_code_is_documented_and_exists() -> None:
+    assert codes_in_the_pages() == codes_in_the_source()
+
+
+def test_damage_is_marked() -> None:
+    marked = {row[0].split("`")[1] for row in cells(DOCS / "formats.md") if row[0].endswith("` *")}
+    source = "".join(path.read_text() for path in sorted((ROOT / "src/friction_audit/ingest").rglob("*.py")))
+    calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
+    damaged = {
+        code
+        for call in calls
+        if isinstance(call.func, ast.Name) and call.func.id == "Finding"
+        if any(k.arg == "damaged" and isinstance(k.value, ast.Constant) and k.value.value for k in call.keywords)
+        for k in call.keywords
+        if k.arg == "code"
+        for code in spelled(k.value)
+    }
+    assert marked == damaged
+
+
+def test_every_reader_is_documented() -> None:
+    rows = [row[:2] for row in cells(DOCS / "formats.md")]
+    for reader in READERS:
+        assert [f"`{reader.name}`", " ".join(f"`{suffix}`" for suffix in reader.suffixes)] in rows
+
+
+def test_every_dialect_is_documented() -> None:
+    rows = cells(DOCS / "formats.md")
+    for writer in WRITERS:
+        held = "all" if set(writer.holds) == set(JOINT_CHANNELS) else ", ".join(writer.holds)
+        ending = f"`{writer.suffix}`" if writer.suffix else "directory"
+        exact = "yes" if writer.lossless else "no"
+        assert [f"`{writer.name}`", ending, writer.summary.removesuffix("."), held, exact] in rows, writer.name
+
+
+def test_names_of_columns_are_documented() -> None:
+    rows = cells(DOCS / "formats.md")
+    for channel, aliases in ALIASES.items():
+        assert [f"`{channel}`", " ".join(f"`{alias}`" for alias in aliases)] in rows
+
+
+def test_every_channel_has_a_meaning() -> None:
+    named = {name for row in cells(DOCS / "nomenclature.md") for name in re.findall(r"`(\w+)`", row[0])}
+    assert set(JOINT_CHANNELS) <= named
+
+
+def keys(schema: dict[str, Any]) -> Iterator[str]:
+    for name, inner in schema.get("properties", {}).items():
+        yield name
+        yield from keys(inner)
+        yield from keys(inner.get("items", {}))
+    for inner in (*schema.get("$defs", {}).values(), *schema.get("anyOf", ()), *schema.get("oneOf", ())):
+        yield from keys(inner)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_keys_of_documents_are_documented(kind: str) -> None:
+    named = set(re.findall(r"`(\w+)`", (DOCS / "json.md").read_text()))
+    assert set(keys(load_schema(kind))) <= named
+
+
+def test_figures_are_documented() -> None:
+    for figure in FIGURES:
+        assert f"`{figure.name}`" in (ROOT / "README.md").read_text()
+
+
+def test_readme_shows_the_help() -> None:
+    assert "friction-audit --help" in [
+        e.command for b in blocks((ROOT / "README.md").read_text(), "console") for e in examples(b)
+    ]
+
+
+def test_picture_is_small_enough() -> None:
+    for image in (DOCS / "images").iterdir():
+        assert image.stat().st_size <= 200_000
