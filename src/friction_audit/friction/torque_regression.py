@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.friction.history import Coefficient, TorqueRegression
+from friction_audit.friction.robust_regression import huber_weights, newey_west_errors, solve_weighted
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 
@@ -21,6 +22,8 @@ LAG_S = 0.5
 """Longest correlation time that the intervals allow for; friction and model errors repeat within a stroke."""
 
 FEWEST_ROWS = 100
+QUANTILE = 1.959963984540054
+"""Of the normal distribution, for 95 % intervals."""
 
 
 def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float) -> TorqueRegression | None:
@@ -34,27 +37,28 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
     Returns:
         The regression, or None with too few moving samples.
     """
-    from statsmodels.regression.linear_model import WLS
-    from statsmodels.robust.robust_linear_model import RLM
-
     rows = _rows(interaction, column, dead_band_rad_s)
     if rows is None:
         return None
     design, torque, spacing_s = rows
-    weights = RLM(torque, design).fit(maxiter=10).weights
+    scale = np.linalg.norm(design, axis=0)
+    scaled = design / scale
+    weights = huber_weights(scaled, torque)
+    solution, inverse = solve_weighted(scaled, torque, weights)
+    residual = torque - scaled @ solution
     lags = max(int(LAG_S / spacing_s), 1)
-    fit = WLS(torque, design, weights=weights).fit(cov_type="HAC", cov_kwds={"maxlags": lags})
-    interval = fit.conf_int()
+    half = QUANTILE * newey_west_errors(scaled * (weights * residual)[:, None], inverse, lags) / scale
+    value = solution / scale
     coulomb, viscous = (
-        Coefficient(value=float(value), low=float(low), high=float(high))
-        for value, (low, high) in zip(fit.params[:2], interval[:2], strict=True)
+        Coefficient(value=float(value[k]), low=float(value[k] - half[k]), high=float(value[k] + half[k]))
+        for k in range(2)
     )
     return TorqueRegression(
         coulomb=coulomb,
         viscous=viscous,
-        offset_nm=float(fit.params[2]),
-        inertia_kg_m2=float(fit.params[3]),
-        residual_rms_nm=float(np.sqrt(np.mean((torque - design @ fit.params) ** 2))),
+        offset_nm=float(value[2]),
+        inertia_kg_m2=float(value[3]),
+        residual_rms_nm=float(np.sqrt(np.mean(residual**2))),
         samples=len(torque),
     )
 
@@ -74,10 +78,18 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> tupl
     if len(index) < FEWEST_ROWS:
         return None
     v = velocity[index]
-    acceleration = np.gradient(velocity, t)[index]
+    acceleration = _slope(velocity, t, index)
     columns = [np.sign(v), v, np.ones(len(v)), acceleration, *_gravity(interaction, column, index)]
     kept = [c for c in columns if np.ptp(c) > 0 or c is columns[2]]
     return np.stack(kept, axis=1), torque[index], stride / rate_hz
+
+
+def _slope(signal: Float, t: Float, index: NDArray[np.int64]) -> Float:
+    """Differentiate a signal at some samples: central differences on uneven stamps, one-sided at the ends."""
+    before, after = np.maximum(index - 1, 0), np.minimum(index, len(t) - 2)
+    h, k = t[before + 1] - t[before], t[after + 1] - t[after]
+    left, right = (signal[before + 1] - signal[before]) / h, (signal[after + 1] - signal[after]) / k
+    return np.asarray((k * left + h * right) / (h + k), np.float64)
 
 
 def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> list[Float]:
