@@ -15,6 +15,7 @@ import sys
 import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
 
 from friction_audit.cli import main
@@ -78,6 +79,8 @@ class Terminal:
                 path.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(ROOT / STAND_INS[path.suffix], path)
                 self.imagined.add(word)
+            if word in self.imagined and "--map" in words:
+                path.write_text(_renamed(words), encoding="utf-8")
         return not self.imagined.isdisjoint(words)
 
     def _call(self, words: list[str], *, apart: bool) -> tuple[int, str, str]:
@@ -110,6 +113,17 @@ class Terminal:
         )
         self.code = done.returncode
         return done.stdout + done.stderr
+
+
+def _renamed(words: list[str]) -> str:
+    """Return a table whose columns are called as ``--map`` says."""
+    header, _, rows = (ROOT / "sample_logs" / "formats" / "csv.csv").read_text(encoding="utf-8").partition("\n")
+    names = header.split(",")
+    mapping = dict(word.split("=", 1) for option, word in pairwise(words) if option == "--map")
+    for place, name in enumerate(names):
+        channel, _, joint = name.rpartition("_")
+        names[place] = mapping.get(channel, channel + "_{i}").replace("{i}", joint) if channel else name
+    return f"{','.join(names)}\n{rows}"
 
 
 def blocks(text: str, language: str) -> list[str]:
