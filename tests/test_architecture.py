@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from friction_audit import __version__
+
 ROOT = Path(__file__).parents[1]
 
 
@@ -45,8 +47,6 @@ def test_the_readme_gives_the_two_commands_and_ci_runs_the_second() -> None:
 
 
 def test_the_version_has_a_changelog_section() -> None:
-    from friction_audit import __version__
-
     assert f"## [{__version__}]" in (ROOT / "CHANGELOG.md").read_text()
 
 

@@ -1,3 +1,5 @@
+from itertools import pairwise
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -48,7 +50,7 @@ def test_nothing_that_moves_and_nothing_that_stops_gives_no_cycle() -> None:
 def test_borders_are_ordered_and_a_cycle_moves(velocity: np.ndarray) -> None:
     borders = kernels.find_borders(velocity, 0.2, 0.05, True)
     assert np.all(np.diff(borders) > 0)
-    assert all(np.abs(velocity[a : b + 1]).max() > 0.05 for a, b in zip(borders[:-1], borders[1:], strict=True))
+    assert all(np.abs(velocity[a : b + 1]).max() > 0.05 for a, b in pairwise(borders))
 
 
 def test_constant_torque_and_velocity_add_up_by_hand() -> None:
