@@ -1,4 +1,4 @@
-"""The two truly sequential loops of the segmentation, compiled."""
+"""The truly sequential loops of the segmentation, compiled; they run beside one another in threads."""
 
 import numpy as np
 from numba import njit
@@ -10,7 +10,7 @@ WORK, COMPENSATION, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(6)
 SUMS = 6
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def find_borders(  # noqa: C901 - one pass over the samples, one state machine
     velocity: Float, initiation: float, termination: float, merge: bool
 ) -> NDArray[np.int64]:
@@ -58,7 +58,7 @@ def find_borders(  # noqa: C901 - one pass over the samples, one state machine
     return borders[:count].copy() if count > 1 else np.empty(0, np.int64)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def add_up(
     t: Float,
     q: Float,
@@ -118,3 +118,20 @@ def add_up(
             first, last = filtered[edges[c, k]], filtered[edges[c, k + 1]]
             sums[c, k, HALF_SQUARE] = 0.5 * (last * last - first * first)
     return sums, edges, extremes
+
+
+@njit(cache=True, nogil=True)
+def low_pass_both_ways(signal: Float, gain: float, a1: float, a2: float) -> None:
+    """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, over a signal in place, forwards and backwards.
+
+    Each pass begins as if the signal had always been what it is at that end.
+    """
+    last = len(signal) - 1
+    for backwards in (False, True):
+        x1 = x2 = y1 = y2 = signal[last if backwards else 0]
+        for i in range(len(signal)):
+            k = last - i if backwards else i
+            x = signal[k]
+            y = gain * (x + 2.0 * x1 + x2) - a2 * y2 - a1 * y1
+            signal[k] = y
+            x2, x1, y2, y1 = x1, x, y1, y

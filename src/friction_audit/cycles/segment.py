@@ -1,6 +1,7 @@
 """Interaction -> EnergyCycles."""
 
 from dataclasses import dataclass, fields, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from friction_audit.cycles.thresholds import thresholds_from_log
 from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
+from friction_audit.per_joint import per_joint
 
 PARTS = 8
 """Parts of equal path into which each cycle is cut. Within a stroke the speed runs through its whole range, so the
@@ -46,13 +48,13 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
     """
     rate_hz = 1.0 / median_step(interaction.t)
     hand = _hand_detector(interaction, settings, rate_hz) if settings.cycles_from == "hand" else None
-    joints = [_segment_joint(interaction, c, settings, rate_hz, hand) for c in range(len(interaction.joint_numbers))]
-    cycles = _join(joints)
+    work = partial(_segment_joint, interaction, settings, rate_hz, hand)
+    cycles = _join(per_joint(work, len(interaction.joint_numbers)))
     return replace(cycles, reason=_common_reason(cycles, settings)) if hand else cycles
 
 
 def _segment_joint(
-    interaction: Interaction, column: int, settings: CycleSettings, rate_hz: float, hand: _Detector | None
+    interaction: Interaction, settings: CycleSettings, rate_hz: float, hand: _Detector | None, column: int
 ) -> EnergyCycles:
     dq = interaction.dq[:, column]
     filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)

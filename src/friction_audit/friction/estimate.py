@@ -1,6 +1,7 @@
 """Interaction, EnergyCycles -> FrictionHistory."""
 
 from dataclasses import dataclass, fields
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from friction_audit.friction.torque_regression import regress_torque
 from friction_audit.friction.weighted import FEWEST_CYCLES, conditioning, fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float
+from friction_audit.per_joint import per_joint
 
 NAN = float("nan")
 
@@ -36,18 +38,18 @@ def estimate_friction(interaction: Interaction, cycles: EnergyCycles, settings: 
     Returns:
         Coefficients with intervals and history; a joint that cannot be estimated carries the reason.
     """
-    columns = range(len(interaction.joint_numbers))
-    joints = tuple(_estimate_joint(interaction, cycles, c, settings) for c in columns)
+    work = partial(_estimate_joint, interaction, cycles, settings)
+    joints = tuple(per_joint(work, len(interaction.joint_numbers)))
     warnings = tuple(caution for joint in joints for caution in cautions_of(joint))
     return FrictionHistory(estimator=settings.estimator, joints=joints, warnings=warnings)
 
 
 def _estimate_joint(
-    interaction: Interaction, cycles: EnergyCycles, column: int, settings: FrictionSettings
+    interaction: Interaction, cycles: EnergyCycles, settings: FrictionSettings, column: int
 ) -> JointFriction:
     own = cycles.of_joint(column)
     kept = own.rows(own.reason == KEPT)
-    peak = float(np.abs(interaction.dq[:, column]).max())
+    peak = float(max(interaction.dq[:, column].max(), -interaction.dq[:, column].min()))
     reason = missing_motion(own, column, peak, settings)
     if not reason and settings.model == "combined":
         reason = one_speed(kept)

@@ -39,7 +39,7 @@ def huber_weights(design: Float, target: Float) -> Float:
 def solve_weighted(design: Float, target: Float, weights: Float) -> tuple[Float, Float]:
     """Return the weighted least-squares solution, shape (p,), and the inverse of its normal matrix, shape (p, p)."""
     weighted = design * weights[:, None]
-    inverse: Float = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=True)
+    inverse = np.asarray(np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=True), np.float64)
     return inverse @ (weighted.T @ target), inverse
 
 
