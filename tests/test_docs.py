@@ -2,6 +2,7 @@
 
 import ast
 import io
+import json
 import re
 from collections.abc import Iterator
 from contextlib import chdir, redirect_stdout
@@ -10,8 +11,9 @@ from typing import Any
 
 import pytest
 
+from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.export import WRITERS
-from friction_audit.ingest import READERS
+from friction_audit.ingest import READERS, read_log
 from friction_audit.ingest.foreign_names import ALIASES
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.report.figures import FIGURES
@@ -215,6 +217,18 @@ def test_readme_shows_the_help() -> None:
     assert "friction-audit --help" in [
         e.command for b in blocks((ROOT / "README.md").read_text(), "console") for e in examples(b)
     ]
+
+
+def test_readme_tells_the_truth_of_its_log() -> None:
+    readme = (ROOT / "README.md").read_text()
+    truth = json.loads((ROOT / "sample_logs" / "truth.json").read_text())["hand_guided.parquet"]
+    coulomb, viscous = truth["coulomb_nm"], truth["viscous_nms_per_rad"]
+    assert f"simulated with\n{coulomb:.2f} N m and {viscous:.2f} N m s/rad" in readme
+    log = read_log(ROOT / "sample_logs" / "hand_guided.parquet")
+    joint = estimate_log(log, AuditSettings(joints=(truth["joint"],))).friction.joints[0]
+    assert joint.coulomb.low < coulomb < joint.coulomb.high
+    just_missed = not joint.viscous.low < viscous < joint.viscous.high
+    assert ("as the viscous one here just does" in readme) == just_missed
 
 
 def test_picture_is_small_enough() -> None:
