@@ -35,7 +35,7 @@ STAND_INS = {
 }
 """Ending of a file that a page only imagines (run.bag) -> the file that stands in for it."""
 
-_BLOCK = re.compile(r"^```(?P<language>console|sh|python)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+_BLOCK = re.compile(r"^```(?P<language>console|sh|python|json)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _DECIMAL = re.compile(r"\d+\.\d+(?:e-?\d+)?")
 
 

@@ -12,10 +12,13 @@ from typing import Any
 import pytest
 
 from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.cli.console import DAMAGED
+from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export import WRITERS
 from friction_audit.ingest import READERS, read_log
 from friction_audit.ingest.foreign_names import ALIASES
 from friction_audit.joint_log import JOINT_CHANNELS
+from friction_audit.report.estimate_document import estimate_document
 from friction_audit.report.figures import FIGURES
 from friction_audit.report.schemas import KINDS, load_schema
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
@@ -206,6 +209,34 @@ def keys(schema: dict[str, Any]) -> Iterator[str]:
 def test_keys_of_documents_are_documented(kind: str) -> None:
     named = set(re.findall(r"`(\w+)`", (DOCS / "json.md").read_text()))
     assert set(keys(load_schema(kind))) <= named
+
+
+def assert_shown(shown: Any, real: Any, where: str = "") -> None:
+    """Compare what a page shows of a document with the document; lists may be cut short."""
+    if isinstance(shown, dict):
+        assert shown.keys() == real.keys(), where
+        for key, value in shown.items():
+            assert_shown(value, real[key], f"{where}.{key}")
+    elif isinstance(shown, list):
+        for value, other in zip(shown, real, strict=False):
+            assert_shown(value, other, f"{where}[]")
+    elif isinstance(shown, float):
+        assert shown == pytest.approx(real, rel=0.02, abs=0.002), where
+    else:
+        assert shown == real, where
+
+
+def test_the_document_shown_is_the_document() -> None:
+    (body,) = blocks((DOCS / "commands" / "estimate.md").read_text(), "json")
+    log = read_log(ROOT / "sample_logs" / "hand_guided.parquet")
+    document = estimate_document(estimate_log(log, AuditSettings(joints=(1,))))
+    assert_shown(json.loads(body), document["joints"][0])
+
+
+def test_exit_codes_are_the_program_s() -> None:
+    codes = {0, 1, DAMAGED, *(error.exit_code for error in (UsageError, InputError, AnalysisError))}
+    for page in (ROOT / "README.md", DOCS / "troubleshooting.md"):
+        assert {int(row[0]) for row in cells(page) if row[0].isdecimal()} == codes
 
 
 def test_figures_are_documented() -> None:
