@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.cycles.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles
+from friction_audit.cycles.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, Int
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.friction.weighted import FEWEST_CYCLES
 
@@ -10,10 +10,10 @@ SMALLEST_SPREAD = 0.1
 """Coefficient of variation of the speed over the path below which a log has one speed only."""
 
 ADVICE = {
-    GAP: "a hole in the log lies in every one of them; record without dropping samples",
+    GAP: "a hole in the log lies in every one of these; record without dropping samples",
     OPEN: "gravity is still in the torque and no path returns to where it began; remove gravity (--gravity model with "
     "--robot or --urdf, or log it), or move back and forth between the same postures",
-    SMALL: "in none of them did every selected joint move far enough; move all joints, select fewer (--joints), or "
+    SMALL: "in none of these did every selected joint move far enough; move all joints, select fewer (--joints), or "
     "lower --min-path",
     ONE_WAY: "the joint moved one way only and never back, so there is no closed energy cycle and friction cannot be "
     "told from gravity or a torque offset; move it there and back, several times and at different speeds",
@@ -32,13 +32,16 @@ def missing_motion(cycles: EnergyCycles, column: int, peak_rad_s: float, setting
     if not len(cycles.joint):
         return _no_cycle(float(cycles.initiation[column]), float(cycles.termination[column]), peak_rad_s)
     kept = int((cycles.reason == KEPT).sum())
-    if kept == 0:
-        most = int(np.bincount(cycles.reason).argmax())
-        return f"{_count(len(cycles.joint))} found, none usable: {ADVICE[most]}"
     fewest = FEWEST_CYCLES if settings.estimator == "weighted" else settings.cycles_per_point
-    if kept < fewest:
-        return f"only {_count(kept)} usable, at least {fewest} are needed; record more strokes back and forth"
-    return ""
+    if kept >= fewest:
+        return ""
+    left_out = cycles.reason[cycles.reason != KEPT]
+    if kept == 0:
+        return f"{_count(len(left_out))} found, none usable: {ADVICE[_most_common(left_out)]}"
+    shortage = f"only {_count(kept)} usable, at least {fewest} are needed"
+    if len(left_out) > kept:
+        return f"{shortage}; {len(left_out)} more were found and left out: {ADVICE[_most_common(left_out)]}"
+    return f"{shortage}; record more strokes back and forth"
 
 
 def one_speed(cycles: EnergyCycles) -> str:
@@ -65,13 +68,17 @@ def one_speed(cycles: EnergyCycles) -> str:
 def _no_cycle(initiation: float, termination: float, peak_rad_s: float) -> str:
     if peak_rad_s <= initiation:
         return (
-            f"did not move: its peak speed {peak_rad_s:.2g} rad/s stays below the initiation threshold "
+            f"did not move: its peak speed {peak_rad_s:.1g} rad/s stays below the initiation threshold "
             f"{initiation:.2g} rad/s; move it back and forth faster, or lower the thresholds (--thresholds auto)"
         )
     return (
         f"no complete energy cycle: it moved (peak {peak_rad_s:.2g} rad/s) but never came back below {termination:.2g} "
         "rad/s after exceeding the initiation threshold; pause between strokes, or try --thresholds auto"
     )
+
+
+def _most_common(reasons: Int) -> int:
+    return int(np.bincount(reasons).argmax())
 
 
 def _count(cycles: int) -> str:
