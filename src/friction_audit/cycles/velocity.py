@@ -10,6 +10,11 @@ from friction_audit.joint_log import Float
 HIGHEST_SHARE_OF_RATE = 0.4
 """A corner closer to the Nyquist frequency than this filters nothing worth filtering."""
 
+PADDING = 9
+"""Samples by which the signal is continued at each end, as scipy's sosfiltfilt does."""
+
+MINIMUM_LENGTH = 16
+
 
 def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     """Low-pass a velocity without phase shift (second-order Butterworth, forwards and backwards).
@@ -24,15 +29,11 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     """
     if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz or len(dq) < MINIMUM_LENGTH:
         return dq
-    # Point reflections at both ends, as scipy's sosfiltfilt continues a signal.
+    # Point reflections at both ends. scipy.signal would do the same, but loading it takes longer than this.
     head, tail = 2 * dq[0] - dq[PADDING:0:-1], 2 * dq[-1] - dq[-2 : -PADDING - 2 : -1]
     padded = np.concatenate([head, dq, tail])
     kernels.low_pass_both_ways(padded, *_butterworth(cutoff_hz / rate_hz))
     return padded[PADDING:-PADDING]
-
-
-PADDING = 9
-MINIMUM_LENGTH = 16
 
 
 def _butterworth(corner: float) -> tuple[float, float, float]:

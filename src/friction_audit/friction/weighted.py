@@ -65,17 +65,19 @@ def fit_windows(equations: Equations, window: int) -> Fit:
     normal = _sliding_sum(equations.normal, window)
     right = _sliding_sum(equations.right, window)
     value = _solve(normal, right)
-    windows = len(value)
-    without = [
-        _solve(normal - equations.normal[g : g + windows], right - equations.right[g : g + windows])
-        for g in range(window)
-    ]
-    mean = sum(without, np.zeros_like(value)) / window
-    spread = sum(((b - mean) ** 2 for b in without), np.zeros_like(value))
-    error = np.sqrt((window - 1) / window * spread)
+    error = np.sqrt((window - 1) * _without_one(equations, normal, right, window).var(axis=0))
     return Fit(
         names=equations.names, value=value / equations.scale, error=error / equations.scale, freedom=max(window - 1, 1)
     )
+
+
+def _without_one(equations: Equations, normal: Float, right: Float, window: int) -> Float:
+    """Solve every window without its first cycle, without its second, and so on: shape (window, w, p)."""
+    windows = len(normal)
+    if windows == 1:
+        return _solve(normal - equations.normal, right - equations.right)[:, None]
+    places = (slice(first, first + windows) for first in range(window))
+    return np.stack([_solve(normal - equations.normal[place], right - equations.right[place]) for place in places])
 
 
 def _sliding_sum(blocks: Float, window: int) -> Float:

@@ -12,6 +12,7 @@ from friction_audit.interaction.resample import Grid, GridTorque, grids_of, posi
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prevails, prove_sign, voting
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.per_joint import per_joint
 
 SIGNS = {"hand": -1, "robot": 1}
 """Factor on tau_J and on tau_ext in the balance of each row."""
@@ -41,17 +42,22 @@ class _Balance:
         return self.sign * torque
 
     def full(self, log: JointLog, source: Float, columns: list[int]) -> Float:
-        """Make the torque of some joints: one array, column by column."""
+        """Make the torque of some joints, column by column; the recorded array itself where nothing is to be done."""
+        if self.sign > 0 and self.logged is None and self.modelled is None and len(columns) == source.shape[1]:
+            return source
         torque = np.empty((len(log.t), len(columns)), order="F")
-        for place, column in enumerate(columns):
-            torque[:, place] = source[:, column]
-            if self.logged is not None:
-                torque[:, place] -= self.logged[:, column]
+        per_joint(lambda place: self._fill(torque[:, place], log.t, source, columns[place]), len(columns))
+        return torque
+
+    def _fill(self, torque: Float, t: Float, source: Float, column: int) -> None:
+        if self.logged is None:
+            torque[:] = source[:, column]
+        else:
+            np.subtract(source[:, column], self.logged[:, column], out=torque)
         if self.modelled is not None:
-            self.modelled.subtract_from(torque, log.t, columns)
+            self.modelled.subtract_from(torque[:, None], t, [column])
         if self.sign < 0:
             np.negative(torque, out=torque)
-        return torque
 
 
 def extract_interaction(

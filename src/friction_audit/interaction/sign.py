@@ -18,7 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.interaction.interaction import SignEvidence
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.per_joint import per_joint
 
 RATE_HZ = 50.0
 """Rate of the means that the proof works on: above the motion, and cheap for hours of log."""
@@ -81,7 +82,8 @@ def prove_sign(log: CoarseLog, torque: Float) -> tuple[SignEvidence, ...]:
         torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
     """
     ddq = np.gradient(log.dq, log.t, axis=0)
-    return tuple(_judge(log, joint, ddq[:, joint], torque[:, joint]) for joint in range(log.q.shape[1]))
+    step = median_step(log.t)
+    return tuple(per_joint(lambda joint: _judge(log, joint, step, ddq[:, joint], torque[:, joint]), log.q.shape[1]))
 
 
 def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
@@ -106,11 +108,10 @@ def prevails(evidence: tuple[SignEvidence, ...]) -> bool:
     return rising > verdicts.count("falls") and 3 * rising >= len(verdicts)
 
 
-def _judge(log: CoarseLog, joint: int, ddq: Float, torque: Float) -> SignEvidence:
+def _judge(log: CoarseLog, joint: int, step: float, ddq: Float, torque: Float) -> SignEvidence:
     speed = np.abs(log.dq[:, joint])
     peak = float(speed.max())
     moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
-    step = float(np.median(np.diff(log.t)))
     verdict: Verdict = "undecided" if peak >= STILL_RAD_S else "still"
     against = error = float("nan")
     direction = np.sign(log.dq[moving, joint])
@@ -150,7 +151,5 @@ def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np
 
 def _block_mean(signal: Float, samples: int) -> Float:
     blocks = len(signal) // samples
-    columns = (
-        signal[: blocks * samples, joint].reshape(blocks, samples).mean(axis=1) for joint in range(signal.shape[1])
-    )
-    return np.column_stack(list(columns))
+    whole = signal[: blocks * samples]
+    return np.column_stack(per_joint(lambda j: whole[:, j].reshape(blocks, samples).mean(axis=1), signal.shape[1]))
