@@ -17,6 +17,7 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export import WRITERS
 from friction_audit.ingest import READERS, read_log
 from friction_audit.ingest.foreign_names import ALIASES
+from friction_audit.ingest.time_column import find_time
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.report.estimate_document import estimate_document
 from friction_audit.report.figures import FIGURES
@@ -189,6 +190,18 @@ def test_names_of_columns_are_documented() -> None:
     rows = cells(DOCS / "formats.md")
     for channel, aliases in ALIASES.items():
         assert [f"`{channel}`", " ".join(f"`{alias}`" for alias in aliases)] in rows
+
+
+def test_names_of_clocks_are_the_program_s() -> None:
+    clocks = ("robot_time", "header_stamp", "log_time", "column")
+    rows = [row for row in cells(DOCS / "formats.md") if row[0].strip("`") in clocks]
+    assert [row[0].strip("`") for row in rows] == list(clocks)
+    for clock, _, names in rows:
+        for name in re.findall(r"`([^`]+)`", names.partition(";")[0]):
+            found = find_time([name])
+            assert found is not None, name
+            assert f"`{found.clock}`" == clock, name
+    assert all(find_time([name]) is not None for name in ("time_ms", "time [ms]", "t (us)"))
 
 
 def test_every_channel_has_a_meaning() -> None:
