@@ -1,6 +1,7 @@
 """The command line: read, one library call, write."""
 
 import io
+import os
 import sys
 
 import typer
@@ -17,6 +18,8 @@ def main(argv: list[str] | None = None) -> None:
         # File names need not be text, and terminals need not know every letter: neither is worth a traceback.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
+    # Joints run side by side and their matrices are tall and narrow: threads inside a product only wait for each other.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         app(args=argv, prog_name="friction-audit")
     except FrictionAuditError as error:

@@ -1,8 +1,11 @@
 """Log -> Estimate, as the commands run it: watched, and with the exit codes of the whole program."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import asdict
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -18,6 +21,15 @@ if TYPE_CHECKING:
 
 TABLED = "not_determined"
 """Code of the caution that the table shows as well."""
+
+
+@contextmanager
+def loading(*modules: str) -> Iterator[None]:
+    """Load modules beside the work of a block; reading a log mostly waits for decoders that need no interpreter."""
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="import") as pool:
+        for module in modules:
+            pool.submit(import_module, module)
+        yield
 
 
 def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":

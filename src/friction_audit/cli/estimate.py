@@ -24,8 +24,6 @@ from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
     from friction_audit.audit import Estimate
-    from friction_audit.report.document import Document
-
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
   friction-audit estimate run.csv --drive robot -o results --figures pdf,png
@@ -75,41 +73,41 @@ def command(
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
         chain.check_outputs(files, overwrite=output.overwrite)
-    result = chain.estimate(chain.read(log, options, voice), settings, voice)
+    with chain.loading("friction_audit.friction.estimate"):
+        recorded = chain.read(log, options, voice)
+    result = chain.estimate(recorded, settings, voice)
     if not output.json:
         chain.warn_about(result, voice)
     chain.require_an_estimate(result)
-    document = _document(result, chain.reading_settings(options))
+    reading_settings = chain.reading_settings(options)
     if folder is not None:
-        _write_texts(result, document, folder, overwrite=output.overwrite)
+        _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
         write_figures(
             result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=voice
         )
-    _print(result, document, json=output.json)
+    _print(result, reading_settings, json=output.json)
     chain.exit_if_damaged(result.log)
 
 
-def _document(result: "Estimate", reading: dict[str, object]) -> "Document":
+def _document(result: "Estimate", reading: dict[str, object]) -> str:
+    from friction_audit.report.document import write_document
     from friction_audit.report.estimate_document import estimate_document
 
-    return estimate_document(result, reading)
+    return write_document(estimate_document(result, reading))
 
 
-def _write_texts(result: "Estimate", document: "Document", folder: Path, *, overwrite: bool) -> None:
-    from friction_audit.report.document import write_document
+def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *, overwrite: bool) -> None:
     from friction_audit.report.history_table import history_csv
     from friction_audit.whole_file import whole_file
 
-    for name, text in ((DOCUMENT, write_document(document)), (HISTORY, history_csv(result))):
+    for name, text in ((DOCUMENT, _document(result, reading)), (HISTORY, history_csv(result))):
         with whole_file(folder / name, overwrite=overwrite) as draft:
             draft.write_text(text, encoding="utf-8")
 
 
-def _print(result: "Estimate", document: "Document", *, json: bool) -> None:
+def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:
     if json:
-        from friction_audit.report.document import write_document
-
-        typer.echo(write_document(document), nl=False)
+        typer.echo(_document(result, reading), nl=False)
     else:
         from friction_audit.report.estimate_table import estimate_table
 

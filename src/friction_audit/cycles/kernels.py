@@ -120,7 +120,8 @@ def add_up(
     return sums, edges, extremes
 
 
-@njit(cache=True, nogil=True)
+# Typed, so that importing this module starts the compiler: that takes longer than all the loops of an hour of log.
+@njit("void(float64[::1], float64, float64, float64)", cache=True, nogil=True)
 def low_pass_both_ways(signal: Float, gain: float, a1: float, a2: float) -> None:
     """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, over a signal in place, forwards and backwards.
 

@@ -9,6 +9,7 @@ small, with few cycles.
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import stdtrit
 
 from friction_audit.friction.equations import Equations
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -42,8 +43,6 @@ class Fit:
 
     def column(self, name: str) -> tuple[Float, Float]:
         """Return the values of a column and the half widths of their intervals, shape (w,) each."""
-        from scipy.special import stdtrit
-
         if name not in self.names:
             nothing = np.full(len(self.value), np.nan)
             return nothing, nothing

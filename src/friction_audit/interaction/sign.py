@@ -81,9 +81,8 @@ def prove_sign(log: CoarseLog, torque: Float) -> tuple[SignEvidence, ...]:
         log: Motion.
         torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
     """
-    ddq = np.gradient(log.dq, log.t, axis=0)
     step = median_step(log.t)
-    return tuple(per_joint(lambda joint: _judge(log, joint, step, ddq[:, joint], torque[:, joint]), log.q.shape[1]))
+    return tuple(per_joint(lambda joint: _judge(log, joint, step, torque[:, joint]), log.q.shape[1]))
 
 
 def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
@@ -108,7 +107,7 @@ def prevails(evidence: tuple[SignEvidence, ...]) -> bool:
     return rising > verdicts.count("falls") and 3 * rising >= len(verdicts)
 
 
-def _judge(log: CoarseLog, joint: int, step: float, ddq: Float, torque: Float) -> SignEvidence:
+def _judge(log: CoarseLog, joint: int, step: float, torque: Float) -> SignEvidence:
     speed = np.abs(log.dq[:, joint])
     peak = float(speed.max())
     moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
@@ -118,7 +117,8 @@ def _judge(log: CoarseLog, joint: int, step: float, ddq: Float, torque: Float) -
     stroke = np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
     if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
         q = log.q[moving, joint]
-        others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq[moving]])
+        ddq = np.gradient(log.dq[:, joint], log.t)[moving]
+        others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq])
         against, error = _coefficient(direction, others, torque[moving], stroke)
         if abs(against) > SIGNIFICANT * error:
             verdict = "rises" if against > 0 else "falls"

@@ -9,6 +9,7 @@ from friction_audit.errors import InputError
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.vet.rows import take_joints, take_rows, with_findings, without_channels
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
+from friction_audit.per_joint import per_joint
 
 _ESSENTIAL = ("q", "dq", *TORQUE_CHANNELS)
 _ABSURD = 1e9
@@ -37,8 +38,11 @@ def _is_whole(column: NDArray[np.float64]) -> bool:
 
 
 def _missing_per_joint(array: NDArray[np.float64]) -> NDArray[np.int64]:
-    counts = [0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD))) for column in array.T]
-    return np.array(counts, dtype=np.int64)
+    def missing(joint: int) -> int:
+        column = array[:, joint]
+        return 0 if _is_whole(column) else int(np.count_nonzero(~(np.abs(column) < _ABSURD)))
+
+    return np.array(per_joint(missing, array.shape[1]), dtype=np.int64)
 
 
 def _leave_out_channels(recording: Recording, missing: Mapping[str, NDArray[np.int64]], path: str) -> Recording:
