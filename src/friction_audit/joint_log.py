@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, UsageError
 
 Float = NDArray[np.float64]
 
@@ -155,14 +155,14 @@ class JointLog:
         """Return the samples with start_s <= t < stop_s; the clock starts at 0 again.
 
         Raises:
-            InputError: If fewer than two samples lie in the window.
+            UsageError: If fewer than two samples lie in the window.
         """
         if start_s is None and stop_s is None:
             return self
         first = 0 if start_s is None else int(np.searchsorted(self.t, start_s))
         last = len(self.t) if stop_s is None else int(np.searchsorted(self.t, stop_s))
         if last - first < MINIMUM_SAMPLES:
-            raise InputError(
+            raise UsageError(
                 f"{self.source.path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
                 f"{self.duration_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {self.duration_s:g} s; "
                 "choose another --t-start/--t-end"

@@ -121,14 +121,14 @@ def test_all_missing_columns_at_once_with_near_misses() -> None:
 
 def test_a_mapped_column_that_is_not_there() -> None:
     names = ["time", "q_1", "dq_1", "tau_J_1"]
-    with pytest.raises(InputError, match="no column 'tau_1', which --map asks for; did you mean tau_J_1"):
+    with pytest.raises(InputError, match=r"no column for --map tau_J=.*did you mean .*tau_J_1"):
         map_columns(names, path="log", mapping={"tau_J": "tau_1"})
-    with pytest.raises(InputError, match="no column matches --map tau_J=tauJ_"):
+    with pytest.raises(InputError, match="no column for --map tau_J=tauJ_"):
         map_columns(names, path="log", mapping={"tau_J": "tauJ_{i}"})
 
 
 def test_an_unknown_channel_in_the_mapping() -> None:
-    with pytest.raises(InputError, match=r"--map torque=.*no such channel; there are t, q, dq"):
+    with pytest.raises(InputError, match=r"--map torque: no such channel.*; channels are t, q, dq"):
         map_columns(["time"], path="log", mapping={"torque": "x"})
 
 

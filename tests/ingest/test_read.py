@@ -36,7 +36,7 @@ def test_a_directory_that_is_no_bag(tmp_path: Path) -> None:
 
 
 def test_an_empty_directory(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="the directory holds no files"):
+    with pytest.raises(InputError, match="a directory without the storage files of a bag"):
         read_log(tmp_path)
 
 

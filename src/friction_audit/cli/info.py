@@ -18,7 +18,7 @@ from friction_audit.cli.options import (
 )
 from friction_audit.cli.settings import cycle_settings, read_options, torque_settings
 from friction_audit.cli.values import parse_joints
-from friction_audit.errors import FrictionAuditError, InputError
+from friction_audit.errors import FrictionAuditError
 
 if TYPE_CHECKING:
     from friction_audit.cycles.settings import CycleSettings
@@ -53,12 +53,12 @@ def command(
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     options = read_options(reading)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
-    entries = [_entry(path, options, view, voice) for path in logs]
+    failures: list[FrictionAuditError] = []
+    entries = [_entry(path, options, view, voice, failures) for path in logs]
     _print(entries, voice, json=json)
-    failed = sum(entry.summary is None for entry in entries)
-    if failed == len(entries):
-        raise typer.Exit(InputError.exit_code)
-    if failed or any(_is_damaged(entry) for entry in entries):
+    if len(failures) == len(entries):
+        raise typer.Exit(max(error.exit_code for error in failures))
+    if failures or any(_is_damaged(entry) for entry in entries):
         raise typer.Exit(DAMAGED)
 
 
@@ -71,18 +71,19 @@ class _View:
         self.torque, self.cycles = torque, cycles
 
 
-def _entry(path: Path, options: "ReadOptions", view: _View, voice: Voice) -> "InfoEntry":
-    """Look at one file; a file that cannot be read becomes an entry with its message."""
+def _entry(
+    path: Path, options: "ReadOptions", view: _View, voice: Voice, failures: list[FrictionAuditError]
+) -> "InfoEntry":
+    """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
     from friction_audit.report.info_document import InfoEntry
 
+    topics: tuple[TopicSummary, ...] = ()
     try:
         topics = _topics(path)
-    except FrictionAuditError as error:
-        return InfoEntry(path=str(path), message=str(error))
-    try:
         log = chain.read(path, options, voice).take_window(view.start_s, view.stop_s)
         return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
-    except InputError as error:
+    except FrictionAuditError as error:
+        failures.append(error)
         return InfoEntry(path=str(path), topics=topics, message=str(error))
 
 

@@ -1,6 +1,7 @@
 """How energy cycles are found."""
 
 from dataclasses import dataclass
+from math import inf
 
 from friction_audit.errors import UsageError
 
@@ -49,8 +50,10 @@ class CycleSettings:
             (self.initiation_rad_s, self.termination_rad_s, "rad/s"),
             (self.hand_initiation_m_s, self.hand_termination_m_s, "m/s"),
         ):
-            if not start > stop > 0:
+            if not inf > start > stop > 0:
                 raise UsageError(
                     f"initiation {start:g} {unit} and termination {stop:g} {unit}: expected initiation above "
                     "termination and both above zero"
                 )
+        if not inf > self.minimum_path_rad >= 0:
+            raise UsageError(f"--min-path {self.minimum_path_rad:g}: expected an angle of zero or more, in rad")

@@ -81,32 +81,50 @@ def map_columns(
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
     """
-    unknown = [channel for channel in mapping if channel not in (*JOINT_CHANNELS, "t")]
-    if unknown:
-        raise InputError(f"{path}: --map {unknown[0]}=...: no such channel; there are t, {', '.join(JOINT_CHANNELS)}")
     bare = [name.strip() for name in names]
-    stated = {c: _stated_group(c, mapping[c], bare, path) for c in JOINT_CHANNELS if c in mapping}
+    _refuse_absent(mapping, bare, path)
+    stated = {c: _stated_group(mapping[c], bare) for c in JOINT_CHANNELS if c in mapping}
     groups = {**_guessed_groups(bare, labels or {}, stated, path), **stated}
-    time = _stated_time(mapping["t"], bare, path) if "t" in mapping else find_time(bare, constant)
+    # Columns that stand still are second choice: if there is nothing better, the vetting says that time stands still.
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     if time is None or not _is_complete(groups):
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
     return _align(groups, time, bare, path)
 
 
-def column_position(name: str, names: Sequence[str], path: str) -> int:
+def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
+    """Refuse channels that do not exist and columns that the table lacks, all of them at once."""
+    known = ("t", *JOINT_CHANNELS)
+    wrong = [f"--map {c}: no such channel{_did_you_mean(c, known)}" for c in mapping if c not in known]
+    if wrong:
+        raise InputError(f"{path}: {'; '.join(wrong)}; channels are {', '.join(known)}")
+    absent = []
+    for channel, value in mapping.items():
+        try:
+            _stated_time(value, names) if channel == "t" else _stated_group(value, names)
+        except KeyError as error:
+            absent.append(f"--map {channel}={value}{_did_you_mean(str(error.args[0]), names)}")
+    if absent:
+        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {shorten(names)}")
+
+
+def _did_you_mean(name: str, names: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+    return f" (did you mean {' or '.join(near)}?)" if near else ""
+
+
+def _column_position(name: str, names: Sequence[str]) -> int:
     """Return the position of a column given by name or as ``#3`` (counted from 1).
 
     Raises:
-        InputError: If there is none.
+        KeyError: If there is none.
     """
     match = _POSITION.fullmatch(name)
     if name not in names and match is not None and 1 <= int(match[1]) <= len(names):
         return int(match[1]) - 1
     if name in names:
         return list(names).index(name)
-    near = difflib.get_close_matches(name, names, n=3)
-    hint = f"did you mean {', '.join(near)}?" if near else f"found {shorten(names)}"
-    raise InputError(f"{path}: no column {name!r}, which --map asks for; {hint}")
+    raise KeyError(name)
 
 
 def shorten(names: Sequence[str]) -> str:
@@ -164,7 +182,7 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
     return Group(template=template, cells=kept, names=told, degrees=first.degrees)
 
 
-def _stated_group(channel: str, value: str, names: Sequence[str], path: str) -> Group:
+def _stated_group(value: str, names: Sequence[str]) -> Group:
     """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column."""
     if "{i}" in value:
         pattern = re.compile(re.escape(value.strip()).replace(re.escape("{i}"), r"(\d+)"))
@@ -172,9 +190,7 @@ def _stated_group(channel: str, value: str, names: Sequence[str], path: str) -> 
             int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
         }
         if not numbered:
-            near = difflib.get_close_matches(value, names, n=3, cutoff=0.5)
-            hint = f"did you mean {', '.join(near)}?" if near else f"found {shorten(names)}"
-            raise InputError(f"{path}: no column matches --map {channel}={value}; {hint}")
+            raise KeyError(value)
         base = 0 if 0 in numbered else 1
         cells: dict[JointKey, int] = {number - base: numbered[number] for number in sorted(numbered)}
         told = {
@@ -182,22 +198,22 @@ def _stated_group(channel: str, value: str, names: Sequence[str], path: str) -> 
         }
         return Group(template=value, cells=cells, names=told)
     elements = [cell for cell, name in enumerate(names) if re.fullmatch(re.escape(value) + r"\[\d+\]", name)]
-    listed = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names, path)]
+    listed = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
     return Group(template=value, cells=dict(enumerate(listed)), in_order=not elements)
 
 
-def _stated_cells(part: str, names: Sequence[str], path: str) -> list[int]:
+def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
     match = _POSITION.fullmatch(part)
     if match is None or match[2] is None:
-        return [column_position(part, names, path)]
-    return [column_position(f"#{number}", names, path) for number in range(int(match[1]), int(match[2]) + 1)]
+        return [_column_position(part, names)]
+    return [_column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
 
 
-def _stated_time(value: str, names: Sequence[str], path: str) -> TimeColumn:
+def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
     name, _, unit = value.rpartition(":")
     if unit not in UNITS or not name:
         name, unit = value, ""
-    cell = column_position(name.strip(), names, path)
+    cell = _column_position(name.strip(), names)
     known = find_time([names[cell]])
     return TimeColumn(
         cells=(cell,),

@@ -38,11 +38,12 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
         except OSError as error:
             raise _unreadable(file, error) from error
         except InputError as error:
-            if _stamp(file) == before:
+            notes = [finding.message for finding in _suffix_mismatch(file, reader)]
+            if _stamp(file) != before:
+                notes.append("the file changed while it was read: read it again when it is finished")
+            if not notes:
                 raise
-            raise InputError(
-                f"{error}; the file changed while it was read: read it again when it is finished"
-            ) from error
+            raise InputError("; ".join((str(error), *notes))) from error
     recording = _with_findings(recording, _growth(before, _stamp(file)))
     return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
 
@@ -74,6 +75,8 @@ def choose_reader(path: Path) -> Reader:
             return reader
     if by_suffix and not path.is_dir():
         return by_suffix[0]
+    if path.is_dir():
+        next(path.iterdir(), None)  # raises if it may not be looked into
     what = "a directory without the storage files of a bag" if path.is_dir() else "of no known format"
     raise InputError(f"{path}: {what}; what is read: {_formats()}; convert it, or choose a file inside")
 
@@ -85,15 +88,19 @@ def _formats() -> str:
 def _stamp(path: Path) -> Stamp:
     """Return size and time of the last change, once it is sure that there is something to read."""
     try:
-        if path.is_file():
+        if path.is_dir():
+            choose_reader(path)  # before all files below it are looked at, which may be a whole disk
+        elif path.is_file():
             with path.open("rb"):
                 pass
+        elif path.exists():
+            raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
         stamp = stamp_of(path)
     except OSError as error:
         raise _unreadable(path, error) from error
     if stamp.size == 0:
-        what = "the directory holds no files" if path.is_dir() else "the file is empty (0 bytes)"
-        raise InputError(f"{path}: {what}; expected a joint log: {_formats()}")
+        what = "its files are empty" if path.is_dir() else "the file is empty"
+        raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_formats()}; copy or record it again")
     return stamp
 
 

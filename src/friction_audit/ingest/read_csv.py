@@ -196,7 +196,7 @@ def _bad_text(
     """Find the field that is no number."""
     for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
         fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
-        for cell in sorted(kinds) if fields else ():
+        for cell in sorted(kinds) if len(fields) == dialect.width else ():
             if kinds[cell] is not str and not is_number(fields[cell], dialect.decimal):
                 return InputError(
                     f"{path}: line {number}, column {dialect.names[cell].strip()}: {fields[cell].strip()!r} is not a "

@@ -61,6 +61,10 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:
     """Return the arrays in the archive."""
+    if not _starts_like_zip(path):
+        raise InputError(
+            f"{path}: does not begin as a zip archive; expected one written by numpy.savez; save it again that way"
+        )
     try:
         # The stream is opened here: NumPy leaves it open when the archive is damaged.
         with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:

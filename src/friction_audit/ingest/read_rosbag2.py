@@ -18,7 +18,7 @@ from friction_audit.ingest.message_stream import (
     open_log,
     starts_with,
 )
-from friction_audit.ingest.read_mcap import McapStream
+from friction_audit.ingest.read_mcap import MAGIC, McapStream
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 
@@ -29,6 +29,8 @@ DATABASE_ERRORS = (sqlite3.Error, UnicodeDecodeError)
 """What sqlite3 raises on a broken database; the second where the name of a broken thing is part of the message."""
 STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED_SUFFIXES = (".zstd", ".zst")
+_NUMBER = re.compile(r"_\d+$")
+_MOST_SHOWN = 8
 _LISTED_FILE = re.compile(r"^\s*-\s*['\"]?(?:.*/)?([^/'\"\s]+\.(?:db3|mcap)(?:\.zstd?)?)['\"]?\s*$", re.MULTILINE)
 
 
@@ -205,7 +207,24 @@ def _storage_files(path: Path) -> list[Path]:
             f"{path}: metadata.yaml lists {', '.join(missing)}, not to be found; "
             f"copy the whole bag, or give one of its files alone ({', '.join(names)})"
         )
+    if not listed:
+        _refuse_several_recordings(path, names)
     return [path / name for name in names]
+
+
+def _refuse_several_recordings(path: Path, names: Sequence[str]) -> None:
+    """Without metadata.yaml, files are one recording if their names differ in the number at the end alone."""
+    stems = {_NUMBER.sub("", name.partition(".")[0]) for name in names}
+    numbered = all(_NUMBER.search(name.partition(".")[0]) for name in names)
+    if len(names) == 1 or (len(stems) == 1 and numbered):
+        return
+    shown = ", ".join(names[:_MOST_SHOWN]) + (
+        f" and {len(names) - _MOST_SHOWN} more" if len(names) > _MOST_SHOWN else ""
+    )
+    raise InputError(
+        f"{path}: {len(names)} storage files that are not parts of one recording ({shown}); expected metadata.yaml or "
+        "names such as run_0.db3, run_1.db3; give one of the files"
+    )
 
 
 def _is_storage(path: Path) -> bool:
@@ -229,7 +248,10 @@ def _open(path: Path, stack: ExitStack) -> MessageStream:
 
 
 def _open_file(path: Path) -> MessageStream:
-    return McapStream(path) if path.suffix == ".mcap" else Sqlite3Stream(path)
+    """Open a storage file by what it holds; by its name if it holds neither."""
+    is_sqlite = starts_with(path, SQLITE_MAGIC)
+    is_mcap = starts_with(path, MAGIC) or (path.suffix == ".mcap" and not is_sqlite)
+    return McapStream(path) if is_mcap else Sqlite3Stream(path)
 
 
 def _decompress_file(path: Path, folder: Path) -> Path:

@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from pathlib import Path
 
+from friction_audit.errors import UsageError
 from friction_audit.joint_log import Finding, Float
 
 
@@ -25,6 +27,15 @@ class ReadOptions:
     robot: str | None = None
     time_scale: float = 1.0
     allow_short: bool = False
+
+    def __post_init__(self) -> None:
+        """Check the factor.
+
+        Raises:
+            UsageError: If it is no number above zero.
+        """
+        if not inf > self.time_scale > 0.0:
+            raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
 
 
 @dataclass(eq=False, kw_only=True, slots=True)

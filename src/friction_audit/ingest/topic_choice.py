@@ -166,6 +166,12 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
     if not topics:
         return f"{path}: no messages at all; expected a topic with joint states; check that the recording was running"
+    if candidates and not any(topic.messages for topic in topics if topic.name in {c.topic for c in candidates}):
+        names = ", ".join(dict.fromkeys(candidate.topic for candidate in candidates))
+        return (
+            f"{path}: 0 messages on {names}; expected joint states; {list_topics(topics)}; check that the robot was "
+            "running, and record anew"
+        )
     if broken := next((candidate for candidate in candidates if not candidate.rows), None):
         return (
             f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "

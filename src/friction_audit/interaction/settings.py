@@ -56,5 +56,8 @@ class TorqueSettings:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
         if not self.model_rate_hz > 0:
             raise UsageError(f"--model-rate {self.model_rate_hz:g}: expected a rate above zero, in Hz")
-        if not all(map(isfinite, self.gravity_vector)):
-            raise UsageError(f"--gravity-vector {self.gravity_vector}: expected three finite numbers, in m/s^2")
+        if not all(map(isfinite, self.gravity_vector)) or not any(self.gravity_vector):
+            raise UsageError(
+                f"--gravity-vector {','.join(f'{g:g}' for g in self.gravity_vector)}: expected three finite numbers, "
+                "not all zero, in m/s^2; where nothing weighs, use --gravity none"
+            )

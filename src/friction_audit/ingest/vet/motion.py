@@ -29,6 +29,8 @@ _LARGEST_DQ_RAD_S = 12.0
 _LARGEST_Q_DEG = 720.0
 """Beyond this a joint turns without end, whatever the unit: a bench rig, where magnitudes prove nothing."""
 _STRETCHED = 0.02
+_TINY = 1e-3
+"""A clock is never wrong by more than units are: a smaller ratio means that q does not follow dq at all."""
 _STRETCHED_TOO_FAR = 1.5
 _DISAGREES = 0.05
 _TRUSTED_R2 = 0.8
@@ -216,9 +218,12 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
     if not np.isfinite(ratio) or abs(ratio - 1.0) <= _STRETCHED:
         return None
     if not 1.0 / _STRETCHED_TOO_FAR < ratio < _STRETCHED_TOO_FAR and not scaled:
+        clock = (
+            f"either the clock is wrong by that factor (then --time-scale {ratio:.4g}), or " if ratio > _TINY else ""
+        )
         raise InputError(
-            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1; either the clock is wrong "
-            f"by that factor (then --time-scale {ratio:.4g}), or q and dq are not of the same joints (then --map)"
+            f"{path}: q changes {ratio:.3g} times the integral of dq over time; expected 1; {clock}q and dq are not of "
+            "the same joints, or of opposite sign (then --map other columns)"
         )
     message = (
         f"the clock is stretched: q changes {ratio:.4g} times the integral of dq, so the log seems to last "
