@@ -1,10 +1,12 @@
-"""One hour, seven joints, 1 kHz in Parquet: our reading and vetting beside pyarrow's bare read of the same columns.
+"""`friction-audit estimate` on one hour of a seven-joint arm at 1 kHz in Parquet, beside pyarrow's bare read.
 
-Every case is a process of its own, imports included; cases alternate, and the medians are compared.
     python benchmarks/bench_parquet.py [--runs 5] [--hours 1]
+
+Every run is a process of its own, imports included. The programs compared take turns, and medians are compared.
 """
 
 import argparse
+import json
 import multiprocessing
 import os
 import statistics
@@ -12,87 +14,159 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
-JOINTS = 7
+JOINTS = range(1, 8)
 RATE_HZ = 1000
+COULOMB_NM, VISCOUS_NMS_PER_RAD = 0.3, 0.05
+TOLERANCE = 0.05
+"""Relative error of the coefficients that shows that the command has done its work."""
+
+GOAL_TIME, GOAL_MEMORY = 2.5, 2.0
+COMMAND = "**`friction-audit estimate`**"
+MEGABYTE = 1e6
 
 BARE = """
 import sys, pyarrow.parquet
-names = ["time"] + [f"{channel}_{joint}" for channel in ("q", "dq", "tau_J") for joint in range(1, 8)]
-table = pyarrow.parquet.read_table(sys.argv[1], columns=names)
+pyarrow.parquet.read_table(sys.argv[1], columns=sys.argv[2:])
 """
-OURS = """
+READ = """
 import sys
 from friction_audit.ingest import read_log
-log = read_log(sys.argv[1])
+read_log(sys.argv[1])
 """
-NO_READING = """
-import numpy, pyarrow.parquet
-from friction_audit.ingest import read_log
+IMPORTS = """
+import friction_audit.cli, friction_audit.audit, friction_audit.friction.estimate, friction_audit.ingest
+import pyarrow.parquet
 """
 
 
-def write_hour(path: Path, hours: float, compression: str) -> None:
-    """Write a log of sines with measurement noise: q, dq and tau_J of seven joints."""
-    import numpy as np  # noqa: PLC0415 (this process stays small)
+@dataclass(frozen=True)
+class Case:
+    """A log to be estimated: its channels, and what the command is told."""
+
+    name: str
+    channels: tuple[str, ...]
+    options: tuple[str, ...] = ()
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns of the file."""
+        return ["time", *(f"{channel}_{joint}" for channel in self.channels for joint in JOINTS)]
+
+
+CASES = (
+    Case("q, dq, tau_interaction", ("q", "dq", "tau_interaction")),
+    Case("q, dq, tau_J, gravity", ("q", "dq", "tau_J", "gravity")),
+    Case("q, dq, tau_J, --robot panda", ("q", "dq", "tau_J"), ("--robot", "panda", "--drive", "hand")),
+)
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one process took."""
+
+    wall_s: float
+    cpu_s: float
+    peak_mb: float
+
+
+def write_log(path: Path, case: Case, hours: float) -> None:
+    """Write back-and-forth motion of slowly changing amplitude with Coulomb and viscous friction, and sensor noise."""
+    import numpy as np  # noqa: PLC0415 (the process that measures stays small)
     import pyarrow as pa  # noqa: PLC0415
     import pyarrow.parquet as pq  # noqa: PLC0415
 
+    from friction_audit.robot import load_arm  # noqa: PLC0415
+
     rng = np.random.default_rng(1)
-    samples = int(hours * 3600 * RATE_HZ)
-    t = np.arange(samples) / RATE_HZ
-    columns = {"time": t}
-    for joint in range(1, JOINTS + 1):
-        rate = 0.5 + 0.1 * joint
-        columns[f"q_{joint}"] = 0.8 * np.sin(rate * t) + 1e-5 * rng.standard_normal(samples)
-        columns[f"dq_{joint}"] = 0.8 * rate * np.cos(rate * t) + 1e-3 * rng.standard_normal(samples)
-        columns[f"tau_J_{joint}"] = 0.25 * np.sign(np.cos(rate * t)) + 0.05 * rng.standard_normal(samples)
-    pq.write_table(pa.table(columns), path, compression=compression, row_group_size=1 << 20)
+    t = np.arange(int(hours * 3600 * RATE_HZ)) / RATE_HZ
+    pace = 0.5 + 0.1 * np.array(JOINTS)
+    swell = 0.011 * np.array(JOINTS)
+    size, growth = 0.6 + 0.24 * np.sin(np.outer(t, swell)), 0.24 * swell * np.cos(np.outer(t, swell))
+    phase = np.outer(t, pace)
+    q = size * np.sin(phase)
+    dq = size * pace * np.cos(phase) + growth * np.sin(phase)
+    noise = rng.standard_normal((3, *q.shape))
+    friction = COULOMB_NM * np.sign(dq) + VISCOUS_NMS_PER_RAD * dq + 0.05 * noise[2]
+    gravity = load_arm(None, None, (0.0, 0.0, -9.81)).gravity(q)
+    channels = {
+        "q": q + 1e-5 * noise[0],
+        "dq": dq + 1e-3 * noise[1],
+        "tau_interaction": friction,
+        "tau_J": gravity - friction,
+        "gravity": gravity,
+    }
+    columns = {"time": t} | {f"{c}_{joint}": channels[c][:, joint - 1] for c in case.channels for joint in JOINTS}
+    pq.write_table(pa.table(columns), path, compression="zstd")
 
 
-def run(code: str, path: Path) -> tuple[float, float]:
-    """Return the wall time [s] and the peak memory [MB] of a process."""
+def run(command: list[str]) -> Run:
+    """Run a process and measure it."""
     before = time.perf_counter()
-    process = subprocess.Popen([sys.executable, "-c", code, str(path)])
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     if status != 0:
-        raise SystemExit(f"exit status {status}")
-    return time.perf_counter() - before, usage.ru_maxrss / 1024
+        raise SystemExit(f"{command}: exit status {status}")
+    seconds = time.perf_counter() - before
+    return Run(seconds, usage.ru_utime + usage.ru_stime, usage.ru_maxrss * 1024 / MEGABYTE)
 
 
-def compare(path: Path, runs: int) -> None:
-    """Print the medians of the cases and their ratios."""
-    cases = {"bare read_table": BARE, "read_log": OURS, "imports only": NO_READING}
-    taken: dict[str, list[tuple[float, float]]] = {name: [] for name in cases}
+def check_estimates(command: list[str]) -> None:
+    """Make sure that the command has an answer for every joint, and the right one."""
+    output = subprocess.run([*command, "--json", "--quiet"], check=True, capture_output=True).stdout
+    for joint in json.loads(output)["joints"]:
+        for name, truth in (("coulomb_nm", COULOMB_NM), ("viscous_nms_per_rad", VISCOUS_NMS_PER_RAD)):
+            assert abs(joint[name]["value"] / truth - 1) < TOLERANCE, (joint["joint"], joint[name])
+
+
+def compare(case: Case, path: Path, hours: float, runs: int) -> Iterator[str]:
+    """Run the programs in turns; yield rows of the table."""
+    whole = [sys.executable, "-m", "friction_audit", "estimate", str(path), *case.options]
+    programs = {
+        "bare `read_table` of these columns": [sys.executable, "-c", BARE, str(path), *case.columns],
+        "our imports alone": [sys.executable, "-c", IMPORTS],
+        "our `read_log` alone": [sys.executable, "-c", READ, str(path)],
+        COMMAND: whole,
+    }
+    check_estimates(whole)
+    taken: dict[str, list[Run]] = {name: [] for name in programs}
     for _ in range(runs):
-        for name, code in cases.items():
-            taken[name].append(run(code, path))
-    bare = statistics.median(seconds for seconds, _ in taken["bare read_table"])
+        for name, command in programs.items():
+            taken[name].append(run(command))
+    bare = statistics.median(one.wall_s for one in next(iter(taken.values())))
+    kept = hours * 3600 * RATE_HZ * len(case.columns) * 8 / MEGABYTE
     for name, results in taken.items():
-        seconds = statistics.median(seconds for seconds, _ in results)
-        memory = max(memory for _, memory in results)
-        print(f"{path.name:12} {name:16} {seconds:6.2f} s  {seconds / bare:5.2f} x bare  {memory:6.0f} MB")
+        walls = sorted(one.wall_s for one in results)
+        middle, cpu = statistics.median(walls), statistics.median(one.cpu_s for one in results)
+        peak = max(one.peak_mb for one in results)
+        goals = (f" (goal {GOAL_TIME:g})", f" (goal {GOAL_MEMORY:g})") if name == COMMAND else ("", "")
+        yield (
+            f"| {case.name} | {name} | {middle:.2f} ({walls[0]:.2f} to {walls[-1]:.2f}) | {cpu:.2f} "
+            f"| {middle / bare:.2f}{goals[0]} | {peak:.0f} | {kept:.0f} | {peak / kept:.2f}{goals[1]} |"
+        )
 
 
 def main() -> None:
-    """Write the files and compare."""
-    parser = argparse.ArgumentParser(description=__doc__)
+    """Write the files, print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--hours", type=float, default=1.0)
     arguments = parser.parse_args()
-    kept = arguments.hours * 3600 * RATE_HZ * (1 + 3 * JOINTS) * 8 / 2**20
-    print(f"arrays kept: {kept:.0f} MB")
-    with tempfile.TemporaryDirectory() as folder:
-        for compression in ("zstd", "snappy"):
-            path = Path(folder) / f"{compression}.parquet"
+    print(f"{arguments.hours:g} h, seven joints, 1 kHz, zstd; medians of {arguments.runs} runs in turns\n")
+    print("| log | process | wall [s] | CPU [s] | x bare | peak [MB] | arrays kept [MB] | peak / arrays |")
+    print("|---|---|---:|---:|---:|---:|---:|---:|")
+    for case in CASES:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "hour.parquet"
             # In a process of its own: a child's peak memory starts from that of its parent.
-            writer = multiprocessing.get_context("spawn").Process(
-                target=write_hour, args=(path, arguments.hours, compression)
-            )
+            writer = multiprocessing.get_context("spawn").Process(target=write_log, args=(path, case, arguments.hours))
             writer.start()
             writer.join()
-            compare(path, arguments.runs)
+            for row in compare(case, path, arguments.hours, arguments.runs):
+                print(row, flush=True)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,83 @@
+"""Everything about speed and memory, on one page.
+
+    python benchmarks/bench_speed.py [--hours 1] [--messages 1000000] [--runs 5] [--output docs/speed.md]
+
+Runs the other scripts one after the other and gathers their tables.
+"""
+
+import argparse
+import os
+import platform
+import subprocess
+import sys
+from collections.abc import Iterator
+from importlib.metadata import version
+from pathlib import Path
+
+LIBRARIES = ("numpy", "scipy", "numba", "pyarrow", "mcap", "rosbags", "typer")
+
+
+def machine() -> str:
+    """Describe what the figures were measured on."""
+    memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 1e9
+    libraries = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
+    return (
+        f"{os.cpu_count()} cores ({_processor()}), {memory:.0f} GB, {platform.system()}, "
+        f"Python {platform.python_version()}, {libraries}."
+    )
+
+
+def _processor() -> str:
+    """Return the processor's name where the system tells it."""
+    listing = Path("/proc/cpuinfo")
+    lines = listing.read_text(encoding="utf-8").splitlines() if listing.exists() else []
+    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
+
+
+def table(script: str, *options: str) -> str:
+    """Return what another script prints."""
+    command = [sys.executable, str(Path(__file__).with_name(script)), *options]
+    print(f"{script} ...", file=sys.stderr)
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout.strip()
+
+
+def page(arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield the parts of the page."""
+    hours, messages, runs = f"{arguments.hours:g}", str(arguments.messages), str(arguments.runs)
+    yield "# Speed and memory"
+    yield f"Made by `python benchmarks/bench_speed.py --hours {hours} --messages {messages} --runs {runs}`."
+    yield f"Machine: {machine()}"
+    yield (
+        "Every run is a process of its own, and what is compared takes turns in one run, so that a busy machine slows "
+        "both. The files are in the page cache. Peaks are of the resident memory of the whole process, interpreter and "
+        "libraries included."
+    )
+    yield "## Parquet: the whole command beside a bare read"
+    yield (
+        "`estimate` reads, hashes and vets the log, proves the sign, finds the cycles of seven joints, estimates "
+        "friction by two methods and prints the table. The estimates are checked against the friction written."
+    )
+    yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
+    yield "## Bags: reading joint states"
+    yield table("bench_bags.py", "--messages", messages, "--repeat", runs)
+    yield "## Help"
+    yield table("bench_help.py")
+
+
+def main() -> None:
+    """Print the page, or write it."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--hours", type=float, default=1.0, help="length of the Parquet logs")
+    parser.add_argument("--messages", type=int, default=1_000_000, help="messages in each bag")
+    parser.add_argument("--runs", type=int, default=5)
+    parser.add_argument("--output", type=Path)
+    arguments = parser.parse_args()
+    text = "\n\n".join(page(arguments)) + "\n"
+    print(text)
+    if arguments.output:
+        arguments.output.write_text(text, encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
