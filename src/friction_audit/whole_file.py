@@ -25,7 +25,7 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
         path.parent.mkdir(parents=True, exist_ok=True)
         workshop = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
     except OSError as error:
-        raise UsageError(f"{path}: cannot be written: {error.strerror}; choose another place with --output") from error
+        raise UsageError(f"{path}: cannot be written: {error.strerror}; choose another place") from error
     try:
         draft = workshop / path.name
         yield draft

@@ -35,7 +35,7 @@ TABLE = [
     ("convert {logs}/moved1.csv", 2, "err", "Missing argument 'OUT'"),
     ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),
     ("convert {logs}/moved1.csv {logs}/moved1.csv --overwrite", 2, "err", "is the log itself"),
-    ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "err", "has no joint 3"),
+    ("convert {logs}/moved1.csv out.parquet --joints 3", 2, "err", "error: --joints 3: not in"),
     ("estimate {logs}/absent.csv -o {logs}/empty.csv/deep", 2, "err", "cannot be written to"),
     # the input
     ("estimate {logs}/absent.csv", 3, "err", "error: "),

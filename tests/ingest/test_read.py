@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.errors import InputError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.ingest import READERS, ReadOptions, list_topics, read_log
 from friction_audit.ingest.fingerprint import sha256_of
 from friction_audit.ingest.read_csv import CSV
@@ -185,3 +185,12 @@ def test_importing_ingest_is_light() -> None:
     code = f"import sys, friction_audit.ingest; print([name for name in {heavy} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_options_that_cannot_be() -> None:
+    with pytest.raises(UsageError, match=r"--map torque: no such channel; channels are t, q, dq"):
+        ReadOptions(mapping={"torque": "x"})
+    with pytest.raises(UsageError, match=r"--map tau_j: no such channel \(did you mean tau_J"):
+        ReadOptions(mapping={"tau_j": "x"})
+    with pytest.raises(UsageError, match=r"--time-scale -1: expected a factor above zero"):
+        ReadOptions(time_scale=-1.0)

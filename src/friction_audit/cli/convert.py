@@ -85,7 +85,7 @@ def _take(log: "JointLog", joints: tuple[int, ...] | None, selection: SelectionO
     count = len(log.joint_names)
     absent = [str(joint) for joint in joints or () if joint > count]
     if absent:
-        raise UsageError(f"--joints: {log.source.path} has no joint {', '.join(absent)}; it holds 1 to {count}")
+        raise UsageError(f"--joints {','.join(absent)}: not in {log.source.path}; its joints are 1 to {count}")
     chosen = log if joints is None else log.take_joints([joint - 1 for joint in joints])
     return chosen.take_window(selection.t_start, selection.t_end)
 

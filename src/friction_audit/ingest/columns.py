@@ -13,6 +13,7 @@ from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 REQUIRED = ("q", "dq")
 _SHOWN_GROUPS = 14
+_MOST_JOINTS = 60
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
 
 JointKey = int | str
@@ -93,11 +94,7 @@ def map_columns(
 
 
 def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse channels that do not exist and columns that the table lacks, all of them at once."""
-    known = ("t", *JOINT_CHANNELS)
-    wrong = [f"--map {c}: no such channel{_did_you_mean(c, known)}" for c in mapping if c not in known]
-    if wrong:
-        raise InputError(f"{path}: {'; '.join(wrong)}; channels are {', '.join(known)}")
+    """Refuse columns that the table lacks, all of them at once."""
     absent = []
     for channel, value in mapping.items():
         try:
@@ -235,7 +232,7 @@ def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found
     near = [
         hint for channel in (*wanted, *(() if torque else TORQUE_CHANNELS)) for hint in _near_misses(channel, names)
     ]
-    parts = [f"{path}: no column for {' and '.join(said)}; found {shorten(names)}"]
+    parts = [f"{path}: no column for {' and '.join(said)}; found {shorten(names) or 'none'}"]
     if near:
         parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
     example = " ".join(f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted)
@@ -307,7 +304,11 @@ def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] |
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
     keys = _sorted_keys(cells)
-    return f"{len(keys)} joints: " + ", ".join(str(key + 1) if isinstance(key, int) else key for key in keys)
+    if len(keys) > _MOST_JOINTS:
+        return f"{len(keys)} joints, more than an arm has: is the table transposed?"
+    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
+        str(key + 1) if isinstance(key, int) else key for key in keys
+    )
 
 
 def _left_out(channel: str, group: Group, joints: int) -> Finding:

@@ -13,6 +13,7 @@ from friction_audit.ingest.vet import examine, to_joint_log
 from friction_audit.joint_log import Finding, JointLog
 
 _DEFAULT = ReadOptions()
+_GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
 def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
@@ -91,8 +92,8 @@ def _stamp(path: Path) -> Stamp:
         if path.is_dir():
             choose_reader(path)  # before all files below it are looked at, which may be a whole disk
         elif path.is_file():
-            with path.open("rb"):
-                pass
+            with path.open("rb") as stream:
+                _refuse_pointer(path, stream.read(len(_GIT_LFS)))
         elif path.exists():
             raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
         stamp = stamp_of(path)
@@ -102,6 +103,13 @@ def _stamp(path: Path) -> Stamp:
         what = "its files are empty" if path.is_dir() else "the file is empty"
         raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_formats()}; copy or record it again")
     return stamp
+
+
+def _refuse_pointer(path: Path, head: bytes) -> None:
+    if head == _GIT_LFS:
+        raise InputError(
+            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
+        )
 
 
 def _unreadable(path: Path, error: OSError) -> InputError:

@@ -20,6 +20,7 @@ from friction_audit.ingest.to_recording import refuse_topic, to_recording
 from friction_audit.joint_log import Finding
 
 _BLOCK_BYTES = 8 << 20
+_SHOWN_TEXT = 40
 _LONG_INTEGER = 16
 """Digits from which a stamp no longer fits a float exactly."""
 _EXCEPTION_LOG_ROWS = 60
@@ -198,9 +199,9 @@ def _bad_text(
         fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
         for cell in sorted(kinds) if len(fields) == dialect.width else ():
             if kinds[cell] is not str and not is_number(fields[cell], dialect.decimal):
+                name, text = dialect.names[cell].strip(), fields[cell].strip()[:_SHOWN_TEXT]
                 return InputError(
-                    f"{path}: line {number}, column {dialect.names[cell].strip()}: {fields[cell].strip()!r} is not a "
-                    "number; repair or remove the line"
+                    f"{path}: line {number}, column {name}: {text!r} is not a number; repair or remove the line"
                 )
     return InputError(f"{path}: lines from {line} on cannot be read as numbers: {error}")
 

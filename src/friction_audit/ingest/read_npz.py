@@ -105,14 +105,14 @@ def _recognises(path: Path) -> bool:
     try:
         with zipfile.ZipFile(path) as archive:
             return any(name.endswith(".npy") for name in archive.namelist())
-    except (OSError, zipfile.BadZipFile):
+    except _DAMAGED:
         return path.is_file() and path.suffix.lower() == ".npz" and _starts_like_zip(path)
 
 
 def _starts_like_zip(path: Path) -> bool:
     try:
         with path.open("rb") as stream:
-            return stream.read(4) == b"PK\x03\x04"
+            return stream.read(2) == b"PK"
     except OSError:
         return False
 

@@ -2,11 +2,15 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from math import inf
 from pathlib import Path
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import Finding, Float
+from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
+
+MAPPABLE = ("t", *JOINT_CHANNELS)
+"""What ``--map`` may name."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -29,13 +33,21 @@ class ReadOptions:
     allow_short: bool = False
 
     def __post_init__(self) -> None:
-        """Check the factor.
+        """Check the factor and the channels.
 
         Raises:
-            UsageError: If it is no number above zero.
+            UsageError: If the factor is no number above zero, or a channel does not exist.
         """
+        wrong = [f"--map {c}: no such channel{_did_you_mean(c)}" for c in self.mapping if c not in MAPPABLE]
+        if wrong:
+            raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
+
+
+def _did_you_mean(channel: str) -> str:
+    near = get_close_matches(channel, MAPPABLE, n=2)
+    return f" (did you mean {' or '.join(near)}?)" if near else ""
 
 
 @dataclass(eq=False, kw_only=True, slots=True)

@@ -11,6 +11,8 @@ _HEAD_BYTES = 1 << 20
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
 _LOOK = 20
+_PEEK_BYTES = 4096
+_UTF16 = (b"\xff\xfe", b"\xfe\xff")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -66,7 +68,7 @@ def looks_like_csv(path: Path) -> bool:
     """Return True if the file is text whose first line has at least two fields; never raises."""
     try:
         with path.open("rb") as stream:
-            head = stream.read(4096)
+            head = stream.read(_PEEK_BYTES)
         text = head.decode("utf-8-sig", errors="ignore")
         line = next((line for line in text.splitlines() if line.strip()), "")
     except OSError:
@@ -84,6 +86,7 @@ def sniff_csv(path: Path) -> Dialect:
     with path.open("rb") as stream:
         head = stream.read(_HEAD_BYTES)
         size = stream.seek(0, os.SEEK_END)
+    _refuse_no_text(path, head)
     lines = head.splitlines(keepends=True)
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
     start = _first_content(texts)
@@ -107,6 +110,21 @@ def sniff_csv(path: Path) -> Dialect:
         size=size,
         rows=rows,
     )
+
+
+def _refuse_no_text(path: Path, head: bytes) -> None:
+    """Refuse other files than text in UTF-8 or a kin of ASCII, with lines that end as everywhere."""
+    found = ""
+    if head.startswith(_UTF16):
+        found = "text in UTF-16"
+    elif head and not head.strip(b"\0"):
+        found = "nothing but zero bytes"
+    elif b"\0" in head.rstrip(b"\0")[:_PEEK_BYTES]:  # at the end they are what a power cut leaves
+        found = f"no text (it begins with the bytes {head[:8].hex(' ')})"
+    elif b"\r" in head and b"\n" not in head:
+        found = "text whose lines end in a carriage return alone"
+    if found:
+        raise InputError(f"{path}: {found}; expected a table in UTF-8 with lines that end in a line feed; save it so")
 
 
 def _first_content(texts: list[str]) -> int:

@@ -98,6 +98,10 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
     """
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows")
+    if not np.isfinite(raw).any():
+        raise InputError(
+            f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
+        )
     origin = raw[0] if np.isfinite(raw[0]) else raw[np.flatnonzero(np.isfinite(raw))[:1]].sum()
     elapsed = np.subtract(raw, origin, out=raw) if raw.dtype == np.float64 else (raw - origin).astype(np.float64)
     found = unit or _unit_from_values(float(origin), elapsed, path)

@@ -63,7 +63,8 @@ def _refuse_without(empty: list[str], recording: Recording, path: str) -> None:
     if lost:
         names = ", ".join(f"{channel} ({recording.mapping.get(channel, channel)})" for channel in lost)
         raise InputError(
-            f"{path}: {names}: none of the {len(recording.t)} rows holds a number (all NaN or infinite); expected "
+            f"{path}: {names}: none of the {len(recording.t)} rows holds a number (all NaN, infinite or beyond "
+            f"{_ABSURD:g}); expected "
             f"q, dq and one torque of {', '.join(TORQUE_CHANNELS)}; record a topic that "
             "carries them, such as the robot's own state"
         )

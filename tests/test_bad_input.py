@@ -1,0 +1,423 @@
+"""Whatever a file is: the documented exit code, one message by the rule, no traceback, nothing half-written."""
+
+import os
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.cli import main
+from friction_audit.ingest import read
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording
+from tests import bad_files
+from tests.bad_files import BAGS, FORMS, SPOILED, TABLES
+from tests.ingest.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap
+
+USAGE, UNREADABLE, NO_ANSWER, DAMAGED = 2, 3, 4, 6
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a command did."""
+
+    code: int
+    out: str
+    err: str
+
+
+Run = Callable[..., Answer]
+
+
+@pytest.fixture
+def run(capsys: pytest.CaptureFixture[str]) -> Run:
+    """Return the command line as a function."""
+
+    def call(*argv: object) -> Answer:
+        with pytest.raises(SystemExit) as caught:
+            main([str(word) for word in argv])
+        return Answer(int(caught.value.code or 0), *capsys.readouterr())
+
+    return call
+
+
+@pytest.fixture(scope="session")
+def sound(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Return a sound log in each form, to be copied."""
+    return {form: bad_files.write(tmp_path_factory.mktemp("sound"), form) for form in FORMS}
+
+
+@pytest.fixture(params=FORMS)
+def log(request: pytest.FixtureRequest, sound: dict[str, Path], tmp_path: Path) -> Path:
+    """Return a log in one of the forms."""
+    return bad_files.copy_of(sound[request.param], tmp_path)
+
+
+def assert_refused(answer: Answer, path: Path, message: str, *, code: int = UNREADABLE) -> None:
+    """Assert that a command said one thing: what is wrong with the file."""
+    assert answer.code == code, answer
+    assert answer.out == ""
+    errors = [line for line in answer.err.splitlines() if line.startswith("error: ")]
+    assert len(errors) == 1, answer.err
+    assert errors[0].startswith(f"error: {path}"), answer.err
+    assert re.search(message, errors[0]), answer.err
+    assert "Traceback" not in answer.err
+
+
+def refuse(run: Run, path: Path, message: str, *words: object, code: int = UNREADABLE) -> None:
+    """Assert that no command reads a log, and that none leaves anything behind."""
+    before = set(path.parent.iterdir())
+    for command in (("convert", path, path.parent / "new.parquet"), ("estimate", path, "-o", path.parent / "new")):
+        assert_refused(run(*command, *words), path, message, code=code)
+        assert set(path.parent.iterdir()) == before
+
+
+def test_sound_logs_are_read(run: Run, log: Path) -> None:
+    answer = run("convert", log, log.parent / "new.parquet")
+    assert (answer.code, answer.err) == (0, "")
+
+
+def test_empty_file(run: Run, log: Path) -> None:
+    refuse(run, bad_files.empty(log), r"empty")
+
+
+TRUNCATED = {
+    "csv": (DAMAGED, r"line \d+, the last one, is cut short \(5 of 7 fields\); it is left out"),
+    "csv-long": (DAMAGED, r"line \d+, the last one, is cut short \(3 of 5 fields\); it is left out"),
+    "parquet": (UNREADABLE, r"damaged or unfinished Parquet file.*copy or record it again"),
+    "npz": (UNREADABLE, r"damaged NumPy archive.*copy or save it again"),
+    "rosbag1-joint-state": (DAMAGED, r"breaks off|broken|no end"),
+    "rosbag2-db3": (UNREADABLE, r"malformed.*\.recover"),
+    "rosbag2-sqlite3": (UNREADABLE, r"malformed.*\.recover"),
+    "rosbag2-mcap": (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
+    "mcap": (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
+    "mcap-ros1": (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
+    "mcap-json": (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
+    "mcap-protobuf": (UNREADABLE, r"breaks off at byte \d+ of \d+ before the first whole chunk"),
+}
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_truncated(run: Run, form: str, sound: dict[str, Path], tmp_path: Path) -> None:
+    path = bad_files.copy_of(sound[form], tmp_path)
+    code, message = TRUNCATED[form]
+    if form in ("csv", "csv-long"):
+        text = path.read_text()
+        path.write_text(text[: text.rindex(",", 0, len(text) * 3 // 5)].rpartition(",")[0])
+    else:
+        bad_files.cut(path)
+    if code == UNREADABLE:
+        refuse(run, path, message)
+        return
+    answer = run("convert", path, tmp_path / "new.parquet")
+    assert answer.code == DAMAGED
+    assert re.search(message, answer.err)
+    assert (tmp_path / "new.parquet").exists()
+
+
+@pytest.mark.parametrize("ros1", [False, True], ids=["ros2", "ros1"])
+def test_truncated_mcap_is_salvaged(run: Run, ros1: bool, tmp_path: Path) -> None:
+    store = ros1_store() if ros1 else ros2_store()
+    swing = bad_files.swinging_log()
+    values = {name: np.repeat(array[:, :1], 7, axis=1) for name, array in swing.channels().items()}
+    assert values.keys() == samples(1).keys()
+    path = write_mcap(tmp_path / "log.mcap", store, [joint_states(store, values)], ros1=ros1, chunk_size=8192)
+    answer = run("convert", bad_files.cut(path), tmp_path / "new.parquet", "--time-scale", "5")
+    assert answer.code == DAMAGED
+    assert re.search(r"damaged at byte \d+ of \d+ .*; the \d{2,3} messages outside the damage were read", answer.err), (
+        answer.err
+    )
+    assert (tmp_path / "new.parquet").exists()
+
+
+SUFFIXES = (".csv", ".parquet", ".npz", ".bag", ".db3", ".mcap", ".txt")
+RENAMED = [(form, suffix) for form, name in FORMS.items() if "." in name for suffix in SUFFIXES if suffix not in name]
+
+
+@pytest.mark.parametrize(("form", "suffix"), RENAMED)
+def test_wrong_extension_is_read_by_its_content_and_noticed(
+    run: Run, form: str, suffix: str, sound: dict[str, Path], tmp_path: Path
+) -> None:
+    path = bad_files.with_other_suffix(bad_files.copy_of(sound[form], tmp_path), suffix)
+    answer = run("convert", path, tmp_path / "new.parquet")
+    assert answer.code == 0, answer.err
+    both_text = FORMS[form].endswith(".csv") and suffix == ".txt"
+    assert ("the name ends in" in answer.err) is not both_text
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"hello world\nthis is a text\n", r"no column for t and q and dq and a torque|does not begin as"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(range(256)) * 4, r"no text|Parquet|zip archive|does not begin"),
+        (b"\0" * 5000, r"nothing but zero bytes|Parquet|zip archive|does not begin"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:00\nsize 9\n", r"git lfs pull|does not begin"),
+        (b"<html><body>Not found, sorry</body></html>", r"0 samples|Parquet|zip archive|does not begin"),
+    ],
+    ids=["words", "picture", "zeros", "pointer", "web page"],
+)
+def test_something_else_under_the_name_of_a_log(run: Run, log: Path, content: bytes, message: str) -> None:
+    refuse(run, bad_files.replace_content(log, content), message)
+
+
+def test_no_such_topic(run: Run, log: Path) -> None:
+    if log.suffix in (".csv", ".parquet", ".npz"):
+        refuse(run, log, r"a table has no topics.*leave --topic out", "--topic", "/joint_statse")
+    else:
+        message = r"no topic /joint_statse; did you mean /joint_states\?.*400 messages"
+        refuse(run, log, message, "--topic", "/joint_statse")
+
+
+@pytest.mark.parametrize("form", BAGS)
+def test_no_such_fields(run: Run, form: str, sound: dict[str, Path]) -> None:
+    answer = run("info", sound[form], "--map", "q=positon", "--map", "dq=velocty")
+    assert answer.code == UNREADABLE
+    assert re.search(r"no field positon, velocty .*position.*velocity", answer.err), answer.err
+
+
+@pytest.mark.parametrize("form", ["csv", "parquet"])
+def test_missing_columns_are_named_at_once_with_near_misses(run: Run, form: str, tmp_path: Path) -> None:
+    path = bad_files.write(tmp_path, form)
+    frame = pd.read_csv(path) if form == "csv" else pd.read_parquet(path)
+    frame.columns = [str(name).replace("time", "tyme").replace("dq_", "velocty_") for name in frame]
+    frame = frame.drop(columns=["tau_J_1", "tau_J_2"])
+    frame.to_csv(path, index=False) if form == "csv" else frame.to_parquet(path)
+    refuse(run, path, r"no column for t and dq and a torque .*tyme \(t\), velocty_1 \(dq\)")
+
+
+def test_missing_arrays_are_named_at_once(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "log.npz"
+    np.savez(path, tyme=np.arange(9.0), q=np.zeros((9, 2)), velocty=np.zeros((9, 2)))
+    refuse(run, path, r"no column for t and dq and a torque .*tyme \(t\), velocty\[0\] \(dq\)")
+
+
+@pytest.mark.parametrize("form", TABLES)
+def test_all_wrong_mappings_at_once(run: Run, form: str, sound: dict[str, Path]) -> None:
+    answer = run("info", sound[form], "--map", "q=pp_{i}", "--map", "t=tiime")
+    assert answer.code == UNREADABLE
+    assert re.search(r"no column for --map q=pp_\{i\}.* and no column for --map t=tiime.*time", answer.err), answer.err
+
+
+WORDS = {
+    "nan": (DAMAGED, r"10 of 400 rows hold NaN, infinity"),
+    "infinity": (DAMAGED, r"10 of 400 rows hold NaN, infinity"),
+    "only nan": (UNREADABLE, r"tau_J .*none of the 400 rows holds a number"),
+    "zero samples": (UNREADABLE, r"0 (samples|messages)"),
+    "one sample": (UNREADABLE, r"1 sample; at least 2 are needed"),
+    "constant time": (UNREADABLE, r"time does not advance|time .*is the same in all 400 rows"),
+    "time runs back": (UNREADABLE, r"time .*goes back at 399 of 399 rows"),
+}
+
+
+@pytest.mark.parametrize("fault", SPOILED)
+@pytest.mark.parametrize("form", FORMS)
+def test_spoiled_content(run: Run, form: str, fault: str, tmp_path: Path) -> None:
+    path = bad_files.write(tmp_path, form, SPOILED[fault]())
+    code, message = WORDS[fault]
+    if code == UNREADABLE:
+        refuse(run, path, message)
+        return
+    answer = run("convert", path, tmp_path / "new.parquet")
+    assert answer.code == code
+    assert re.search(message, answer.err)
+
+
+def test_no_permission(run: Run, log: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    storage = bad_files.storage_of(log)
+    opened = Path.open
+
+    def forbidden(path: Path, *args: object, **named: object) -> object:
+        if path == storage:
+            raise PermissionError(13, "Permission denied", str(path))
+        return opened(path, *args, **named)  # type: ignore[call-overload]
+
+    monkeypatch.setattr(Path, "open", forbidden)
+    refuse(run, log, r"permission")
+
+
+@pytest.mark.skipif(os.name != "posix" or os.geteuid() == 0, reason="permissions do not bind everyone")
+def test_no_permission_by_the_file_system(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    for form in ("csv", "rosbag2-mcap"):
+        path = bad_files.copy_of(sound[form], tmp_path)
+        path.chmod(0)
+        try:
+            refuse(run, path, r"no permission")
+        finally:
+            path.chmod(0o700)
+
+
+@pytest.fixture
+def still_recorded(log: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Let a log grow as soon as its reader is done."""
+    chosen = read.choose_reader
+
+    def growing(path: Path) -> Reader:
+        reader = chosen(path)
+
+        def read_and_grow(path: Path, options: ReadOptions) -> Recording:
+            try:
+                return reader.read(path, options)
+            finally:
+                bad_files.grow(path)
+
+        return replace(reader, read=read_and_grow)
+
+    monkeypatch.setattr(read, "choose_reader", growing)
+    return log
+
+
+def test_file_that_grows(run: Run, still_recorded: Path) -> None:
+    answer = run("convert", still_recorded, still_recorded.parent / "new.parquet")
+    assert answer.code == DAMAGED
+    assert re.search(r"changed while it was read \(\d+ bytes before, \d+ after\)", answer.err)
+
+
+def test_unreadable_file_that_grows(run: Run, still_recorded: Path) -> None:
+    bad_files.cut(still_recorded, 0.001)
+    answer = run("estimate", still_recorded)
+    assert answer.code == UNREADABLE
+    assert "the file changed while it was read" in answer.err
+
+
+def test_directory(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    refuse(run, folder, r"a directory without the storage files of a bag.*choose a file inside")
+    (folder / "log.csv").write_text("x")
+    refuse(run, folder, r"a directory without the storage files of a bag.*choose a file inside")
+
+
+def test_directory_of_several_recordings(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    for name in ("monday.db3", "tuesday_0.db3"):
+        (folder / name).write_bytes(sound["rosbag2-db3"].read_bytes())
+    refuse(run, folder, r"2 storage files that are not parts of one recording \(monday.db3, tuesday_0.db3\).*give one")
+
+
+def test_storage_under_the_other_name(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    bag = bad_files.copy_of(sound["rosbag2-mcap"], tmp_path)
+    (bag / "metadata.yaml").unlink()
+    bad_files.with_other_suffix(bad_files.storage_of(bag), ".db3")
+    assert run("convert", bag, tmp_path / "new.parquet").code == 0
+
+
+def test_absent_file(run: Run, tmp_path: Path) -> None:
+    refuse(run, tmp_path / "absent.csv", r"no such file or directory; check the path")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="there are no such files")
+def test_what_is_no_file(run: Run, tmp_path: Path) -> None:
+    pipe, loop = tmp_path / "pipe.csv", tmp_path / "loop.csv"
+    os.mkfifo(pipe)
+    loop.symlink_to(loop)
+    refuse(run, pipe, r"a pipe or a device; expected a file")
+    refuse(run, loop, r"cannot be read: ")
+
+
+def test_one_bad_file_among_several(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    bad = bad_files.empty(bad_files.copy_of(sound["mcap"], tmp_path))
+    answer = run("info", sound["csv"], bad, sound["npz"])
+    assert answer.code == DAMAGED
+    assert f"error: {bad}: the file is empty" in answer.err
+    assert str(sound["csv"]) in answer.out
+    assert str(sound["npz"]) in answer.out
+
+
+TEXTS = {
+    "utf-16": ("time,q_1,dq_1,tau_J_1\n0,0,0,0\n".encode("utf-16"), r"text in UTF-16; expected a table in UTF-8"),
+    "old line ends": (b"time,q_1,dq_1,tau_J_1\r0,0,0,0\r", r"carriage return alone"),
+    "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1"),
+    "only a header": (b"time,q_1,dq_1,tau_J_1\n", r"0 samples; the table has a header \(4 columns\) and no rows"),
+    "word": (b"time,q_1,dq_1,tau_J_1\n0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
+    "narrow line": (b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1,0\n2,0,0,0\n", r"line 3 has 2 fields; expected 4"),
+    "no time": (b"time,q_1,dq_1,tau_J_1\nnan,0,0,0\nnan,0,0,0\n", r"time holds no number in all 2 rows"),
+    "joint missing": (
+        b"time,q_1,q_2,dq_1,tau_J_1\n0,0,0,0,0\n1,0,0,0,0\n",
+        r"expected 2 joints: 1, 2 .*dq \(1 joint: 1\)",
+    ),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), TEXTS.values(), ids=TEXTS)
+def test_texts(run: Run, content: bytes, message: str, tmp_path: Path) -> None:
+    path = tmp_path / "log.csv"
+    path.write_bytes(content)
+    refuse(run, path, message)
+
+
+def test_transposed_arrays(run: Run, tmp_path: Path) -> None:
+    log = bad_files.swinging_log()
+    path = tmp_path / "log.npz"
+    np.savez(path, time=log.t, **{name: array.T for name, array in log.channels().items()})  # type: ignore[arg-type]
+    refuse(run, path, r"transposed")
+
+
+IMPOSSIBLE = [
+    ("--joints 9", r"--joints 9"),
+    ("--joints 0", r"'0' is no joint"),
+    ("--t-start 100", r"0 samples between 100 s and .*the log lasts from 0 to"),
+    ("--t-start 1 --t-end 0.5", r"0 samples between 1 s and 0.5 s"),
+    ("--time-scale 0", r"--time-scale 0: expected a factor above zero"),
+    ("--time-scale nan", r"--time-scale nan: expected a factor above zero"),
+    ("--map dq", r"expected CHANNEL=NAME"),
+    ("--map torqe=x --map tau_j=y", r"--map torqe: no such channel.*--map tau_j: no such channel .did you mean tau_J"),
+]
+
+
+@pytest.mark.parametrize(("words", "message"), IMPOSSIBLE, ids=[words for words, _ in IMPOSSIBLE])
+def test_impossible_options(run: Run, words: str, message: str, sound: dict[str, Path], tmp_path: Path) -> None:
+    for command in (("convert", sound["csv"], tmp_path / "new.csv"), ("estimate", sound["csv"], "-o", tmp_path)):
+        answer = run(*command, *words.split())
+        assert answer.code == USAGE, answer
+        assert re.search(message, answer.err), answer.err
+        assert not list(tmp_path.iterdir())
+
+
+ESTIMATE_ONLY = [
+    ("--window 1", r"--window 1: the combined model needs at least 2 cycles"),
+    ("--thresholds 0.1,0.5", r"expected initiation above termination"),
+    ("--thresholds inf,0.5", r"expected initiation above termination"),
+    ("--min-path nan", r"--min-path nan: expected an angle"),
+    ("--gravity-vector 0,0,0", r"--gravity-vector 0,0,0: .*use --gravity none"),
+    ("--torque tau_ext", r"has no tau_ext"),
+    ("--urdf absent.urdf", r"No such file"),
+    ("--config absent.toml", r"absent.toml: cannot be read"),
+]
+
+
+@pytest.mark.parametrize(("words", "message"), ESTIMATE_ONLY, ids=[words for words, _ in ESTIMATE_ONLY])
+def test_impossible_settings(run: Run, words: str, message: str, sound: dict[str, Path], tmp_path: Path) -> None:
+    answer = run("estimate", sound["csv"], "-o", tmp_path, *words.split())
+    assert answer.code == USAGE, answer
+    assert re.search(message, answer.err), answer.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_no_answer_leaves_nothing(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    answer = run("estimate", sound["csv"], "-o", tmp_path / "new")
+    assert answer.code == NO_ANSWER
+    assert "no joint has an estimate" in answer.err
+    assert not list(tmp_path.iterdir())
+
+
+def test_output_that_is_a_file(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    (tmp_path / "taken").write_text("mine")
+    for output in ("taken", "taken/deep"):
+        answer = run("estimate", sound["csv"], "-o", tmp_path / output)
+        assert answer.code == USAGE
+        assert "cannot be written to; choose another place" in answer.err
+    answer = run("convert", sound["csv"], tmp_path / "taken", "--dialect", "rosbag2-mcap")
+    assert answer.code == USAGE
+    assert "exists already; nothing was written" in answer.err
+    assert (tmp_path / "taken").read_text() == "mine"
+
+
+def test_path_with_blanks_and_letters(run: Run, sound: dict[str, Path], tmp_path: Path) -> None:
+    for form, path in sound.items():
+        folder = tmp_path / f"ein Lög #1 %20 {form}"
+        folder.mkdir()
+        assert run("convert", bad_files.copy_of(path, folder), folder / "neü.mcap").code == 0
