@@ -75,7 +75,7 @@ def test_a_file_with_several_arms_lists_them() -> None:
         (Coefficient(value=0.25, low=0.22, high=0.26), "0.250 +0.010/-0.030"),
         (Coefficient(value=-0.02, low=-0.47, high=0.43), "-0.02 ± 0.45"),
         (Coefficient(value=12.0, low=-18.0, high=42.0), "12 ± 30"),
-        (Coefficient(value=0.25, low=0.25, high=0.25), "0.250000 ± 0.000000"),
+        (Coefficient(value=0.25, low=0.25, high=0.25), "0.2500 ± 0.0001"),
         (Coefficient(value=0.25, low=math.nan, high=math.nan), "0.25"),
         (UNDETERMINED, "-"),
     ],

@@ -89,15 +89,17 @@ def format_coefficient(coefficient: Coefficient) -> str:
     if math.isnan(up + down):
         return f"{coefficient.value:.4g}"
     digits = _digits(max(up, down))
-    texts = [f"{side:.{digits}f}" for side in (coefficient.value, up, down)]
+    last = 10.0**-digits
+    texts = [f"{side:.{digits}f}" for side in (coefficient.value, max(up, last), max(down, last))]
     if abs(up - down) <= LOPSIDED * max(up, down):
-        return f"{texts[0]} ± {max(up, down):.{digits}f}"
+        return f"{texts[0]} ± {max(up, down, last):.{digits}f}"
     return f"{texts[0]} +{texts[1]}/-{texts[2]}"
 
 
 LOPSIDED = 0.25
 """Share by which the two sides of an interval may differ and still be written as one."""
-MOST_DIGITS = 6
+MOST_DIGITS = 4
+"""No sensor of a joint is worth more, and the table stays narrower than a terminal."""
 
 
 def _digits(width: float) -> int:
