@@ -130,6 +130,16 @@ def test_a_joint_without_an_answer_says_which_motion_would_help(
         assert not joint.reason, joint.reason
 
 
+@pytest.mark.parametrize("model", ["combined", "coulomb", "viscous"])
+def test_a_position_that_stands_still_while_the_velocity_does_not(model: str) -> None:
+    t, v, a = strokes(LENGTHS, DURATIONS)
+    log = interaction(t, v, friction(v, a), q=np.zeros_like(v))
+    settings = FrictionSettings(compare=False, model=model)
+    joint = estimate_friction(log, segment_cycles(log, CycleSettings()), settings).joints[0]
+    assert np.isnan(joint.coulomb.value)
+    assert "its position never changes while its velocity does" in joint.reason
+
+
 def test_one_speed_gives_their_sum_and_not_the_two_coefficients() -> None:
     t = np.arange(0, 20, 0.001)
     v = 0.5 * np.clip(20 * np.sin(np.pi * t), -1, 1)

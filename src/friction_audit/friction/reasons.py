@@ -31,6 +31,8 @@ def missing_motion(cycles: EnergyCycles, column: int, peak_rad_s: float, setting
     """
     if not len(cycles.joint):
         return _no_cycle(float(cycles.initiation[column]), float(cycles.termination[column]), peak_rad_s)
+    if not cycles.sums.path_rad.any():
+        return "its position never changes while its velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
     fewest = FEWEST_CYCLES if settings.estimator == "weighted" else settings.cycles_per_point
     if kept >= fewest:
