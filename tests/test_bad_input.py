@@ -409,7 +409,7 @@ def test_output_that_is_a_file(run: Run, sound: dict[str, Path], tmp_path: Path)
     for output in ("taken", "taken/deep"):
         answer = run("estimate", sound["csv"], "-o", tmp_path / output)
         assert answer.code == USAGE
-        assert "cannot be written to; choose another place" in answer.err
+        assert "taken is a file); choose another place" in answer.err
     answer = run("convert", sound["csv"], tmp_path / "taken", "--dialect", "rosbag2-mcap")
     assert answer.code == USAGE
     assert "exists already; nothing was written" in answer.err

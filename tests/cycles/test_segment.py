@@ -127,5 +127,5 @@ def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: lis
 
 
 def test_thresholds_in_the_wrong_order_are_refused() -> None:
-    with pytest.raises(UsageError, match=r"initiation 0\.05 rad/s and termination 0\.2 rad/s"):
+    with pytest.raises(UsageError, match=r"--thresholds 0\.05,0\.2: expected initiation above termination"):
         CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.2)

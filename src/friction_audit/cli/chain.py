@@ -96,4 +96,5 @@ def check_outputs(paths: Sequence[Path], *, overwrite: bool) -> None:
     for folder in dict.fromkeys(path.absolute().parent for path in paths):
         ground = next(parent for parent in (folder, *folder.parents) if parent.exists())
         if not ground.is_dir() or not os.access(ground, os.W_OK):
-            raise UsageError(f"{folder}: cannot be written to; choose another place")
+            why = "no permission" if ground.is_dir() else f"{ground} is a file"
+            raise UsageError(f"{folder}: cannot be written to ({why}); choose another place")

@@ -15,7 +15,7 @@ def parse_joints(text: str | None) -> tuple[int, ...] | None:
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
         if not first.isdecimal() or (dash and not last.isdecimal()) or int(first) < 1:
-            raise UsageError(f"--joints {text}: {part.strip() or 'nothing'!r} is no joint; expected e.g. 1,3-5")
+            raise UsageError(f"--joints {text}: {part.strip()!r} is no joint; expected e.g. 1,3-5")
         if dash and int(last) < int(first):
             raise UsageError(f"--joints {text}: {part.strip()!r} runs backwards; expected e.g. 1,3-5")
         joints.update(range(int(first), int(last if dash else first) + 1))

@@ -46,14 +46,13 @@ class CycleSettings:
             raise UsageError(f"--thresholds {self.thresholds}: expected one of {', '.join(THRESHOLDS)} or two numbers")
         if self.cycles_from not in CYCLES_FROM:
             raise UsageError(f"--cycles-from {self.cycles_from}: expected one of {', '.join(CYCLES_FROM)}")
-        for start, stop, unit in (
-            (self.initiation_rad_s, self.termination_rad_s, "rad/s"),
-            (self.hand_initiation_m_s, self.hand_termination_m_s, "m/s"),
+        for option, start, stop, unit in (
+            ("--thresholds", self.initiation_rad_s, self.termination_rad_s, "rad/s"),
+            ("--hand-thresholds", self.hand_initiation_m_s, self.hand_termination_m_s, "m/s"),
         ):
             if not inf > start > stop > 0:
                 raise UsageError(
-                    f"initiation {start:g} {unit} and termination {stop:g} {unit}: expected initiation above "
-                    "termination and both above zero"
+                    f"{option} {start:g},{stop:g}: expected initiation above termination and both above zero, in {unit}"
                 )
         if not inf > self.minimum_path_rad >= 0:
             raise UsageError(f"--min-path {self.minimum_path_rad:g}: expected an angle of zero or more, in rad")

@@ -1,5 +1,6 @@
 """JointLog -> file, in the format that the name or the user asks for."""
 
+from difflib import get_close_matches
 from pathlib import Path
 
 from friction_audit.errors import UsageError
@@ -46,7 +47,10 @@ def choose_writer(path: Path, dialect: str | None = None) -> Writer:
         return found
     named = next((writer for writer in WRITERS if writer.name == dialect), None)
     if named is None:
-        raise UsageError(f"--dialect {dialect}: expected one of {', '.join(writer.name for writer in WRITERS)}")
+        names = [writer.name for writer in WRITERS]
+        near = get_close_matches(dialect, names, n=2, cutoff=0.5)
+        hint = f"; did you mean {' or '.join(near)}?" if near else ""
+        raise UsageError(f"--dialect {dialect}: expected one of {', '.join(names)}{hint}")
     if named.suffix and named.suffix != suffix:
         raise UsageError(
             f"{path}: ending {suffix or 'missing'}: the dialect {dialect} writes {named.suffix}; rename it"

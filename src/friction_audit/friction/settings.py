@@ -37,7 +37,9 @@ class FrictionSettings:
             raise UsageError(f"--model {self.model}: expected one of {', '.join(MODELS)}")
         smallest = 2 if self.model == "combined" else 1
         if self.window is not None and self.window < smallest:
-            raise UsageError(f"--window {self.window}: the {self.model} model needs at least {smallest} cycles")
+            raise UsageError(
+                f"--window {self.window}: the {self.model} model needs at least {smallest} cycles; give more"
+            )
 
     @property
     def cycles_per_point(self) -> int:
