@@ -56,11 +56,13 @@ def test_borders_are_ordered_and_a_cycle_moves(velocity: np.ndarray) -> None:
 def test_constant_torque_and_velocity_add_up_by_hand() -> None:
     t = np.array([0.0, 0.1, 0.3, 0.6, 1.0])  # uneven stamps
     v, torque, u = np.full(5, 2.0), np.full(5, 3.0), np.full(5, -1.0)
-    sums, edges, extremes = kernels.add_up(t, 2 * t, v, v, torque, u, np.array([0, 4]), 1)
-    work, compensation, path, rectified, square, kinetic = sums[0, 0]
-    np.testing.assert_allclose([work, compensation, path, rectified, square, kinetic], [6, -2, 2, 2, 4, 0])
+    edges, peak, longest = kernels.cut_evenly(t, v, np.array([0, 4]), 1)
     assert edges.tolist() == [[0, 4]]
-    np.testing.assert_allclose(extremes[0], [2.0, 0.4])
+    np.testing.assert_allclose([peak[0], longest[0]], [2.0, 0.4])
+    work, compensation, printed, path, rectified, square, kinetic = kernels.add_up(t, 2 * t, v, v, torque, u, edges)[
+        0, 0
+    ]
+    np.testing.assert_allclose([work, compensation, printed, path, rectified, square, kinetic], [6, -2, 4, 2, 2, 4, 0])
 
 
 @given(st.integers(0, 10_000), st.integers(1, 8))
@@ -71,8 +73,9 @@ def test_parts_add_up_to_the_whole_and_cut_the_path_evenly(seed: int, parts: int
     torque = rng.normal(size=400)
     borders = np.array([0, 150, 399])
     q = -np.cos(7 * t) / 7
-    whole, _, _ = kernels.add_up(t, q, v, v, torque, NOTHING, borders, 1)
-    cut, edges, _ = kernels.add_up(t, q, v, v, torque, NOTHING, borders, parts)
+    edges, _, _ = kernels.cut_evenly(t, v, borders, parts)
+    whole = kernels.add_up(t, q, v, v, torque, NOTHING, np.array([[0, 150], [150, 399]]))
+    cut = kernels.add_up(t, q, v, v, torque, NOTHING, edges)
     np.testing.assert_allclose(cut.sum(axis=1), whole.sum(axis=1), atol=1e-12)
     assert np.all(np.diff(edges, axis=1) >= 0)
     path = cut[:, :, kernels.PATH]
@@ -84,6 +87,6 @@ def test_velocity_noise_at_rest_adds_no_path() -> None:
     t = np.arange(20_000) / 1000
     noise = 0.003 * rng.normal(size=len(t))
     filtered = 1e-4 * rng.normal(size=len(t))
-    sums, _, _ = kernels.add_up(t, np.zeros_like(t), noise, filtered, noise, NOTHING, np.array([0, 19_999]), 1)
+    sums = kernels.add_up(t, np.zeros_like(t), noise, filtered, noise, NOTHING, np.array([[0, 19_999]]))
     assert sums[0, 0, kernels.RECTIFIED] > 0.04  # 0.0024 rad per second of dwell
     assert sums[0, 0, kernels.PATH] == 0.0

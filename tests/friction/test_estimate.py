@@ -114,7 +114,12 @@ def test_the_torque_regression_agrees_without_a_hidden_effect() -> None:
 @pytest.mark.parametrize(
     ("lengths", "durations", "sentence"),
     [
-        ([0.01, -0.01], [1.0, 1.0], r"did not move: its peak speed 0\.0\d rad/s stays below"),
+        (
+            [0.05, -0.05],
+            [1.0, 1.0],
+            r"moved too slowly: its speed peaks at 0\.09\d* rad/s, the initiation threshold is 0\.2 rad/s",
+        ),
+        ([0.001, -0.001], [1.0, 1.0], "did not move: its speed never came near"),
         ([0.8, 0.7, 0.6, 0.5, 0.4], [1.0] * 5, "moved one way only and never back"),
         ([0.8, -0.8], [1.0, 1.0], "only 2 cycles are usable, at least 4 are needed"),
     ],
@@ -155,6 +160,26 @@ def test_negative_friction_is_shown_and_warned_about() -> None:
     history = estimate_friction(log, segment_cycles(log, CycleSettings()), ALONE)
     assert history.joints[0].viscous.value == pytest.approx(-0.1, rel=1e-3)
     assert "negative_viscous" in [w.code for w in history.warnings]
+
+
+def test_a_change_within_the_log_is_said_and_its_absence_is_not() -> None:
+    t, v, a = strokes(LENGTHS * 2, DURATIONS * 2)
+    noise = 0.01 * np.random.default_rng(0).normal(size=len(t))
+    steady, step = friction(v, a) + noise, friction(v, a) + noise + np.where(t < t[-1] / 2, 0.0, 0.3) * np.sign(v)
+    codes = []
+    for torque in (steady, step):
+        log = interaction(t, v, torque)
+        codes.append([w.code for w in estimate_friction(log, segment_cycles(log, CycleSettings()), ALONE).warnings])
+    assert codes == [[], ["coulomb_changes"]]
+
+
+def test_a_forgotten_payload_is_suspected() -> None:
+    t, v, a = strokes(LENGTHS, DURATIONS)
+    log = interaction(t, v, friction(v, a) + 3.0)
+    history = estimate_friction(log, segment_cycles(log, CycleSettings()), ALONE)
+    (caution,) = history.warnings
+    assert caution.code == "gravity_error"
+    assert "--payload mass,x,y,z" in caution.message
 
 
 def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:

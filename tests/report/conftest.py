@@ -80,6 +80,8 @@ def cycle_table(t: Float, dq: Float, torque: Float, borders: list[list[int]]) ->
         reason=np.where(row_of_joint == REJECTED, 1, 0),
         initiation=np.full(len(borders), 0.2),
         termination=np.full(len(borders), 0.05),
+        fastest=np.full(len(borders), 1.0),
+        speed_unit="rad/s",
         moving_s=np.array([15.0 if edges else 0.0 for edges in borders]),
     )
 
@@ -116,6 +118,7 @@ def joint_friction(column: int, name: str, cycles: EnergyCycles, rng: np.random.
         coulomb=near[0], viscous=near[1], offset_nm=0.01, inertia_kg_m2=INERTIA, residual_rms_nm=0.05, samples=9000
     )
     return JointFriction(
+        window=20,
         joint=column + 1,
         name=name,
         model="combined",

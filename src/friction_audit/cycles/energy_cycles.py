@@ -1,8 +1,8 @@
 """EnergyCycles: a structure of arrays, one row per energy cycle of a joint.
 
 An energy cycle is the half-open interval [start, stop) of samples from one termination to the next (paper, section
-III): the joint is slow at both ends, so its kinetic energy cancels and the work left is what friction took. Sums are
-trapezoid integrals on the real stamps over [t[start], t[stop]]; neighbours share the border sample and nothing else.
+III): the joint rests at both ends, so its kinetic energy cancels and the work left is what friction took. Sums are
+trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the border sample and nothing else.
 """
 
 from dataclasses import dataclass, fields
@@ -25,10 +25,11 @@ class EnergySums:
     """Energy sums over pieces of motion; every array has the same shape.
 
     Attributes:
-        work_j: Integral of F_m dq dt, the net energy input. [J]
-        compensation_j: Integral of u dq dt, the energy that a logged compensator put in. [J]
-        path_rad: Path, from the increments of q with the sign of the filtered velocity: the velocity's noise adds no
-            path, which at rest and in slow motion it would. [rad]
+        work_j: Integral of F_m over the position, the net energy input. [J]
+        compensation_j: Integral of u over the position, the energy that a logged compensator put in. [J]
+        printed_net_j: Integral of (F_m + u) dq dt, the net energy as (2) and (10) print it. [J]
+        path_rad: Path, with the sign of the filtered velocity: the velocity's noise adds no path, which at rest and in
+            slow motion it would. [rad]
         rectified_path_rad: Integral of |dq| dt, as (14) prints it. [rad]
         square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
         displacement_rad: Change of q: the work of one newton metre of torque offset. [rad]
@@ -39,6 +40,7 @@ class EnergySums:
 
     work_j: Float
     compensation_j: Float
+    printed_net_j: Float
     path_rad: Float
     rectified_path_rad: Float
     square_speed_rad2_s: Float
@@ -76,8 +78,10 @@ class EnergyCycles:
         parts: Over parts of equal path, arrays of shape (m, PARTS); they add up to ``sums``.
         open: True where a joint does not end where it began, shape (m,).
         reason: Index into REASONS; KEPT where the cycle counts, shape (m,).
-        initiation: Threshold used per joint of the Interaction, shape (j,). [rad/s, m/s for hand cycles]
-        termination: Threshold used per joint, shape (j,). [rad/s, m/s for hand cycles]
+        initiation: Threshold used per joint of the Interaction, shape (j,). [speed_unit]
+        termination: Threshold used per joint, shape (j,). [speed_unit]
+        fastest: Largest filtered speed in the log of what the thresholds are for, shape (j,). [speed_unit]
+        speed_unit: ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles.
         moving_s: Time above the initiation threshold per joint of the Interaction, shape (j,). [s]
     """
 
@@ -93,6 +97,8 @@ class EnergyCycles:
     reason: Int
     initiation: Float
     termination: Float
+    fastest: Float
+    speed_unit: str
     moving_s: Float
 
     @property

@@ -6,8 +6,8 @@ from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 
-WORK, COMPENSATION, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(6)
-SUMS = 6
+WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
+SUMS = 7
 
 
 @njit(cache=True, nogil=True)
@@ -59,6 +59,44 @@ def find_borders(  # noqa: C901 - one pass over the samples, one state machine
 
 
 @njit(cache=True, nogil=True)
+def cut_evenly(
+    t: Float, speed: Float, borders: NDArray[np.int64], parts: int
+) -> tuple[NDArray[np.int64], Float, Float]:
+    """Cut each cycle into parts of equal path.
+
+    Args:
+        t: Time, shape (n,). [s]
+        speed: Filtered velocity, shape (n,). [rad/s]
+        borders: Border samples of the cycles, shape (m + 1,).
+        parts: Number of parts per cycle.
+
+    Returns:
+        Border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples; peak speed
+        [rad/s] and longest time step [s] of each cycle, shape (m,).
+    """
+    cycles = len(borders) - 1
+    edges = np.empty((cycles, parts + 1), np.int64)
+    peak, longest = np.zeros(cycles), np.zeros(cycles)
+    for c in range(cycles):
+        start, stop = borders[c], borders[c + 1]
+        total = 0.0
+        for i in range(start, stop):
+            step = t[i + 1] - t[i]
+            total += 0.5 * (abs(speed[i]) + abs(speed[i + 1])) * step
+            peak[c] = max(peak[c], abs(speed[i]))
+            longest[c] = max(longest[c], step)
+        k, gone = 0, 0.0
+        edges[c, 0] = start
+        for i in range(start, stop):
+            gone += 0.5 * (abs(speed[i]) + abs(speed[i + 1])) * (t[i + 1] - t[i])
+            if k < parts - 1 and gone >= total * (k + 1) / parts and stop - i > parts - k:
+                k += 1
+                edges[c, k] = i + 1
+        edges[c, k + 1 :] = stop
+    return edges, peak, longest
+
+
+@njit(cache=True, nogil=True)
 def add_up(
     t: Float,
     q: Float,
@@ -66,10 +104,12 @@ def add_up(
     filtered: Float,
     torque: Float,
     compensation: Float,
-    borders: NDArray[np.int64],
-    parts: int,
-) -> tuple[Float, NDArray[np.int64], Float]:
-    """Add up energies over parts of equal path of each cycle, by the trapezoid rule on the real stamps.
+    edges: NDArray[np.int64],
+) -> Float:
+    """Add up energies between samples, by the trapezoid rule.
+
+    Work and path are summed over the increments of q: both then scale alike whatever is wrong with the clock, and the
+    noise of the velocity enters neither.
 
     Args:
         t: Time, shape (n,). [s]
@@ -78,46 +118,30 @@ def add_up(
         filtered: Velocity, filtered without phase, shape (n,). [rad/s]
         torque: Interaction torque F_m, shape (n,). [N m]
         compensation: Torque u of a logged compensator, shape (n,), or of length 0 when there is none. [N m]
-        borders: Border samples, shape (m + 1,).
-        parts: Number of parts per cycle.
+        edges: Border samples of the parts of each cycle, shape (m, parts + 1).
 
     Returns:
-        sums, shape (m, parts, SUMS), indexed by the constants above; the border samples of the parts,
-        shape (m, parts + 1); and peak filtered speed and longest time step, shape (m, 2).
+        Sums, shape (m, parts, SUMS), indexed by the constants above.
     """
-    cycles = len(borders) - 1
+    cycles, parts = edges.shape[0], edges.shape[1] - 1
     sums = np.zeros((cycles, parts, SUMS))
-    edges = np.empty((cycles, parts + 1), np.int64)
-    extremes = np.zeros((cycles, 2))
+    helped = len(compensation) > 0
     for c in range(cycles):
-        start, stop = borders[c], borders[c + 1]
-        total = 0.0
-        for i in range(start, stop):
-            step = t[i + 1] - t[i]
-            total += 0.5 * (abs(filtered[i]) + abs(filtered[i + 1])) * step
-            extremes[c, 0] = max(extremes[c, 0], abs(filtered[i]))
-            extremes[c, 1] = max(extremes[c, 1], step)
-        k, gone = 0, 0.0
-        edges[c, 0] = start
-        for i in range(start, stop):
-            half = 0.5 * (t[i + 1] - t[i])
-            v0, v1 = dq[i], dq[i + 1]
-            sums[c, k, WORK] += half * (torque[i] * v0 + torque[i + 1] * v1)
-            if len(compensation) > 0:
-                sums[c, k, COMPENSATION] += half * (compensation[i] * v0 + compensation[i + 1] * v1)
-            sums[c, k, PATH] += 0.5 * (np.sign(filtered[i]) + np.sign(filtered[i + 1])) * (q[i + 1] - q[i])
-            sums[c, k, RECTIFIED] += half * (abs(v0) + abs(v1))
-            sums[c, k, SQUARE] += half * (v0 * v0 + v1 * v1)
-            gone += half * (abs(filtered[i]) + abs(filtered[i + 1]))
-            if k < parts - 1 and gone >= total * (k + 1) / parts and stop - i > parts - k:
-                k += 1
-                edges[c, k] = i + 1
-        for rest in range(k + 1, parts + 1):
-            edges[c, rest] = stop
         for k in range(parts):
+            total = sums[c, k]
+            for i in range(edges[c, k], edges[c, k + 1]):
+                step, moved = t[i + 1] - t[i], q[i + 1] - q[i]
+                v0, v1 = dq[i], dq[i + 1]
+                u0, u1 = (compensation[i], compensation[i + 1]) if helped else (0.0, 0.0)
+                total[WORK] += 0.5 * (torque[i] + torque[i + 1]) * moved
+                total[COMPENSATION] += 0.5 * (u0 + u1) * moved
+                total[PRINTED] += 0.5 * ((torque[i] + u0) * v0 + (torque[i + 1] + u1) * v1) * step
+                total[PATH] += 0.5 * (np.sign(filtered[i]) + np.sign(filtered[i + 1])) * moved
+                total[RECTIFIED] += 0.5 * (abs(v0) + abs(v1)) * step
+                total[SQUARE] += 0.5 * (v0 * v0 + v1 * v1) * step
             first, last = filtered[edges[c, k]], filtered[edges[c, k + 1]]
-            sums[c, k, HALF_SQUARE] = 0.5 * (last * last - first * first)
-    return sums, edges, extremes
+            total[HALF_SQUARE] = 0.5 * (last * last - first * first)
+    return sums
 
 
 # Typed, so that importing this module starts the compiler: that takes longer than all the loops of an hour of log.

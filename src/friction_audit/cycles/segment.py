@@ -56,18 +56,65 @@ def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyC
 def _segment_joint(
     interaction: Interaction, settings: CycleSettings, rate_hz: float, hand: _Detector | None, column: int
 ) -> EnergyCycles:
-    dq = interaction.dq[:, column]
+    """Find the cycles of one joint, add up their energies and say which of them count."""
+    t, dq = interaction.t, interaction.dq[:, column]
     filtered = filter_velocity(dq, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
-    own = _detector(
-        dq, filtered, settings, rate_hz, (settings.initiation_rad_s, settings.termination_rad_s), signed=True
-    )
+    fixed = (settings.initiation_rad_s, settings.termination_rad_s)
+    own = _detector(dq, filtered, settings, rate_hz, fixed, signed=True)
     detector = hand or own
+    borders = _borders(interaction, detector, settings)
+    edges, peak, longest_step = kernels.cut_evenly(t, filtered, borders, PARTS)
+    parts = _sums(interaction, column, filtered, edges)
+    start, stop = borders[:-1], borders[1:]
+    reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
+    is_open = end_to_end(reach, start, stop) > settings.closure_rad
+    # At a low rate a single lost sample is no hole: the motion in between is still told by its neighbours.
+    hole_s = max(settings.maximum_gap_s, LONGEST_STEP / rate_hz)
+    return EnergyCycles(
+        joint=np.full(len(start), column),
+        start=start,
+        stop=stop,
+        start_s=t[start],
+        stop_s=t[stop],
+        peak_speed_rad_s=peak,
+        sums=parts.total(),
+        parts=parts,
+        open=is_open,
+        reason=_reason(parts.total(), is_open & interaction.choice.gravity_in_torque, longest_step > hole_s),
+        initiation=np.array([detector.initiation]),
+        termination=np.array([detector.termination]),
+        fastest=np.array([np.abs(detector.signal).max()]),
+        speed_unit="rad/s" if detector.signed else "m/s",
+        moving_s=np.array([np.mean(np.abs(filtered) > own.initiation) * (t[-1] - t[0])]),
+    )
+
+
+def _borders(interaction: Interaction, detector: _Detector, settings: CycleSettings) -> NDArray[np.int64]:
+    """Return the border samples of the cycles, one more than there are cycles."""
     borders = detector.borders
-    if interaction.choice.gravity_in_torque and len(borders):
-        borders = close_runs(interaction.q, borders, settings.closure_rad)
-    moving_s = float(np.mean(np.abs(filtered) > own.initiation) * (interaction.t[-1] - interaction.t[0]))
-    return _add_up(
-        interaction, column, settings, filtered, borders, (detector.initiation, detector.termination, moving_s)
+    if not len(borders):
+        return np.zeros(1, np.int64)
+    if interaction.choice.gravity_in_torque:
+        return close_runs(interaction.q, borders, settings.closure_rad)
+    return borders
+
+
+def _sums(interaction: Interaction, column: int, filtered: Float, edges: NDArray[np.int64]) -> EnergySums:
+    u = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
+    q, dq, torque = (array[:, column] for array in (interaction.q, interaction.dq, interaction.torque))
+    raw = kernels.add_up(interaction.t, q, dq, filtered, torque, u, edges)
+    gravity_x, gravity_y = gravity_work(interaction, column, edges)
+    return EnergySums(
+        work_j=raw[:, :, kernels.WORK],
+        compensation_j=raw[:, :, kernels.COMPENSATION],
+        printed_net_j=raw[:, :, kernels.PRINTED],
+        path_rad=raw[:, :, kernels.PATH],
+        rectified_path_rad=raw[:, :, kernels.RECTIFIED],
+        square_speed_rad2_s=raw[:, :, kernels.SQUARE],
+        displacement_rad=np.diff(q[edges], axis=1),
+        gravity_x_rad=gravity_x,
+        gravity_y_rad=gravity_y,
+        half_square_speed_change=raw[:, :, kernels.HALF_SQUARE],
     )
 
 
@@ -87,69 +134,11 @@ def _detector(
     *,
     signed: bool,
 ) -> _Detector:
-    if settings.thresholds == "auto":
-        fixed = thresholds_from_log(measured, filtered, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz)
-    return _Detector(signal=filtered, initiation=fixed[0], termination=fixed[1], signed=signed)
-
-
-def _add_up(
-    interaction: Interaction,
-    column: int,
-    settings: CycleSettings,
-    filtered: Float,
-    borders: NDArray[np.int64],
-    thresholds: tuple[float, float, float],
-) -> EnergyCycles:
-    """Add up the energies of one joint over its cycles and say which of them count."""
-    borders = borders if len(borders) else np.zeros(1, np.int64)
-    nothing = np.empty(0)
-    u = nothing if interaction.compensation is None else interaction.compensation[:, column]
-    raw, edges, extremes = kernels.add_up(
-        interaction.t,
-        interaction.q[:, column],
-        interaction.dq[:, column],
-        filtered,
-        interaction.torque[:, column],
-        u,
-        borders,
-        PARTS,
+    automatic = settings.thresholds == "auto"
+    initiation, termination = (
+        thresholds_from_log(measured, filtered, rate_hz=rate_hz, cutoff_hz=settings.cutoff_hz) if automatic else fixed
     )
-    start, stop = borders[:-1], borders[1:]
-    parts = _name_sums(raw, interaction, column, edges)
-    reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
-    is_open = end_to_end(reach, start, stop) > settings.closure_rad
-    # At a low rate a single lost sample is no hole: the motion in between is still told by its neighbours.
-    hole_s = max(settings.maximum_gap_s, LONGEST_STEP * median_step(interaction.t))
-    return EnergyCycles(
-        joint=np.full(len(start), column),
-        start=start,
-        stop=stop,
-        start_s=interaction.t[start],
-        stop_s=interaction.t[stop],
-        peak_speed_rad_s=extremes[:, 0],
-        sums=parts.total(),
-        parts=parts,
-        open=is_open,
-        reason=_reason(parts.total(), is_open & interaction.choice.gravity_in_torque, extremes[:, 1] > hole_s),
-        initiation=np.array(thresholds[:1]),
-        termination=np.array(thresholds[1:2]),
-        moving_s=np.array(thresholds[2:]),
-    )
-
-
-def _name_sums(raw: Float, interaction: Interaction, column: int, edges: NDArray[np.int64]) -> EnergySums:
-    gravity_x, gravity_y = gravity_work(interaction, column, edges)
-    return EnergySums(
-        work_j=raw[:, :, kernels.WORK],
-        compensation_j=raw[:, :, kernels.COMPENSATION],
-        path_rad=raw[:, :, kernels.PATH],
-        rectified_path_rad=raw[:, :, kernels.RECTIFIED],
-        square_speed_rad2_s=raw[:, :, kernels.SQUARE],
-        displacement_rad=np.diff(interaction.q[edges, column], axis=1),
-        gravity_x_rad=gravity_x,
-        gravity_y_rad=gravity_y,
-        half_square_speed_change=raw[:, :, kernels.HALF_SQUARE],
-    )
+    return _Detector(signal=filtered, initiation=initiation, termination=termination, signed=signed)
 
 
 def _reason(sums: EnergySums, open_with_gravity: NDArray[np.bool_], too_long: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -177,7 +166,7 @@ def _common_reason(cycles: EnergyCycles, settings: CycleSettings) -> NDArray[np.
 
 
 def _join(joints: list[EnergyCycles]) -> EnergyCycles:
-    per_joint = ("initiation", "termination", "moving_s")
+    per_joint = ("initiation", "termination", "fastest", "moving_s")
     columns = {name: np.concatenate([getattr(c, name) for c in joints]) for name in (*PER_CYCLE, *per_joint)}
     sums, parts = (
         EnergySums(
@@ -185,4 +174,4 @@ def _join(joints: list[EnergyCycles]) -> EnergyCycles:
         )
         for which in ("sums", "parts")
     )
-    return EnergyCycles(**columns, sums=sums, parts=parts)
+    return EnergyCycles(**columns, speed_unit=joints[0].speed_unit, sums=sums, parts=parts)

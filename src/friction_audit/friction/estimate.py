@@ -49,8 +49,7 @@ def _estimate_joint(
 ) -> JointFriction:
     own = cycles.of_joint(column)
     kept = own.rows(own.reason == KEPT)
-    peak = float(max(interaction.dq[:, column].max(), -interaction.dq[:, column].min()))
-    reason = missing_motion(own, column, peak, settings)
+    reason = missing_motion(own, column, settings)
     if not reason and settings.model == "combined":
         reason = one_speed(kept)
     solution = _NOTHING if reason else _SOLVERS[settings.estimator](own, settings)
@@ -59,6 +58,7 @@ def _estimate_joint(
         joint=interaction.joint_numbers[column],
         name=interaction.joint_names[column],
         model=settings.model,
+        window=settings.cycles_per_point,
         cycles=len(kept.joint),
         rejected_cycles=len(own.joint) - len(kept.joint),
         moving_s=float(cycles.moving_s[column]),

@@ -82,6 +82,7 @@ class JointFriction:
         joint: Number for people.
         name: Name in the log.
         model: ``"combined"``, ``"coulomb"`` or ``"viscous"``.
+        window: Cycles behind each point of the history, once there are so many.
         cycles: Cycles that count.
         rejected_cycles: Cycles left out.
         moving_s: Time above the initiation threshold. [s]
@@ -99,6 +100,7 @@ class JointFriction:
     joint: int
     name: str
     model: str
+    window: int
     cycles: int
     rejected_cycles: int
     moving_s: float

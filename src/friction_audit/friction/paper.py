@@ -30,7 +30,7 @@ def estimate_paper(cycles: EnergyCycles, model: str, window: int) -> Float:
     columns = {"coulomb": sums.rectified_path_rad, "viscous": sums.square_speed_rad2_s}
     used = [name for name in columns if model in (name, "combined")]
     matrix = _windows(np.stack([columns[name] for name in used], axis=1), window)
-    energy = _windows(sums.dissipated_j, window)
+    energy = _windows(sums.printed_net_j, window)
     result = np.full((len(energy), 2), np.nan)
     for row, (a, e) in enumerate(zip(matrix, energy, strict=True)):
         scale = np.linalg.norm(a, axis=0)

@@ -20,17 +20,16 @@ ADVICE = {
 }
 
 
-def missing_motion(cycles: EnergyCycles, column: int, peak_rad_s: float, settings: FrictionSettings) -> str:
+def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings) -> str:
     """Say why the cycles of one joint allow no estimate; empty if they do.
 
     Args:
         cycles: All cycles of this joint.
         column: Joint, 0-based, for its thresholds.
-        peak_rad_s: Its largest speed. [rad/s]
         settings: Settings of the estimate.
     """
     if not len(cycles.joint):
-        return _no_cycle(float(cycles.initiation[column]), float(cycles.termination[column]), peak_rad_s)
+        return _no_cycle(cycles, column)
     if not cycles.sums.path_rad.any():
         return "its position never changes while its velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
@@ -67,16 +66,30 @@ def one_speed(cycles: EnergyCycles) -> str:
     )
 
 
-def _no_cycle(initiation: float, termination: float, peak_rad_s: float) -> str:
-    if peak_rad_s <= initiation:
+def _no_cycle(cycles: EnergyCycles, column: int) -> str:
+    initiation, termination, fastest = (
+        float(values[column]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
+    )
+    unit = cycles.speed_unit
+    speed = "its speed" if unit == "rad/s" else "the hand's speed"
+    if fastest < STANDSTILL * initiation:
         return (
-            f"did not move: its peak speed {peak_rad_s:.1g} rad/s stays below the initiation threshold "
-            f"{initiation:.2g} rad/s; move it back and forth faster, or lower the thresholds (--thresholds auto)"
+            f"did not move: {speed} never came near the initiation threshold {initiation:.2g} {unit}; move it back "
+            "and forth"
+        )
+    if fastest <= initiation:
+        return (
+            f"moved too slowly: {speed} peaks at {fastest:.3g} {unit}, the initiation threshold is {initiation:.3g} "
+            f"{unit}; move it back and forth faster, or lower the thresholds (--thresholds auto)"
         )
     return (
-        f"no complete energy cycle: it moved (peak {peak_rad_s:.2g} rad/s) but never came back below {termination:.2g} "
-        "rad/s after exceeding the initiation threshold; pause between strokes, or try --thresholds auto"
+        f"no complete energy cycle: {speed} peaks at {fastest:.2g} {unit} but never came back below {termination:.2g} "
+        f"{unit}; pause between strokes, or choose other --thresholds"
     )
+
+
+STANDSTILL = 0.1
+"""Share of the initiation threshold below which a joint stands still."""
 
 
 def _most_common(reasons: Int) -> int:

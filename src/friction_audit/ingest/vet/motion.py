@@ -227,7 +227,7 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
         )
     message = (
         f"the clock is stretched: q changes {ratio:.4g} times the integral of dq, so the log seems to last "
-        f"{1.0 / ratio:.4g} times as long as the motion did; time is kept as it is; energies and times are off by that "
-        f"factor, and so is the inertial torque; coefficients without it are not; --time-scale {ratio:.4g} mends it"
+        f"{1.0 / ratio:.4g} times as long as the motion did; time is kept as it is; times are off by that factor, and "
+        f"with them viscous coefficients and inertial torques, Coulomb coefficients are not; --time-scale {ratio:.4g} mends it"
     )
     return Finding(code="clock_stretched", message=message, amount=ratio)
