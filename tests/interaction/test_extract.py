@@ -1,6 +1,8 @@
 """The table of the balance, one row and one source at a time."""
 
 from dataclasses import replace
+from importlib import resources
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -92,6 +94,25 @@ def test_the_user_s_drive_is_kept_even_if_the_energy_contradicts_it() -> None:
     found = extract(robot_log(), drive="hand")
     assert (found.choice.drive, found.choice.sign_proved, found.choice.sign_turned) == ("hand", False, False)
     assert codes(found) == ["sign_contradicts_drive"]
+    (caution,) = found.warnings
+    assert "--drive hand is kept as asked; the other --drive is meant" in caution.message
+    assert "tau_compensation" not in caution.message
+
+
+def test_a_compensator_of_the_wrong_sign_is_suspected_where_no_row_and_no_sign_rises() -> None:
+    compensation = 1.5 * COULOMB * np.sign(motion(7)[2])
+    wrong = log_of("unknown", tau_interaction=friction() - compensation, tau_compensation=-compensation)
+    (caution,) = extract(wrong, drive="hand").warnings
+    assert caution.code == "sign_contradicts_drive"
+    assert "nor does it rise with the sign turned; tau_compensation has the wrong sign" in caution.message
+    assert "--drive" not in caution.message
+    assert "asked" not in caution.message
+
+
+def test_a_row_that_the_inertia_implies_is_called_so() -> None:
+    (caution,) = extract(hand_log(), inertia="model").warnings
+    assert caution.code == "sign_contradicts_drive"
+    assert "--inertia model (the robot moves the arm) is kept as asked" in caution.message
 
 
 def test_logged_gravity_comes_before_the_model() -> None:
@@ -166,9 +187,56 @@ def test_an_unknown_arm_of_seven_joints_is_assumed_a_panda_when_a_model_is_asked
     assert "N m rms on joints 1 to 7" in caution.message
 
 
-@pytest.mark.parametrize("choices", [{"gravity": "model"}, {"inertia": "model"}, {"drive": "robot"}])
+@pytest.mark.parametrize(("robot", "joints"), [("unknown", 1), ("panda", 1), ("panda", 6)])
+def test_a_model_that_nobody_demanded_is_done_without_where_the_log_has_other_joints(robot: str, joints: int) -> None:
+    log = log_of(robot, joints, tau_J=5.0 + friction(joints), gravity=np.full((12_000, joints), 5.0))
+    found = extract(log, drive="robot")
+    np.testing.assert_allclose(found.torque, friction(joints), atol=1e-12)
+    assert (found.choice.gravity, found.choice.inertia) == ("logged", "none")
+    assert codes(found) == ["inertia_in_torque"]
+
+
+PAYLOAD = (0.73, -0.01, 0.0, 0.03)
+TILTED = (9.81, 0.0, 0.0)
+
+
+@pytest.fixture
+def urdf(tmp_path: Path) -> Path:
+    path = tmp_path / "panda.urdf"
+    path.write_bytes(resources.files("friction_audit.robot").joinpath("panda.urdf").read_bytes())
+    return path
+
+
+def test_what_is_said_about_the_arm_and_not_used_is_named(urdf: Path) -> None:
+    log = log_of("unknown", tau_interaction=friction())
+    (caution,) = extract(log, payload=PAYLOAD, urdf=urdf, gravity_vector=TILTED).warnings
+    assert caution.code == "model_not_used"
+    assert caution.message.startswith("--payload, --urdf, --gravity-vector: not used: F_m = tau_interaction needs no")
+    (caution,) = extract(log, urdf=urdf, payload=PAYLOAD, hand=True).warnings
+    assert caution.message.startswith("--payload: not used")  # the speed of the hand comes from the URDF
+
+
+def test_what_is_used_is_not_named(urdf: Path) -> None:
+    assert "model_not_used" not in codes(extract(hand_log(), payload=PAYLOAD, gravity_vector=TILTED))
+    assert "model_not_used" not in codes(extract(hand_log("unknown"), urdf=urdf))
+    beside = hand_log(gravity=load_arm().gravity(motion(7)[1]))
+    assert codes(extract(beside, urdf=urdf)) == []  # the direction of gravity is the model's
+    assert codes(extract(beside, payload=PAYLOAD)) == ["model_not_used"]
+
+
+def test_a_file_that_is_no_arm_is_refused_even_where_none_is_needed(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    log = log_of("unknown", tau_interaction=friction())
+    with pytest.raises(UsageError, match="No such file"):
+        extract(log, urdf=path)
+    path.write_text("<robot/>")
+    with pytest.raises(UsageError, match="no revolute joint"):
+        extract(log, urdf=path)
+
+
+@pytest.mark.parametrize("choices", [{"gravity": "model"}, {"inertia": "model"}])
 def test_an_unknown_arm_of_another_size_needs_its_urdf(choices: dict[str, Any]) -> None:
-    with pytest.raises(UsageError, match=r"made\.csv: 2 joints.*--urdf"):
+    with pytest.raises(UsageError, match=r"made\.csv: joints: 2, .*--urdf"):
         extract(log_of("unknown", 2, tau_J=friction(2)), **choices)
 
 

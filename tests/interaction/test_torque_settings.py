@@ -14,6 +14,8 @@ from friction_audit.interaction.settings import TorqueSettings
         ({"torque": "tau"}, "--torque tau: expected one of auto, interaction, tau_ext, tau_J"),
         ({"drive": "foot"}, "--drive foot"),
         ({"model_rate_hz": 0.0}, "--model-rate 0"),
+        ({"payload": (0.0, 0.0, 0.0, 0.1)}, "--payload 0,0,0,0.1: expected mass,x,y,z"),
+        ({"payload": (1.0, float("nan"), 0.0, 0.1)}, "--payload 1,nan,0,0.1"),
         ({"gravity_vector": (0.0, 0.0, float("nan"))}, "--gravity-vector"),
     ],
 )

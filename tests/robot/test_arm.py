@@ -115,7 +115,7 @@ def test_joints_of_other_names_are_taken_in_order() -> None:
 
 
 def test_another_number_of_joints_is_refused_with_both_named() -> None:
-    with pytest.raises(UsageError, match=r"log\.csv: 2 joints \(a, b\); the model panda has 7 .*--urdf"):
+    with pytest.raises(UsageError, match=r"log\.csv: joints: 2 \(a, b\); the model panda has 7 .*--urdf"):
         load_arm().matched(("a", "b"), "log.csv")
 
 

@@ -13,6 +13,7 @@ from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import CoarseLog, coarse_log, most, prevails, prove_sign, voting
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.per_joint import per_joint
+from friction_audit.robot import STANDARD_GRAVITY, check_urdf
 
 SIGNS = {"hand": -1, "robot": 1}
 """Factor on tau_J and on tau_ext in the balance of each row."""
@@ -84,6 +85,7 @@ def extract_interaction(
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
     index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
+    unused = _not_used(plan, balance, settings, hand=hand)
     return Interaction(
         t=log.t,
         q=kept.q,
@@ -96,7 +98,7 @@ def extract_interaction(
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
-        warnings=plan.warnings + _sign_cautions(plan, balance, turned=turned),
+        warnings=plan.warnings + unused + _sign_cautions(log, plan, balance, settings, turned=turned),
     )
 
 
@@ -116,16 +118,20 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid,
     first = _proved(log, coarse, plan, _row(log, plan, grids, plan.drives[0]))
     if first.proved:
         return first, False
-    if plan.source == "interaction":
-        other = replace(first, sign=-first.sign)
-    elif len(plan.drives) > 1:
-        other = _row(log, plan, grids, plan.drives[1])
-    else:
+    other = _other_row(log, plan, grids, first)
+    if other is None:
         return first, False
     other = _proved(log, coarse, plan, other)
     # Gravity that is still inside leaves most joints undecided; the others may still tell one row from the other.
     better = prevails(other.evidence) and not prevails(first.evidence)
     return (other, True) if better else (first, False)
+
+
+def _other_row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], first: _Balance) -> _Balance | None:
+    """Return what the first row is held against, or None where the user left no choice."""
+    if plan.source == "interaction":
+        return replace(first, sign=-first.sign)
+    return _row(log, plan, grids, plan.drives[1]) if len(plan.drives) > 1 else None
 
 
 def _row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], drive: str) -> _Balance:
@@ -220,19 +226,35 @@ def _formula(plan: Plan, balance: _Balance) -> str:
     return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
 
 
-def _sign_cautions(plan: Plan, balance: _Balance, *, turned: bool) -> tuple[Caution, ...]:
+def _not_used(plan: Plan, balance: _Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
+    """Name what was said about the arm and changes nothing, because the torque needs no model of it."""
+    if settings.urdf is not None and plan.arm is None:
+        check_urdf(settings.urdf)  # no use is no excuse for a file that is no arm
+    modelled = balance.modelled is not None
+    placed = modelled or plan.arm is not None  # even beside logged gravity its direction is the model's
+    given = (
+        ("--payload", settings.payload is not None and not modelled),
+        ("--urdf", settings.urdf is not None and not (placed or hand)),
+        ("--gravity-vector", settings.gravity_vector != STANDARD_GRAVITY and not placed),
+    )
+    unused = [option for option, idle in given if idle]
+    if not unused:
+        return ()
+    message = (
+        f"{', '.join(unused)}: not used: {_formula(plan, balance)} needs no model of the arm; leave it away, or ask "
+        "for the model with --torque tau_J --gravity model"
+    )
+    return (Caution(code="model_not_used", message=message),)
+
+
+def _sign_cautions(
+    log: JointLog, plan: Plan, balance: _Balance, settings: TorqueSettings, *, turned: bool
+) -> tuple[Caution, ...]:
     found = []
     if turned:
         found.append(_turned(plan, balance))
     if most(balance.evidence, "falls"):
-        found.append(
-            Caution(
-                code="sign_contradicts_drive",
-                message=f"with {_formula(plan, balance)} (drive {balance.drive}) the net energy falls on most of the "
-                "moving joints, which friction cannot do; the other --drive is meant, or the payload or the "
-                "compensator's sign is wrong; kept as asked",
-            )
-        )
+        found.append(_contradicted(log, plan, balance, settings))
     elif not balance.proved and any(one.verdict != "still" for one in balance.evidence):
         found.append(
             Caution(
@@ -250,6 +272,32 @@ def _sign_cautions(plan: Plan, balance: _Balance, *, turned: bool) -> tuple[Caut
             )
         )
     return (*found, *_disagreeing(balance.evidence))
+
+
+def _contradicted(log: JointLog, plan: Plan, balance: _Balance, settings: TorqueSettings) -> Caution:
+    """Say what may be wrong where the energy falls: it depends on what the user left open."""
+    causes: list[str] = []
+    if plan.source == "interaction":
+        tried = ", nor does it rise with the sign turned"
+    elif len(plan.drives) > 1:
+        tried = ", nor does it rise with the other row of the balance"
+    else:
+        asked = f"--drive {balance.drive}" if settings.drive != "auto" else "--inertia model (the robot moves the arm)"
+        tried = f"; {asked} is kept as asked"
+        causes.append("the other --drive is meant")
+    if log.tau_compensation is not None or log.tau_passivity is not None:
+        causes.append(
+            "tau_compensation has the wrong sign (it is positive towards positive motion): flip it in the log"
+        )
+    if plan.source == "tau_J":
+        causes.append("gravity or the payload is wrong")
+    row = "" if plan.source == "interaction" else f" (drive {balance.drive})"
+    wrong = ", or ".join(causes or ["velocity and torque do not belong together"])
+    message = (
+        f"with {_formula(plan, balance)}{row} the net energy falls on most of the moving joints, "
+        f"which friction cannot do{tried}; {wrong}"
+    )
+    return Caution(code="sign_contradicts_drive", message=message)
 
 
 def _turned(plan: Plan, balance: _Balance) -> Caution:

@@ -188,13 +188,15 @@ def _arm_for_torque(
     """Load the model if it is needed and allowed; assume a Panda only where the user's request needs a model."""
     demanded = settings.gravity == "model" or settings.inertia == "model"
     implied = settings.drive == "robot" and settings.inertia == "auto"
+    whole_panda = len(log.joint_names) == PANDA_JOINTS
     if robot in ("urdf", "panda"):
         by_default = log.gravity is None and settings.gravity == "auto"
-        wanted = demanded or by_default or (settings.drive != "hand" and settings.inertia == "auto")
-        return (_load(log, settings) if wanted else None), ()
-    if not demanded and (not implied or robot != "unknown"):
+        possible = robot == "urdf" or whole_panda
+        useful = possible and settings.drive != "hand" and settings.inertia == "auto"
+        return (_load(log, settings) if demanded or by_default or useful else None), ()
+    if not demanded and not (implied and robot == "unknown" and whole_panda):
         return None, ()
-    if robot != "unknown" or len(log.joint_names) != PANDA_JOINTS:
+    if robot != "unknown" or not whole_panda:
         raise UsageError(_no_model(log, robot))
     arm = _load(log, settings)
     return arm, (_assumed(log, coarse, arm),)
@@ -210,7 +212,7 @@ def _no_model(log: JointLog, robot: str) -> str:
     if robot == "none":
         return f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
     return (
-        f"{where}: {len(log.joint_names)} joints, and the built-in model is a Panda's with {PANDA_JOINTS}; give the "
+        f"{where}: joints: {len(log.joint_names)}, and the built-in model is a Panda's with {PANDA_JOINTS}; give the "
         "arm's --urdf, or do without a model: --gravity none --inertia none"
     )
 

@@ -56,6 +56,11 @@ class TorqueSettings:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
         if not self.model_rate_hz > 0:
             raise UsageError(f"--model-rate {self.model_rate_hz:g}: expected a rate above zero, in Hz")
+        if self.payload is not None and not (all(map(isfinite, self.payload)) and self.payload[0] > 0):
+            raise UsageError(
+                f"--payload {','.join(f'{value:g}' for value in self.payload)}: expected mass,x,y,z in kg and m with a "
+                "mass above zero"
+            )
         if not all(map(isfinite, self.gravity_vector)) or not any(self.gravity_vector):
             raise UsageError(
                 f"--gravity-vector {','.join(f'{g:g}' for g in self.gravity_vector)}: expected three finite numbers, "

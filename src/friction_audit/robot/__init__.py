@@ -1,5 +1,5 @@
 """The rigid-body model of the arm: gravity, inverse dynamics, hand velocity; payload. Pinocchio does the dynamics."""
 
-from friction_audit.robot.arm import Arm, load_arm
+from friction_audit.robot.arm import STANDARD_GRAVITY, Arm, check_urdf, load_arm
 
-__all__ = ["Arm", "load_arm"]
+__all__ = ["STANDARD_GRAVITY", "Arm", "check_urdf", "load_arm"]

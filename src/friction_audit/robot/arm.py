@@ -55,7 +55,7 @@ class Arm:
         """
         if len(joint_names) != len(self.joint_names):
             raise UsageError(
-                f"{where}: {len(joint_names)} joints ({', '.join(joint_names)}); the model {self.name} has "
+                f"{where}: joints: {len(joint_names)} ({', '.join(joint_names)}); the model {self.name} has "
                 f"{len(self.joint_names)} ({', '.join(self.joint_names)}); the model needs every joint of the arm: "
                 "give the arm's own --urdf, or --robot none to do without a model"
             )
@@ -190,6 +190,15 @@ def load_arm(
     names = tuple(model.names)[1:]
     name = BUILT_IN if urdf is None else urdf.stem
     return Arm(name=name, joint_names=names, flange=flange, model=model, columns=tuple(range(len(names))))
+
+
+def check_urdf(urdf: Path) -> None:
+    """Refuse a file that is no arm with inertias, without building its model.
+
+    Raises:
+        UsageError: If it cannot be read, is no URDF, no joint counts or there is no mass.
+    """
+    joint_chain_xml(_read(urdf), str(urdf))
 
 
 def _axes(model: Any, joint: int) -> tuple[Float, Float]:  # noqa: ANN401
