@@ -56,7 +56,8 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     yield "## Parquet: the whole command beside a bare read"
     yield (
         "`estimate` reads, hashes and vets the log, proves the sign, finds the cycles of seven joints, estimates "
-        "friction by two methods and prints the table. The estimates are checked against the friction written."
+        "friction by two methods and prints the table. The estimates are checked against the friction written. Arrays "
+        "kept are those of the log: where gravity is removed, the torque that friction sees is kept beside them."
     )
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
     yield "## Bags: reading joint states"
