@@ -43,5 +43,8 @@ def test_an_existing_result_is_refused_unless_asked(tmp_path: Path) -> None:
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match=r"cannot be written.*choose another place"), whole_file(tmp_path / "file" / "out.json"):
+    with (
+        pytest.raises(UsageError, match=r"cannot be written.*choose another place"),
+        whole_file(tmp_path / "file" / "out.json"),
+    ):
         pass

@@ -228,6 +228,7 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
     message = (
         f"the clock is stretched: q changes {ratio:.4g} times the integral of dq, so the log seems to last "
         f"{1.0 / ratio:.4g} times as long as the motion did; time is kept as it is; times are off by that factor, and "
-        f"with them viscous coefficients and inertial torques, Coulomb coefficients are not; --time-scale {ratio:.4g} mends it"
+        f"with them viscous coefficients and inertial torques, Coulomb coefficients are not; "
+        f"--time-scale {ratio:.4g} mends it"
     )
     return Finding(code="clock_stretched", message=message, amount=ratio)
