@@ -27,6 +27,14 @@ TABLE = [
     ("estimate {logs}/moved1.csv --joints 1,x", 2, "err", "error: --joints 1,x: 'x' is no joint"),
     ("estimate {logs}/moved1.csv --joints 9", 2, "err", "error: --joints 9"),
     ("estimate {logs}/moved1.csv --payload 1,2", 2, "err", "expected 4: mass,x,y,z"),
+    ("estimate {logs}/moved1.csv --payload=-1,0,0,0", 2, "err", "a mass above zero"),
+    ("info {logs}/moved1.csv --payload nan,0,0,0", 2, "err", "--payload nan,0,0,0: expected mass,x,y,z"),
+    ("estimate {logs}/moved1.csv --urdf absent.urdf", 2, "err", "'absent.urdf' does not exist"),
+    ("estimate {logs}/moved1.csv --urdf {logs}/moved1.csv", 2, "err", "moved1.csv: not XML"),
+    ("estimate {logs}/moved1.csv --t-start 50 --t-end 40", 2, "err", "--t-start 50 --t-end 40: expected an end after"),
+    ("info {logs}/absent.csv --t-start 5 --t-end 5", 2, "err", "expected an end after the start"),
+    ("convert {logs}/absent.csv out.csv --t-start 5 --t-end nan", 2, "err", "expected an end after the start"),
+    ("plot {logs}/moved1.csv --t-start 5000", 2, "err", "choose another --t-start/--t-end"),
     ("estimate {logs}/moved1.csv --gravity-vector a,b,c", 2, "err", "expected numbers x,y,z"),
     ("estimate {logs}/moved1.csv --thresholds 0.1,0.2", 2, "err", "initiation above termination"),
     ("estimate {logs}/moved1.csv --map dq", 2, "err", "expected CHANNEL=NAME"),
@@ -72,6 +80,12 @@ def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) ->
     for heading in ("Reading the log:", "Output:", "General:", "Examples:"):
         assert heading in text
     assert max(map(len, text.splitlines())) <= 100
+
+
+def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:
+    answer = run("estimate", logs / "moved1.csv", "--payload", "0.7,0,0,0")
+    assert answer.code == 0
+    assert "warning: --payload: not used: F_m = tau_interaction" in answer.err
 
 
 def test_a_bug_keeps_its_traceback(logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:

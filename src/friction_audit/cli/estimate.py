@@ -9,17 +9,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import (
-    OUTPUT,
-    CycleOptions,
-    EstimateOptions,
-    GeneralOptions,
-    LogPath,
-    OutputOptions,
-    ReadingOptions,
-    SelectionOptions,
-    TorqueOptions,
-)
+from friction_audit.cli.options import OUTPUT, AuditOptions, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
@@ -36,13 +26,7 @@ DOCUMENT, HISTORY = "estimate.json", "history.csv"
 def command(
     context: typer.Context,
     log: LogPath,
-    selection: SelectionOptions,
-    reading: ReadingOptions,
-    torque: TorqueOptions,
-    cycles: CycleOptions,
-    friction: EstimateOptions,
-    output: OutputOptions,
-    general: GeneralOptions,
+    shared: AuditOptions,
     folder: Annotated[
         Path | None,
         typer.Option(
@@ -64,12 +48,11 @@ def command(
     ] = ["png"],  # noqa: B006 - Typer copies it
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
-    if general.dump_config:
+    if shared.general.dump_config:
         typer.echo(dump_config(context), nl=False)
         return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    settings = audit_settings(selection, torque, cycles, friction, robot=reading.robot)
-    options = read_options(reading)
+    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
         chain.check_outputs(files, overwrite=output.overwrite)

@@ -1,4 +1,4 @@
-"""Options in groups: a parameter that is a dataclass stands for one option per field."""
+"""Options in groups: a parameter that is a dataclass stands for one option per field, or for groups in its fields."""
 
 import inspect
 from collections.abc import Callable
@@ -9,7 +9,8 @@ from typing import Any
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
     """Return the command as Typer wants it: every dataclass parameter replaced by its fields.
 
-    A field carries its option as ``Annotated[type, typer.Option(...)]`` and its default as the field's default.
+    A field carries its option as ``Annotated[type, typer.Option(...)]`` and its default as the field's default; a field
+    that is a dataclass itself is a group within the group.
     """
     parameters = inspect.signature(command).parameters.values()
     groups = {p.name: p.annotation for p in parameters if is_dataclass(p.annotation)}
@@ -26,10 +27,11 @@ def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _fields(group: Any) -> list[inspect.Parameter]:  # noqa: ANN401 - a dataclass
-    return [
-        inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
-        for f in fields(group)
-    ]
+    found: list[inspect.Parameter] = []
+    for f in fields(group):
+        one = inspect.Parameter(f.name, inspect.Parameter.KEYWORD_ONLY, default=f.default, annotation=f.type)
+        found += _fields(f.type) if is_dataclass(f.type) else [one]
+    return found
 
 
 def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
@@ -38,4 +40,5 @@ def _keyword(parameter: inspect.Parameter) -> inspect.Parameter:
 
 def _fill(group: Any, values: dict[str, Any]) -> Any:  # noqa: ANN401 - a dataclass
     """Take the group's fields out of the values."""
-    return group(**{f.name: values.pop(f.name) for f in fields(group)})
+    taken = {f.name: _fill(f.type, values) if is_dataclass(f.type) else values.pop(f.name) for f in fields(group)}
+    return group(**taken)

@@ -8,6 +8,7 @@ import typer
 
 from friction_audit.cli import choices
 from friction_audit.cli.config import load_config
+from friction_audit.errors import UsageError
 
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
 CYCLES, ESTIMATE, OUTPUT, GENERAL = "Energy cycles", "Estimate", "Output", "General"
@@ -75,6 +76,11 @@ class SelectionOptions:
         typer.Option(metavar="SECONDS", help="End, from the first sample.", rich_help_panel=SELECTION),
     ] = None
 
+    def __post_init__(self) -> None:
+        """Refuse a window without time in it, before any log is read."""
+        if self.t_start is not None and self.t_end is not None and not self.t_start < self.t_end:
+            raise UsageError(f"--t-start {self.t_start:g} --t-end {self.t_end:g}: expected an end after the start")
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueOptions:
@@ -118,7 +124,13 @@ class TorqueOptions:
     ] = "auto"
     urdf: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Another arm than the built-in one.", rich_help_panel=TORQUE),
+        typer.Option(
+            metavar="FILE",
+            exists=True,
+            dir_okay=False,
+            help="Another arm than the built-in one.",
+            rich_help_panel=TORQUE,
+        ),
     ] = None
     payload: Annotated[
         str | None,
@@ -236,3 +248,16 @@ class GeneralOptions:
     verbose: Annotated[
         bool, typer.Option("--verbose", "-v", help="Say what is done and how long it took.", rich_help_panel=GENERAL)
     ] = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AuditOptions:
+    """What every command that goes from a log to its friction understands."""
+
+    selection: SelectionOptions
+    reading: ReadingOptions
+    torque: TorqueOptions
+    cycles: CycleOptions
+    estimate: EstimateOptions
+    output: OutputOptions
+    general: GeneralOptions

@@ -9,17 +9,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
-from friction_audit.cli.options import (
-    OUTPUT,
-    CycleOptions,
-    EstimateOptions,
-    GeneralOptions,
-    LogPath,
-    OutputOptions,
-    ReadingOptions,
-    SelectionOptions,
-    TorqueOptions,
-)
+from friction_audit.cli.options import OUTPUT, AuditOptions, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
@@ -34,13 +24,7 @@ EXAMPLES = """Examples:
 def command(
     context: typer.Context,
     log: LogPath,
-    selection: SelectionOptions,
-    reading: ReadingOptions,
-    torque: TorqueOptions,
-    cycles: CycleOptions,
-    friction: EstimateOptions,
-    output: OutputOptions,
-    general: GeneralOptions,
+    shared: AuditOptions,
     kind: Annotated[
         list[str],
         typer.Option(
@@ -66,12 +50,11 @@ def command(
     ] = Path("figures"),
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
-    if general.dump_config:
+    if shared.general.dump_config:
         typer.echo(dump_config(context), nl=False)
         return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    settings = audit_settings(selection, torque, cycles, friction, robot=reading.robot)
-    options = read_options(reading)
+    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
     kinds = choices.FIGURES if "all" in kind else tuple(kind)
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.cli.options import CycleOptions, EstimateOptions, ReadingOptions, SelectionOptions, TorqueOptions
+from friction_audit.cli.options import AuditOptions, CycleOptions, ReadingOptions, TorqueOptions
 from friction_audit.cli.values import parse_joints, parse_mapping, parse_numbers
 
 if TYPE_CHECKING:
@@ -63,23 +63,17 @@ def cycle_settings(cycles: CycleOptions) -> "CycleSettings":
     )
 
 
-def audit_settings(
-    selection: SelectionOptions,
-    torque: TorqueOptions,
-    cycles: CycleOptions,
-    estimate: EstimateOptions,
-    *,
-    robot: str,
-) -> "AuditSettings":
+def audit_settings(options: AuditOptions) -> "AuditSettings":
     """Return the settings of the whole chain."""
     from friction_audit.audit import AuditSettings
     from friction_audit.friction.settings import FrictionSettings
 
+    selection, estimate = options.selection, options.estimate
     return AuditSettings(
         joints=parse_joints(selection.joints),
         t_start_s=selection.t_start,
         t_stop_s=selection.t_end,
-        torque=torque_settings(torque, robot),
-        cycles=cycle_settings(cycles),
+        torque=torque_settings(options.torque, options.reading.robot),
+        cycles=cycle_settings(options.cycles),
         friction=FrictionSettings(estimator=estimate.estimator, model=estimate.model, window=estimate.window),
     )
