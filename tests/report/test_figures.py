@@ -151,6 +151,12 @@ def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> N
     assert [text.get_text() for axes in panels for text in axes.texts] == ["not in the coulomb model"]
 
 
+@KINDS
+def test_a_torque_that_never_changes_is_drawn(kind: FigureKind, single: Estimate) -> None:
+    still = replace(single.interaction, torque=np.zeros_like(single.interaction.torque))
+    assert kind.draw(replace(single, interaction=still), 1).axes
+
+
 def test_too_many_cycles_are_not_shaded() -> None:
     crowded = build_estimate(1, count=90, rate=100.0)
     figure = next(kind for kind in FIGURES if kind.name == "energy").draw(crowded, 1)

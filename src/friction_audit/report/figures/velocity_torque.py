@@ -100,7 +100,7 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
         handles.extend(_draw_fit(axes, series))
     reach = max(SMALLEST_SPEED_RAD_S, 1.05 * float(np.abs(series.dq).max()))
     axes.set_xlim(-reach, reach)
-    label_panel(axes, series.name, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
+    label_panel(axes, series.title, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
     say_in_panel(axes, series.not_determined, characters=characters)
     return handles
 
@@ -195,7 +195,7 @@ def _add_arrows(axes: "Axes", series: JointSeries) -> None:
     # A white rim keeps the strokes apart from the curve around them.
     axes.plot(dq, torque, color="white", lw=2.2, rasterized=True)
     axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
-    steps = np.hypot(np.diff(dq) / np.ptp(dq), np.diff(torque) / np.ptp(torque))
+    steps = np.hypot(np.diff(dq) / np.ptp(dq), np.diff(torque) / (np.ptp(torque) or 1.0))  # a torque may be constant
     steps[np.abs(dq[1:]) < NEAR_REST * np.abs(dq).max()] = 0.0
     length = np.concatenate([[0.0], np.cumsum(steps)])
     for share in (np.arange(ARROWS) + 0.5) / ARROWS:
