@@ -52,9 +52,8 @@ def test_joint_names_tell_the_robot_and_fingers_are_left_out() -> None:
 
 def test_labels_beside_numbers_leave_fingers_out() -> None:
     names = ["%time", *(f"field.{c}{i}" for c in ("position", "velocity", "effort") for i in range(3))]
-    columns = map_columns(
-        names, path="log", mapping={}, labels={0: "panda_finger_joint1", 1: "panda_joint1", 2: "panda_joint2"}
-    )
+    joints = ("panda_finger_joint1", "panda_joint1", "panda_joint2")
+    columns = map_columns(names, path="log", mapping={}, labels=dict(enumerate(3 * joints, start=1)))
     assert columns.joint_names == ("panda_joint1", "panda_joint2")
     assert columns.channels["q"] == (2, 3)
     assert (columns.time.unit, columns.time.clock) == ("ns", "log_time")

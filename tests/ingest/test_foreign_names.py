@@ -1,6 +1,6 @@
 import pytest
 
-from friction_audit.ingest.foreign_names import parse_label, parse_name, robot_of
+from friction_audit.ingest.foreign_names import is_label, labels_of, parse_name
 
 
 @pytest.mark.parametrize(
@@ -36,6 +36,9 @@ from friction_audit.ingest.foreign_names import parse_label, parse_name, robot_o
         ("g_2", "gravity", 2, None),
         ("tau_J_1 [Nm]", "tau_J", 1, None),
         ("temp_1", "temperature", 1, None),
+        ("tau_J_ext_1", "tau_ext_hat_filtered", 1, None),
+        ("tau_ext_1", "tau_ext_hat_filtered", 1, None),
+        ("tau_external_1", "tau_ext_hat_filtered", 1, None),
     ],
 )
 def test_names_in_use(name: str, channel: str, index: int | None, joint: str | None) -> None:
@@ -69,21 +72,14 @@ def test_template_shows_where_the_joint_stands() -> None:
 
 
 def test_labels_beside_numbers() -> None:
-    assert parse_label("field.name3") == 3
-    assert parse_label("name[0]") == 0
-    assert parse_label("field.header.frame_id") is None
+    assert is_label("field.name3")
+    assert is_label("name[0]")
+    assert is_label("joint_states.name.10")
+    assert not is_label("field.header.frame_id")
+    assert not is_label("field.position3")
 
 
-@pytest.mark.parametrize(
-    ("names", "robot"),
-    [
-        (("panda_joint1",), "panda"),
-        (("left_fer_joint1",), "panda"),
-        (("fr3_joint1", "fr3_joint2"), "fr3"),
-        (("joint1",), "unknown"),
-        (("panda_joint1", "fr3_joint1"), "unknown"),
-        (("transfer_joint1",), "unknown"),
-    ],
-)
-def test_robot_of_joint_names(names: tuple[str, ...], robot: str) -> None:
-    assert robot_of(names) == robot
+def test_labels_belong_to_the_columns_of_their_message() -> None:
+    names = ["field.name0", "field.name10", "field.position0", "field.position10", "other.position0", "position[0]"]
+    labels = labels_of(names[2:], {"field.name0": "elbow", "field.name10": "wrist"})
+    assert labels == {0: "elbow", 1: "wrist"}

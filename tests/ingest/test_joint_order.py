@@ -2,7 +2,8 @@
 
 import pytest
 
-from friction_audit.ingest.joint_order import arms_in, robot_of
+from friction_audit.errors import InputError, UsageError
+from friction_audit.ingest.joint_order import arms_in, choose_arm, robot_of
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 
@@ -31,6 +32,26 @@ def test_names_without_numbers_keep_their_order() -> None:
     assert arms_in(["shoulder", "elbow", "left_finger"]) == {"": ("shoulder", "elbow")}
 
 
+def test_joints_may_count_from_zero() -> None:
+    assert arms_in(["joint2", "joint0", "joint1"]) == {"": ("joint0", "joint1", "joint2")}
+
+
+def test_two_robots_are_none() -> None:
+    assert robot_of(("panda_joint1", "fr3_joint1")) == "unknown"
+
+
+def test_the_arm_of_a_table_is_chosen_as_in_a_bag() -> None:
+    names = [f"{side}_joint{i}" for side in ("left", "right") for i in (2, 1)]
+    assert choose_arm(PANDA[::-1], "", path="log") == PANDA
+    assert choose_arm(names, "right", path="log") == ("right_joint1", "right_joint2")
+    with pytest.raises(
+        UsageError, match="several arms in one log; choose one with --topic '#left' or --topic '#right'"
+    ):
+        choose_arm(names, "", path="log")
+    with pytest.raises(InputError, match="no arm 'middle' in this table; it has left, right"):
+        choose_arm(names, "middle", path="log")
+
+
 def test_only_fingers() -> None:
     assert arms_in(["panda_finger_joint1", "panda_finger_joint2"]) == {}
 
@@ -41,6 +62,11 @@ def test_only_fingers() -> None:
         ("panda_", "panda"),
         ("fer_", "panda"),
         ("panda_1_", "panda"),
+        ("panda1_", "panda"),
+        ("Panda_", "panda"),
+        ("left/panda_", "panda"),
+        ("left_fer_", "panda"),
+        ("left_fr3_", "fr3"),
         ("left_panda_", "panda"),
         ("fr3_", "fr3"),
         ("right_fr3_", "fr3"),

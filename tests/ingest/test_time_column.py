@@ -51,6 +51,13 @@ def test_unit_from_the_median_step(step: float, unit: str) -> None:
     assert clock.start_s is None
 
 
+@pytest.mark.parametrize("step", [0.001, 1.0])
+def test_the_unit_does_not_depend_on_the_order_of_the_rows(step: float) -> None:
+    ordered = np.arange(5000, dtype=np.float64) * step
+    shuffled = np.random.default_rng(1).permutation(ordered)
+    assert to_clock(shuffled, None, path="log").unit == to_clock(ordered, None, path="log").unit
+
+
 @pytest.mark.parametrize(("per_second", "unit"), [(1.0, "s"), (1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
     clock = to_clock((1.7e9 + np.arange(5, dtype=np.float64) * 0.5) * per_second, None, path="log")

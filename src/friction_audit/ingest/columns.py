@@ -4,16 +4,20 @@ import difflib
 import re
 from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from friction_audit.errors import InputError
-from friction_audit.ingest.foreign_names import ALIASES, ForeignName, is_finger, parse_name, robot_of
+from friction_audit.ingest.foreign_names import ALIASES, ForeignName, parse_name
+from friction_audit.ingest.joint_order import UNNAMED_ARM, arms_in, choose_arm, robot_of
 from friction_audit.ingest.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 REQUIRED = ("q", "dq")
 _SHOWN_GROUPS = 14
 _MOST_JOINTS = 60
+_MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
+"""Names of the columns of a table with one row per number: what it is, and how much."""
+_AMBIGUOUS = ("torque", "tau", "effort")
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
 
 JointKey = int | str
@@ -69,6 +73,7 @@ def map_columns(
     mapping: Mapping[str, str],
     labels: Mapping[int, str] | None = None,
     constant: Collection[int] = (),
+    arm: str = "",
 ) -> ColumnMap:
     """Find time, joints and channels among the columns of a table.
 
@@ -76,29 +81,87 @@ def map_columns(
         names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
         path: The file, for messages.
         mapping: What the user says, channel or ``"t"`` -> name; wins.
-        labels: Index of a joint as written -> its name, where the table holds names beside the numbers.
+        labels: Position of a column -> its joint, where the table holds joint names beside the numbers.
         constant: Positions of columns seen not to change.
+        arm: The arm to read, where the table holds several.
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
+        UsageError: If the joint names beside the numbers are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
-    _refuse_absent(mapping, bare, path)
-    stated = {c: _stated_group(mapping[c], bare) for c in JOINT_CHANNELS if c in mapping}
-    groups = {**_guessed_groups(bare, labels or {}, stated, path), **stated}
+    refuse_absent(mapping, bare, path)
+    told = labels or {}
+    outside = _outside_the_arm(bare, told, arm, path)
+    stated = {c: _stated_group(mapping[c], bare, told, outside) for c in JOINT_CHANNELS if c in mapping}
+    taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
+    parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
+    groups = {**_guessed_groups(parsed, told, stated, path), **stated}
     # Columns that stand still are second choice: if there is nothing better, the vetting says that time stands still.
-    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     if time is None or not _is_complete(groups):
+        _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
-    return _align(groups, time, bare, path)
+    columns = _align(groups, time, bare, path)
+    named = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
+    doubts = ambiguous_torque(named, joints=len(columns.joint_names), robot=columns.robot, stated=stated)
+    return replace(columns, findings=(*columns.findings, *doubts))
 
 
-def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
+def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
+    """Return the positions of columns of fingers, other arms and whatever else is no joint of the arm."""
+    joints = dict(labels)
+    if arm and not joints:
+        joints = {cell: told.joint for cell, name in enumerate(names) if (told := parse_name(name)) and told.joint}
+    kept = choose_arm(list(joints.values()), arm, path=path)
+    return frozenset(cell for cell, joint in joints.items() if joint not in kept)
+
+
+def ambiguous_torque(
+    named: Mapping[str, str], *, joints: int, robot: str, stated: Collection[str]
+) -> tuple[Finding, ...]:
+    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque, a robot's holds gravity.
+
+    Args:
+        named: Channel -> name of its first column.
+        joints: Number of joints.
+        robot: The robot, or ``"unknown"``.
+        stated: Channels that the user named.
+    """
+    alone = joints == 1 and robot == "unknown" and named.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
+    told = parse_name(named["tau_J"]) if alone and "tau_J" not in stated else None
+    if told is None or ALIASES["tau_J"][told.rank] not in _AMBIGUOUS:
+        return ()
+    message = (
+        f"column {named['tau_J']!r} of the only joint was read as tau_J, the torque at the joint with gravity inside; "
+        f"if it is the interaction torque already, without gravity, say --map tau_interaction={named['tau_J']}"
+    )
+    return (Finding(code="torque_ambiguous", message=message),)
+
+
+def _refuse_melted(names: Sequence[str], path: str) -> None:
+    """Refuse a table with one row per number, which names its channels in a column instead of in the header.
+
+    Raises:
+        InputError: If it is one.
+    """
+    lower = [name.lower() for name in names]
+    signal, value = (next((n for n, low in zip(names, lower, strict=True) if low in w), None) for w in _MELTED)
+    if signal is None or value is None:
+        return
+    index = [name for name in names if name not in (signal, value)]
+    raise InputError(
+        f"{path}: one row per number ({', '.join(names)}); expected one column per channel; bring it to that with "
+        f"pandas: table.pivot(index={index}, columns={signal!r}, values={value!r}).reset_index()"
+    )
+
+
+def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
     """Refuse columns that the table lacks, all of them at once."""
     absent = []
     for channel, value in mapping.items():
         try:
-            _stated_time(value, names) if channel == "t" else _stated_group(value, names)
+            stated_time(value, names) if channel == "t" else _stated_group(value, names)
         except KeyError as error:
             absent.append(f"--map {channel}={value}{_did_you_mean(str(error.args[0]), names)}")
     if absent:
@@ -110,7 +173,7 @@ def _did_you_mean(name: str, names: Sequence[str]) -> str:
     return f" (did you mean {' or '.join(near)}?)" if near else ""
 
 
-def _column_position(name: str, names: Sequence[str]) -> int:
+def column_position(name: str, names: Sequence[str]) -> int:
     """Return the position of a column given by name or as ``#3`` (counted from 1).
 
     Raises:
@@ -135,12 +198,11 @@ def shorten(names: Sequence[str]) -> str:
 
 
 def _guessed_groups(
-    names: Sequence[str], labels: Mapping[int, str], stated: Collection[str], path: str
+    names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str], path: str
 ) -> dict[str, Group]:
     """Group the columns by channel and template, and keep the most telling template of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
-    for cell, name in enumerate(names):
-        parsed = parse_name(name)
+    for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
             key = (parsed.rank, parsed.template)
             found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
@@ -155,11 +217,15 @@ def _guessed_groups(
 
 def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> None:
     """Two templates that differ in the joint's prefix alone are two arms; the user chooses."""
-    arms = {match[1]: t for t in templates if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None}
+    arms = {
+        match[1].rstrip("_").removesuffix("joint").rstrip("_") or UNNAMED_ARM: t
+        for t in templates
+        if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None
+    }
     if len(arms) > 1:
+        choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
         raise InputError(
-            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; "
-            f"choose one with --map {channel}={next(iter(arms.values()))}, and likewise for the other channels"
+            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; choose one with {choices}"
         )
 
 
@@ -169,48 +235,63 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
     kept: dict[JointKey, int] = {}
     told: dict[JointKey, str] = {}
     for cell, name in cells.items():
-        label = name.joint or (None if name.index is None else labels.get(name.index))
+        label = name.joint or labels.get(cell)
         key = name.index - base if name.index is not None else name.joint or 0
-        if label is not None and is_finger(label):
-            continue
         kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
         if label is not None:
             told.setdefault(key, label)
     return Group(template=template, cells=kept, names=told, degrees=first.degrees)
 
 
-def _stated_group(value: str, names: Sequence[str]) -> Group:
+def _stated_group(
+    value: str, names: Sequence[str], labels: Mapping[int, str] | None = None, outside: Collection[int] = ()
+) -> Group:
     """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column."""
+    template = value.strip() if "{i}" in value else value + "[{i}]"
+    pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
+    numbered = {
+        int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
+    }
+    if numbered:
+        return _numbered_group(value, numbered, names, labels or {}, outside)
     if "{i}" in value:
-        pattern = re.compile(re.escape(value.strip()).replace(re.escape("{i}"), r"(\d+)"))
-        numbered = {
-            int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
-        }
-        if not numbered:
-            raise KeyError(value)
-        base = 0 if 0 in numbered else 1
-        cells: dict[JointKey, int] = {number - base: numbered[number] for number in sorted(numbered)}
-        told = {
-            key: parsed.joint for key, cell in cells.items() if (parsed := parse_name(names[cell])) and parsed.joint
-        }
-        return Group(template=value, cells=cells, names=told)
-    elements = [cell for cell, name in enumerate(names) if re.fullmatch(re.escape(value) + r"\[\d+\]", name)]
-    listed = elements or [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
-    return Group(template=value, cells=dict(enumerate(listed)), in_order=not elements)
+        raise KeyError(value)
+    listed = [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
+    return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
+
+
+def _numbered_group(
+    template: str,
+    numbered: Mapping[int, int],
+    names: Sequence[str],
+    labels: Mapping[int, str],
+    outside: Collection[int],
+) -> Group:
+    kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
+    base = 0 if 0 in kept else 1
+    cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
+    parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
+    told = {key: (name.joint if name else None) or labels.get(cells[key]) for key, name in parsed.items()}
+    return Group(template=template, cells=cells, names={key: name for key, name in told.items() if name})
 
 
 def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
     match = _POSITION.fullmatch(part)
     if match is None or match[2] is None:
-        return [_column_position(part, names)]
-    return [_column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
+        return [column_position(part, names)]
+    return [column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
 
 
-def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
+def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
+    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``.
+
+    Raises:
+        KeyError: If there is no such column.
+    """
     name, _, unit = value.rpartition(":")
     if unit not in UNITS or not name:
         name, unit = value, ""
-    cell = _column_position(name.strip(), names)
+    cell = column_position(name.strip(), names)
     known = find_time([names[cell]])
     return TimeColumn(
         cells=(cell,),
@@ -258,7 +339,8 @@ def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
 def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
     """Bring all channels to the same joints, in the same order."""
     reference = next((groups[c] for c in REQUIRED if not groups[c].in_order), groups["q"])
-    keys = _sorted_keys(reference.cells)
+    told = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
+    keys = _in_order_of_names(_sorted_keys(reference.cells), told)
     channels, findings, short = {}, [], []
     torques = [c for c in TORQUE_CHANNELS if c in groups]
     for channel in (c for c in JOINT_CHANNELS if c in groups):
@@ -275,7 +357,6 @@ def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], 
             f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
             "name the columns with --map"
         )
-    told = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
     joint_names = tuple(told.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)
     return ColumnMap(
         time=time,
@@ -293,11 +374,21 @@ def _sorted_keys(cells: Mapping[JointKey, int]) -> list[JointKey]:
     return [*numbers, *(key for key in cells if isinstance(key, str))]
 
 
+def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> list[JointKey]:
+    """Sort the joints by the numbers in their names, if all of them are joints of one arm."""
+    key_of = {names[key]: key for key in keys if key in names}
+    arms = arms_in(list(key_of))
+    ordered = [key_of[name] for joints in arms.values() for name in joints]
+    return ordered if len(arms) == 1 and len(ordered) == len(keys) else keys
+
+
 def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
     """Return the channel's columns for these joints, or None if it does not have them all."""
+    if group.in_order and len(group.cells) == len(keys):
+        return tuple(group.cells.values())
     if all(key in group.cells for key in keys):
         return tuple(group.cells[key] for key in keys)
-    if len(group.cells) == len(keys) and (group.in_order or len(keys) == 1):
+    if len(group.cells) == len(keys) == 1:
         return tuple(group.cells.values())
     return None
 

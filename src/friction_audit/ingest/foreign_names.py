@@ -1,7 +1,7 @@
 """The one table of foreign names: what a column or a field may be called, and which channel that is."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 ALIASES: dict[str, tuple[str, ...]] = {
@@ -12,7 +12,7 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "tau_J": ("tau_j", "motor_torques_measured", "tau_measured", "joint_torques", "joint_torque", "joint_efforts",
               "joint_effort", "efforts", "effort", "torques", "torque", "tau"),
     "tau_J_d": ("tau_j_d", "motor_torques_desired", "tau_desired", "tau_d"),
-    "tau_ext_hat_filtered": ("tau_ext_hat_filtered", "tau_ext_hat", "tau_ext", "motor_torques_external",
+    "tau_ext_hat_filtered": ("tau_ext_hat_filtered", "tau_ext_hat", "tau_j_ext", "tau_ext", "motor_torques_external",
                              "external_joint_torques", "external_torques", "external_torque", "tau_external"),
     "gravity": ("gravity", "tau_gravity", "gravity_torques", "gravity_torque", "tau_g", "g"),
     "tau_interaction": ("tau_interaction", "interaction_torques", "interaction_torque", "tau_int", "f_m"),
@@ -45,8 +45,8 @@ _COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|
 _MOTOR_SIDE = re.compile(r"motor_state")
 _EXTERNAL = re.compile(r"tau_ext|external")
 _FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
-_LABEL = re.compile(r"(?:.*[./])?(?:joint_)?names?(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))", re.IGNORECASE)
-_ROBOTS = ((re.compile(r"(?:^|_)(?:panda|fer)(?:_|$)"), "panda"), (re.compile(r"(?:^|_)fr3"), "fr3"))
+_ELEMENT = re.compile(r"(?P<head>(?:.*[./])?)(?P<stem>[^\W\d][^./]*?)(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))")
+_LABEL = re.compile(r"(?:joint_)?names?", re.IGNORECASE)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -82,10 +82,25 @@ def parse_name(name: str) -> ForeignName | None:
     return None
 
 
-def parse_label(name: str) -> int | None:
-    """Return the index of a column that holds a joint's name (``field.name3`` -> 3), or None."""
-    match = _LABEL.fullmatch(name.strip())
-    return None if match is None else int(match["a"] or match["b"])
+def is_label(name: str) -> bool:
+    """Return True for an element that holds a joint's name, such as ``field.name3``."""
+    match = _element(name)
+    return match is not None and _LABEL.fullmatch(match["stem"]) is not None
+
+
+def labels_of(names: Sequence[str], told: Mapping[str, str]) -> dict[int, str]:
+    """Return the joints' names that stand beside the numbers, as a ``sensor_msgs/JointState`` has them.
+
+    Args:
+        names: Names of the columns.
+        told: Name of an element that holds a joint's name -> that name: ``field.name3`` -> ``panda_joint1``.
+
+    Returns:
+        Position of a column -> its joint, for the columns of the same message and index: ``field.position3``.
+    """
+    labels = {_place(match): text for name, text in told.items() if (match := _element(name)) is not None}
+    matches = [_element(name) for name in names]
+    return {cell: labels[_place(m)] for cell, m in enumerate(matches) if m is not None and _place(m) in labels}
 
 
 def is_finger(name: str) -> bool:
@@ -93,10 +108,13 @@ def is_finger(name: str) -> bool:
     return _FINGER.search(name) is not None
 
 
-def robot_of(joint_names: Iterable[str]) -> str:
-    """Return the robot that the joints' names tell: ``"panda"``, ``"fr3"`` or ``"unknown"``."""
-    told = {robot for name in joint_names for pattern, robot in _ROBOTS if pattern.search(name.lower())}
-    return told.pop() if len(told) == 1 else "unknown"
+def _element(name: str) -> re.Match[str] | None:
+    """Split ``field.position.3`` into the message ``field.``, the stem ``position`` and the index 3."""
+    return _ELEMENT.fullmatch(name.strip())
+
+
+def _place(match: re.Match[str]) -> tuple[str, int]:
+    return match["head"], int(match["a"] or match["b"])
 
 
 def _foreign_name(text: str, match: re.Match[str]) -> ForeignName | None:

@@ -1,12 +1,21 @@
 """Which of a message's joints belong to an arm, and in which order: by name, never by index."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>[1-9]\d*)$")
+from friction_audit.errors import InputError, UsageError
+
+ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 """``panda_joint3``, ``left_fr3_joint1``, ``joint2``: the arm before the word, the joint's number after it."""
 
-ROBOTS = (("panda", re.compile(r"(?:^|_)(?:panda|fer)(?:_|\d|$)")), ("fr3", re.compile(r"(?:^|_)fr3(?:_|v\d|\d|$)")))
+ROBOTS = (
+    ("panda", re.compile(r"(?:^|[\W_])(?:panda|fer)(?:[\W_]|\d|$)", re.IGNORECASE)),
+    ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
+)
+"""Robot -> how the prefix of its joints says so: ``panda1``, ``left_panda``, ``fer``, ``fr3v2``."""
+
+UNNAMED_ARM = "joint"
+"""What an arm without prefix is called behind the ``#`` of ``--topic``."""
 
 MINIMUM_JOINTS_BESIDE_AN_ARM = 2
 """A single numbered joint beside an arm (a lift, a gripper) is not a second arm."""
@@ -37,7 +46,31 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     }
 
 
-def robot_of(names: Sequence[str]) -> str:
+def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
+    """Return the joints of the arm to read, in their order, from the joints of a table.
+
+    Args:
+        names: Joint names in the order of the table.
+        wanted: The arm as the user gave it behind the ``#`` of ``--topic``, or "".
+        path: The file, for messages.
+
+    Raises:
+        InputError: If there is no such arm.
+        UsageError: If there are several arms and the user named none.
+    """
+    arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
+    choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
+    if wanted and wanted not in arms:
+        raise InputError(
+            f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
+            f"{f'choose with {choices}' if arms else 'leave --topic out'}"
+        )
+    if not wanted and len(arms) > 1:
+        raise UsageError(f"{path}: several arms in one log; choose one with {choices}")
+    return arms[wanted] if wanted else next(iter(arms.values()), ())
+
+
+def robot_of(names: Iterable[str]) -> str:
     """Return ``"panda"``, ``"fr3"`` or ``"unknown"`` from the prefix of the joint names."""
     prefixes = {match["arm"] or "" for name in names if (match := ARM_JOINT.match(name))}
     robots = {robot for robot, pattern in ROBOTS for prefix in prefixes if pattern.search(prefix)}

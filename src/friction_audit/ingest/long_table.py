@@ -1,5 +1,6 @@
 """Long tables, one row per joint and time -> Recording."""
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -8,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.ingest.columns import ColumnMap
-from friction_audit.ingest.foreign_names import is_finger, parse_name, robot_of
+from friction_audit.ingest.columns import ColumnMap, ambiguous_torque, column_position, refuse_absent, stated_time
+from friction_audit.ingest.foreign_names import ForeignName, parse_name
+from friction_audit.ingest.joint_order import choose_arm, robot_of
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.time_column import TimeColumn, find_time, to_clock
 from friction_audit.ingest.to_recording import to_recording
@@ -28,6 +30,7 @@ class LongColumns:
         channels: Channel -> position of its column.
         names: Channel -> name in the file.
         degrees: Channels whose names say degrees.
+        stated: Channels that the user named.
     """
 
     time: TimeColumn
@@ -35,19 +38,23 @@ class LongColumns:
     channels: Mapping[str, int]
     names: Mapping[str, str]
     degrees: frozenset[str]
+    stated: frozenset[str]
 
 
 def find_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, str]) -> LongColumns | None:
     """Return the columns of a long table, or None if this is none: no column of joints, or one column per joint."""
     bare = [name.strip() for name in names]
     joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
-    parsed = [(cell, parse_name(name)) for cell, name in enumerate(bare)]
-    single = [(cell, told) for cell, told in parsed if told is not None and told.index is None and told.joint is None]
-    if joint is None or mapping or not {"q", "dq"} <= {told.channel for _, told in single}:
+    if joint is None or any(_is_several(value, bare) for channel, value in mapping.items() if channel != "t"):
         return None
-    best = {told.channel: (cell, told) for cell, told in sorted(single, key=lambda item: -item[1].rank)}
-    time = find_time(bare)
-    if time is None or not set(TORQUE_CHANNELS) & set(best):
+    refuse_absent(mapping, bare, path)
+    parsed = {cell: parse_name(name) for cell, name in enumerate(bare)}
+    stated = {channel: column_position(value, bare) for channel, value in mapping.items() if channel != "t"}
+    best = {**_best_of_each(parsed, taken=stated), **stated}
+    if not {"q", "dq"} <= best.keys():
+        return None
+    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
+    if time is None or not set(TORQUE_CHANNELS) & best.keys():
         raise InputError(
             f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
             f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
@@ -55,10 +62,28 @@ def find_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, 
     return LongColumns(
         time=time,
         joint=joint,
-        channels={channel: cell for channel, (cell, _) in best.items()},
-        names={channel: bare[cell] for channel, (cell, _) in best.items()},
-        degrees=frozenset(channel for channel, (_, told) in best.items() if told.degrees),
+        stated=frozenset(stated),
+        channels=best,
+        names={channel: bare[cell] for channel, cell in best.items()},
+        degrees=frozenset(
+            c for c, cell in best.items() if (told := parsed[cell]) and told.channel == c and told.degrees
+        ),
     )
+
+
+def _is_several(value: str, names: Sequence[str]) -> bool:
+    """Return True if a --map entry names a column per joint, as for a table with one row per time."""
+    return value not in names and (re.search(r"\{i\}|,|-", value) is not None or f"{value}[0]" in names)
+
+
+def _best_of_each(parsed: Mapping[int, ForeignName | None], *, taken: Mapping[str, int]) -> dict[str, int]:
+    """Return channel -> position of the column with the most telling name, among those that tell no joint."""
+    single = [
+        (cell, told)
+        for cell, told in parsed.items()
+        if told is not None and told.index is None and told.joint is None and cell not in taken.values()
+    ]
+    return {told.channel: cell for cell, told in sorted(single, key=lambda item: -item[1].rank)}
 
 
 def pivot_long(
@@ -68,17 +93,19 @@ def pivot_long(
     values: Mapping[str, Float],
     *,
     path: str,
+    arm: str = "",
     unit: str | None = None,
     findings: tuple[Finding, ...] = (),
 ) -> Recording:
     """Bring a long table to one row per time; rows of times that some joint lacks are left out.
 
-    ``unit`` is the unit of the stamps where their type tells it.
+    ``unit`` is the unit of the stamps where their type tells it, ``arm`` the one to read where there are several.
     """
     import pandas as pd
 
     codes, labels = pd.factorize(joint, sort=False)
-    kept = [code for code in _ordered(list(labels)) if not is_finger(str(labels[code]))]
+    texts = [str(label).strip() for label in labels]
+    kept = [texts.index(text) for text in _joints_in_order(texts, arm, path)]
     if not kept:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows")
     rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], time)
@@ -86,7 +113,7 @@ def pivot_long(
     for channel, column in values.items():
         for place, chosen in enumerate(rows):
             channels[channel][:, place] = column[chosen]
-    names = _names([str(labels[code]) for code in kept])
+    names = _names([texts[code] for code in kept])
     columns = ColumnMap(
         time=long.time,
         channels={},
@@ -96,21 +123,22 @@ def pivot_long(
         degrees=long.degrees,
         findings=findings,
     )
-    noticed = () if lost == 0 else (_incomplete(lost),)
+    noticed = ambiguous_torque(long.names, joints=len(names), robot=columns.robot, stated=long.stated)
+    noticed += () if lost == 0 else (_incomplete(lost),)
     clock = to_clock(np.ascontiguousarray(time[rows[0]]), unit or long.time.unit, path=path)
     return to_recording(columns, clock, channels, findings=noticed)
 
 
-def _ordered(labels: Sequence[Any]) -> list[int]:
-    """Numbers in their order, names in the order of appearance."""
-    texts = [str(label).strip() for label in labels]
-    codes = list(range(len(texts)))
-    return sorted(codes, key=lambda code: float(texts[code])) if all(text.isdigit() for text in texts) else codes
+def _joints_in_order(labels: Sequence[str], arm: str, path: str) -> Sequence[str]:
+    """Return the labels of the arm's joints, by number; names without a number in the order of appearance."""
+    if not arm and all(label.isdigit() for label in labels):
+        return sorted(labels, key=int)
+    return choose_arm(labels, arm, path=path)
 
 
 def _names(labels: Sequence[str]) -> tuple[str, ...]:
-    if not all(label.strip().isdigit() for label in labels):
-        return tuple(label.strip() for label in labels)
+    if not all(label.isdigit() for label in labels):
+        return tuple(labels)
     base = 0 if any(int(label) == 0 for label in labels) else 1
     return tuple(f"joint{int(label) - base + 1}" for label in labels)
 

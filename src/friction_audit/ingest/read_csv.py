@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap, map_columns
-from friction_audit.ingest.foreign_names import parse_label
+from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.sniff_csv import Dialect, is_number, looks_like_csv, sniff_csv, split_line
 from friction_audit.ingest.time_column import TimeColumn, to_clock
-from friction_audit.ingest.to_recording import refuse_topic, to_recording
+from friction_audit.ingest.to_recording import stated_arm, to_recording
 from friction_audit.joint_log import Finding
 
 _BLOCK_BYTES = 8 << 20
@@ -34,15 +34,20 @@ def read_csv(path: Path, options: ReadOptions) -> Recording:
     Raises:
         InputError: If columns are missing, or a line does not hold what it should.
     """
-    refuse_topic(path, options)
+    arm = stated_arm(path, options)
     dialect = sniff_csv(path)
     _refuse_headerless(path, dialect, options)
     names = dialect.names[: dialect.width]
     long = find_long_columns(names, path=str(path), mapping=options.mapping)
     if long is not None:
-        return _read_long(path, dialect, long)
+        return _read_long(path, dialect, long, arm)
     columns = map_columns(
-        names, path=str(path), mapping=options.mapping, labels=_labels(dialect), constant=_constant_columns(dialect)
+        names,
+        path=str(path),
+        mapping=options.mapping,
+        labels=labels_of(names, {names[cell]: text for cell, text in _label_cells(dialect).items()}),
+        constant=_constant_columns(dialect),
+        arm=arm,
     )
     recording = _read_wide(path, dialect, columns)
     return _vet_libfranka(recording, path, options) if _is_libfranka(dialect) else recording
@@ -53,7 +58,7 @@ def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
     kind = _time_kind(dialect, columns.time)
     time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if kind is str else kind)
     arrays = {c: np.empty((capacity, len(cells)), order="F") for c, cells in columns.channels.items()}
-    labels = {cell: text for cell, text in _first_row(dialect).items() if parse_label(dialect.names[cell]) is not None}
+    labels = _label_cells(dialect)
     kinds: dict[int, Any] = {cell: np.float64 for cells in columns.channels.values() for cell in cells}
     kinds |= dict.fromkeys(columns.time.cells, kind) | dict.fromkeys(labels, str)
     rows, cut = 0, None
@@ -73,7 +78,7 @@ def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap) -> Recording:
     return to_recording(columns, clock, {c: array[:rows] for c, array in arrays.items()}, findings=findings)
 
 
-def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
+def _read_long(path: Path, dialect: Dialect, long: LongColumns, arm: str) -> Recording:
     """Read a table with one row per joint and time."""
     kinds: dict[int, Any] = dict.fromkeys(long.channels.values(), np.float64) | {long.joint: str}
     kind = _time_kind(dialect, long.time)
@@ -90,9 +95,8 @@ def _read_long(path: Path, dialect: Dialect, long: LongColumns) -> Recording:
     joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
     time = np.concatenate([_stamps(block, long.time, path) for block in blocks])
     values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
-    return pivot_long(
-        long, joint, time, values, path=str(path), unit=_time_unit(long.time, kind), findings=tuple(findings)
-    )
+    unit = _time_unit(long.time, kind)
+    return pivot_long(long, joint, time, values, path=str(path), arm=arm, unit=unit, findings=tuple(findings))
 
 
 def _parse(path: Path, dialect: Dialect, kinds: Mapping[int, Any]) -> Iterator[Any]:
@@ -259,15 +263,10 @@ def _constant_columns(dialect: Dialect) -> frozenset[int]:
     return frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
 
 
-def _labels(dialect: Dialect) -> dict[int, str]:
-    """Return the joints' names that stand beside the numbers, as ``rostopic echo -p`` writes them."""
-    parsed = {parse_label(dialect.names[cell]): text.strip() for cell, text in _first_row(dialect).items()}
-    return {index: label for index, label in parsed.items() if index is not None}
-
-
-def _first_row(dialect: Dialect) -> dict[int, str]:
-    """Return the fields of the first row that have a column."""
-    return dict(zip(range(len(dialect.names)), dialect.rows[0], strict=False))
+def _label_cells(dialect: Dialect) -> dict[int, str]:
+    """Return the fields of the first row that hold a joint's name, as ``rostopic echo -p`` writes them."""
+    first = zip(range(dialect.width), dialect.rows[0], strict=False)
+    return {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
 
 
 def _refuse_moving_labels(path: Path, block: Any, labels: Mapping[int, str], line: int) -> None:  # noqa: ANN401

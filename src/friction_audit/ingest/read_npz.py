@@ -14,7 +14,7 @@ from friction_audit.errors import InputError
 from friction_audit.ingest.columns import map_columns
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import name_joints, refuse_topic, to_recording
+from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _TABLE_DIMENSIONS = 2
@@ -37,12 +37,15 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
     Raises:
         InputError: If arrays are missing, pickled or of unequal length, or the file is damaged.
     """
-    refuse_topic(path, options)
+    arm = stated_arm(path, options)
     loaded = _load(path)
     arrays = {name: _as_table(array) for name, array in loaded.items() if array.dtype.kind in "fiu"}
     cells = [(n, e) for n, array in arrays.items() for e in (range(array.shape[1]) if array.ndim > 1 else (None,))]
     names = [name if element is None else f"{name}[{element}]" for name, element in cells]
-    columns = map_columns(names, path=str(path), mapping=options.mapping)
+    joints = [str(name) for name in loaded.get("joint_names", ())]
+    wide = {name for name, array in arrays.items() if array.ndim > 1 and array.shape[1] == len(joints)}
+    labels = {cell: joints[e] for cell, (name, e) in enumerate(cells) if e is not None and name in wide}
+    columns = map_columns(names, path=str(path), mapping=options.mapping, labels=labels, arm=arm)
     time = np.squeeze(arrays[cells[columns.time.cells[0]][0]])
     raw: NDArray[Any] = time.astype(np.int64 if time.dtype.kind in "iu" else np.float64).reshape(-1)
     channels = {}
@@ -56,7 +59,7 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
     clock = to_clock(raw, "ms" if panda_py else columns.time.unit, path=str(path))
     recording = to_recording(columns, clock, channels)
     recording.clock = "robot_time" if panda_py else recording.clock
-    return name_joints(recording, [str(name) for name in loaded.get("joint_names", ())])
+    return recording if labels else name_joints(recording, joints)
 
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:

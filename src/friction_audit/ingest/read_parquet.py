@@ -2,7 +2,7 @@
 
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap, map_columns
+from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
-from friction_audit.ingest.to_recording import name_joints, refuse_topic, to_recording
+from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 from friction_audit.joint_log import Float
 
 _MAGIC = b"PAR1"
@@ -50,15 +51,20 @@ def read_parquet(path: Path, options: ReadOptions) -> Recording:
     """
     import pyarrow as pa
 
-    refuse_topic(path, options)
+    arm = stated_arm(path, options)
     try:
         with _open(path) as file:
             cells = _cells(file)
             names = [cell.name for cell in cells]
             long = find_long_columns(names, path=str(path), mapping=options.mapping)
             if long is not None:
-                return _read_long(file, path, cells, long)
-            return _read_wide(file, path, cells, map_columns(names, path=str(path), mapping=options.mapping))
+                return _read_long(file, path, cells, long, arm)
+            told = _joints_of_first_row(file)
+            labels = labels_of(names, {f"{column}[{i}]": j for column, row in told.items() for i, j in enumerate(row)})
+            columns = map_columns(names, path=str(path), mapping=options.mapping, labels=labels, arm=arm)
+            if labels:
+                _refuse_moving_joints(file, path, told)
+            return _read_wide(file, path, cells, columns, is_named=bool(labels))
     except (pa.ArrowException, OSError) as error:
         raise InputError(
             f"{path}: a damaged or unfinished Parquet file: {error}; its index is at its end, so nothing can be "
@@ -72,7 +78,42 @@ def _open(path: Path, metadata: Any = None) -> Any:  # noqa: ANN401
     return pq.ParquetFile(path, metadata=metadata)
 
 
-def _read_wide(file: Any, path: Path, cells: Sequence[Cell], columns: ColumnMap) -> Recording:  # noqa: ANN401
+def _joints_of_first_row(file: Any) -> dict[str, list[str]]:  # noqa: ANN401
+    """Return list-valued column of joint names -> the names in its first row, as a JointState has them."""
+    columns = [column for column in _leaves(file.schema_arrow, "", _is_text)[1] if is_label(f"{column}[0]")]
+    first = next(file.iter_batches(batch_size=1, columns=columns), None) if columns else None
+    if first is None or len(first) == 0:
+        return {}
+    rows = {column: _child(first, column)[0].as_py() or [] for column in columns}
+    return {column: [str(joint) for joint in row] for column, row in rows.items() if row}
+
+
+def _refuse_moving_joints(file: Any, path: Path, told: Mapping[str, Sequence[str]]) -> None:  # noqa: ANN401
+    """Refuse a table in which the joints change their places."""
+    start = 0
+    for batch in file.iter_batches(batch_size=_BATCH_ROWS, columns=list(told)):
+        for column, joints in told.items():
+            array = _child(batch, column)
+            same = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False) == len(joints)
+            if same.all():
+                same = (np.asarray(array.flatten()).reshape(-1, len(joints)) == np.array(joints, object)).all(axis=1)
+            if not same.all():
+                row = int(np.flatnonzero(~same)[0])
+                raise InputError(
+                    f"{path}: row {start + row + 1} of {column} holds {array[row].as_py()}; expected {list(joints)} "
+                    "as in the first row; the order of the joints changes; sort every row by joint"
+                )
+        start += len(batch)
+
+
+def _read_wide(
+    file: Any,  # noqa: ANN401
+    path: Path,
+    cells: Sequence[Cell],
+    columns: ColumnMap,
+    *,
+    is_named: bool,
+) -> Recording:
     rows = file.metadata.num_rows
     if rows == 0:
         raise InputError(f"{path}: 0 samples; the table has columns and no rows")
@@ -89,7 +130,7 @@ def _read_wide(file: Any, path: Path, cells: Sequence[Cell], columns: ColumnMap)
         time = time[:, 0] * 1_000_000_000 + time[:, 1]
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
     recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
-    return name_joints(recording, *_stated_joints(file.schema_arrow.metadata or {}))
+    return recording if is_named else name_joints(recording, *_stated_joints(file.schema_arrow.metadata or {}))
 
 
 def _stated_joints(metadata: Mapping[bytes, bytes]) -> tuple[list[str], str]:
@@ -121,7 +162,7 @@ def _targets(
     return wanted
 
 
-def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns) -> Recording:  # noqa: ANN401
+def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns, arm: str) -> Recording:  # noqa: ANN401
     """Read a table with one row per joint and time."""
     names = [cells[cell].column for cell in (long.joint, *long.time.cells, *long.channels.values())]
     table = file.read(columns=names).combine_chunks()
@@ -131,7 +172,8 @@ def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns) 
     joint = table[names[0]].to_numpy().astype(str).astype(object)
     stamps = [_integers_or_floats(table[cells[cell].column].combine_chunks()) for cell in long.time.cells]
     time = stamps[0] if len(stamps) == 1 else stamps[0].astype(np.int64) * 1_000_000_000 + stamps[1]
-    return pivot_long(long, joint, time, values, path=str(path), unit=_stamp_unit(file, cells[long.time.cells[0]]))
+    unit = _stamp_unit(file, cells[long.time.cells[0]])
+    return pivot_long(long, joint, time, values, path=str(path), arm=arm, unit=unit)
 
 
 def _read_column(
@@ -200,7 +242,7 @@ def _cells(file: Any) -> list[Cell]:  # noqa: ANN401
     """Return everything in the file that is one number per row; the length of lists is read from the first row."""
     import pyarrow as pa
 
-    scalars, lists = _leaves(file.schema_arrow, "")
+    scalars, lists = _leaves(file.schema_arrow, "", _is_number)
     if not lists:
         return [Cell(column, None) for column in scalars]
     first = next(file.iter_batches(batch_size=1, columns=lists), None)
@@ -214,8 +256,8 @@ def _cells(file: Any) -> list[Cell]:  # noqa: ANN401
     return cells
 
 
-def _leaves(fields: Any, prefix: str) -> tuple[list[str], list[str]]:  # noqa: ANN401
-    """Return the dotted paths of the scalar and of the list-valued columns."""
+def _leaves(fields: Any, prefix: str, is_wanted: Callable[[Any], bool]) -> tuple[list[str], list[str]]:  # noqa: ANN401
+    """Return the dotted paths of the scalar columns, and of those that hold lists of what is wanted."""
     import pyarrow as pa
 
     scalars: list[str] = []
@@ -223,10 +265,10 @@ def _leaves(fields: Any, prefix: str) -> tuple[list[str], list[str]]:  # noqa: A
     for field in fields:
         kind = field.type
         if pa.types.is_struct(kind):
-            inner = _leaves([kind.field(i) for i in range(kind.num_fields)], f"{prefix}{field.name}.")
+            inner = _leaves([kind.field(i) for i in range(kind.num_fields)], f"{prefix}{field.name}.", is_wanted)
             scalars, lists = scalars + inner[0], lists + inner[1]
         elif pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
-            lists += [f"{prefix}{field.name}"] if _is_number(kind.value_type) else []
+            lists += [f"{prefix}{field.name}"] if is_wanted(kind.value_type) else []
         else:
             scalars.append(f"{prefix}{field.name}")
     return scalars, lists
@@ -236,6 +278,13 @@ def _is_number(kind: Any) -> bool:  # noqa: ANN401
     import pyarrow as pa
 
     return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
+
+
+def _is_text(kind: Any) -> bool:  # noqa: ANN401
+    import pyarrow as pa
+
+    inner = kind.value_type if pa.types.is_dictionary(kind) else kind
+    return bool(pa.types.is_string(inner) or pa.types.is_large_string(inner) or pa.types.is_string_view(inner))
 
 
 def _is_number_or_stamp(kind: Any) -> bool:  # noqa: ANN401

@@ -18,7 +18,7 @@ class ReadOptions:
     """What the user says about how to read a log; the defaults leave every choice to the reader.
 
     Attributes:
-        topic: Topic to read, for files that hold several.
+        topic: Topic to read, for files that hold several; with several arms on it ``TOPIC#ARM``, in a table ``#ARM``.
         mapping: Channel (or ``"t"``) -> name in the file, ``{i}`` standing for the joint's index, or names
             separated by commas; wins over every guess.
         robot: Robot stated by the user, wins over the log's own names.

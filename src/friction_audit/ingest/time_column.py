@@ -137,10 +137,17 @@ def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
             return unit
     if len(elapsed) == 1:
         return "s"
-    step = float(np.nanmedian(np.abs(np.diff(elapsed[: 1 << 16]))))
+    step = _median_step(elapsed)
     if not step > 0.0:
         raise InputError(
             f"{path}: time does not advance: the median step between rows is {step:g}; "
             "expected strictly increasing stamps; name another column with --map t=<column>"
         )
     return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
+
+
+def _median_step(elapsed: Float) -> float:
+    """Return the median step between stamps in the order of time, whatever the order of the rows."""
+    in_order = not (elapsed[1:] < elapsed[:-1]).any()
+    stamps = elapsed[: 1 << 16] if in_order else np.sort(elapsed[np.isfinite(elapsed)])
+    return float(np.nanmedian(np.diff(stamps)))

@@ -8,7 +8,7 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap
-from friction_audit.ingest.foreign_names import robot_of
+from friction_audit.ingest.joint_order import robot_of
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.time_column import Clock
 from friction_audit.joint_log import Finding, Float
@@ -16,14 +16,16 @@ from friction_audit.joint_log import Finding, Float
 RADIANS_PER_DEGREE = np.pi / 180.0
 
 
-def refuse_topic(path: Path, options: ReadOptions) -> None:
-    """Refuse a topic stated for a table, which has none.
+def stated_arm(path: Path, options: ReadOptions) -> str:
+    """Return the arm asked for with ``--topic '#ARM'``, or ""; a table has no topics, but it may hold several arms.
 
     Raises:
-        InputError: If one was stated.
+        InputError: If a topic was stated.
     """
-    if options.topic is not None:
+    topic, _, arm = (options.topic or "").partition("#")
+    if topic or (options.topic is not None and not arm):
         raise InputError(f"{path}: a table has no topics, and --topic asks for {options.topic}; leave --topic out")
+    return arm
 
 
 def to_recording(

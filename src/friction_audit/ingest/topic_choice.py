@@ -9,7 +9,7 @@ from pathlib import Path
 from friction_audit.errors import InputError, UsageError
 from friction_audit.ingest.decoded_row import Row
 from friction_audit.ingest.joint_messages import MessageKind
-from friction_audit.ingest.joint_order import arms_in
+from friction_audit.ingest.joint_order import UNNAMED_ARM, arms_in
 from friction_audit.ingest.message_decoder import MessageDecoder
 from friction_audit.ingest.reader import Topic
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
@@ -121,17 +121,13 @@ def _choices(candidates: Sequence[Candidate]) -> str:
         count = "" if candidate.messages is None else f" ({candidate.messages} messages)"
         several = len(candidate.arms) > 1
         lines += [
-            f"--topic '{candidate.topic}{f'#{arm or JOINT}' if several else ''}'{count}" for arm in candidate.arms
+            f"--topic '{candidate.topic}{f'#{arm or UNNAMED_ARM}' if several else ''}'{count}" for arm in candidate.arms
         ]
     return " or ".join(lines)
 
 
-JOINT = "joint"
-"""What an arm without prefix is called behind the ``#``."""
-
-
 def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...]:
-    arms = {arm or JOINT: joints for arm, joints in candidate.arms.items()}
+    arms = {arm or UNNAMED_ARM: joints for arm, joints in candidate.arms.items()}
     if not arms:
         raise InputError(f"{path}: topic {candidate.topic} has no joints in its messages; choose another with --topic")
     if wanted in arms:
