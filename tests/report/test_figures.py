@@ -6,12 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from matplotlib import rc_context
+from matplotlib.figure import Figure
 
 from friction_audit.audit import Estimate
 from friction_audit.errors import UsageError
-from friction_audit.friction.history import UNDETERMINED
-from friction_audit.report.figures import FIGURES, FigureKind, save_figure, velocity_torque
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.report.figures import FIGURES, FigureKind, coefficients, energy, save_figure, velocity_torque
 from friction_audit.report.figures.energy import dissipated_stairs, net_energy
 from friction_audit.report.figures.joint_series import joint_series
 from friction_audit.report.figures.save import FORMATS
@@ -37,7 +41,13 @@ def test_sheets_are_a_page_wide_and_joints_a_column(kind: FigureKind, seven: Est
 @KINDS
 def test_a_sheet_names_every_joint(kind: FigureKind, seven: Estimate) -> None:
     titles = {axes.get_title(loc="left") for axes in kind.draw(seven, None).axes} - {""}
-    assert titles == {f"panda_joint{j}" for j in range(1, 8)}
+    assert titles == {f"joint {j}" for j in range(1, 8)}
+
+
+@KINDS
+def test_a_name_that_says_more_than_the_number_is_in_the_title(kind: FigureKind, single: Estimate) -> None:
+    elbow = replace(single, interaction=replace(single.interaction, joint_names=("elbow",)))
+    assert kind.draw(elbow, 1).axes[0].get_title(loc="left") == "joint 1 elbow"
 
 
 @pytest.mark.parametrize("kind", [k for k in FIGURES if k.name != "signals"], ids=lambda kind: kind.name)
@@ -157,7 +167,85 @@ def test_a_torque_that_never_changes_is_drawn(kind: FigureKind, single: Estimate
     assert kind.draw(replace(single, interaction=still), 1).axes
 
 
-def test_too_many_cycles_are_not_shaded() -> None:
-    crowded = build_estimate(1, count=90, rate=100.0)
-    figure = next(kind for kind in FIGURES if kind.name == "energy").draw(crowded, 1)
+def legend(figure: Figure) -> list[str]:
+    return [text.get_text() for text in figure.legends[0].get_texts()]
+
+
+@pytest.fixture(scope="module")
+def crowded() -> Estimate:
+    return build_estimate(3, count=90, rate=100.0)  # the third joint stands still
+
+
+def test_a_long_log_shows_its_first_cycles_apart(crowded: Estimate) -> None:
+    figure = energy.draw_energy(crowded, 1)
+    whole, zoomed = figure.axes
+    assert (whole.get_title(loc="left"), zoomed.get_title(loc="left")) == ("joint 1", "cycles 1 to 40 of 87")
+    assert zoomed.get_xlim()[1] == pytest.approx(joint_series(crowded, 1).cycles.stop_s[39])
+    (window,) = whole.patches
+    assert window.get_extents().x1 == pytest.approx(whole.transData.transform((zoomed.get_xlim()[1], 0))[0])
+    assert len([patch for patch in zoomed.patches if not patch.get_hatch()]) == 20
+    assert len([patch for patch in zoomed.patches if patch.get_hatch()]) == 1
+    (dots,) = [line for line in zoomed.lines if line.get_marker() == "o"]
+    assert len(np.asarray(dots.get_xdata())) == 41
+    assert {"part drawn below", "cycle (every other)", "zero velocity", "cycle left out"} <= set(legend(figure))
+
+
+def test_a_sheet_of_a_long_log_has_the_first_cycles_on_the_right(crowded: Estimate) -> None:
+    figure = energy.draw_energy(crowded, None)
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    assert titles == ["joint 1", "cycles 1 to 40 of 87", "joint 2", "cycles 1 to 40 of 86", "joint 3"]
+    assert "part drawn on the right" in legend(figure)
+
+
+def test_first_cycles_hold_their_own_samples(crowded: Estimate) -> None:
+    series = joint_series(crowded, 1)
+    part = series.first_cycles(5)
+    assert len(part.cycles.joint) == 5
+    assert part.t[part.cycles.start] == pytest.approx(series.cycles.start_s[:5])
+    assert part.t[-1] == series.cycles.stop_s[4]
+    still = joint_series(crowded, 3)
+    assert still.first_cycles(5) is still
+
+
+def test_signals_say_that_too_many_cycles_are_not_shaded(crowded: Estimate) -> None:
+    figure = next(kind for kind in FIGURES if kind.name == "signals").draw(crowded, 1)
     assert not figure.axes[0].patches
+    assert "more than 80 cycles are not shaded" in legend(figure)
+
+
+def test_one_wild_window_does_not_flatten_a_panel() -> None:
+    value = np.array([np.nan, -40.0, 0.30, 0.28, 0.29])
+    low, high = value - 0.05, value + 0.05
+    low[1], high[1] = -80.0, 80.0
+    bottom, top = coefficients.y_limits(value, low, high, Coefficient(value=0.29, low=0.25, high=0.33)) or (0, 0)
+    assert -0.1 < bottom < 0.23
+    assert 0.35 < top < 0.6
+
+
+@given(st.lists(st.floats(-5, 5), min_size=1, max_size=30), st.floats(0.01, 2))
+def test_values_of_like_intervals_are_all_inside(values: list[float], width: float) -> None:
+    value = np.array(values)
+    whole = Coefficient(value=value.mean(), low=value.min() - width, high=value.max() + width)
+    bottom, top = coefficients.y_limits(value, value - width, value + width, whole) or (0, 0)
+    assert bottom < whole.low
+    assert top > whole.high
+    assert top - bottom < 4 * (whole.high - whole.low)
+
+
+def test_nothing_determined_needs_no_limits() -> None:
+    nothing = np.full(3, np.nan)
+    assert coefficients.y_limits(nothing, nothing, nothing, UNDETERMINED) is None
+
+
+def test_the_legend_says_how_long_the_window_is_and_whether_a_band_is_cut(single: Estimate) -> None:
+    draw = coefficients.draw_coefficients
+    assert legend(draw(single, 1))[:2] == ["last 20 cycles", "95 %"]
+    friction = single.friction.joints[0]
+    high = friction.history.coulomb_high_nm.copy()
+    high[1] = 80.0
+    wild = replace(friction, history=replace(friction.history, coulomb_high_nm=high))
+    figure = draw(replace(single, friction=replace(single.friction, joints=(wild,))), 1)
+    assert "95 %, cut at the edge" in legend(figure)
+    assert figure.axes[0].get_ylim()[1] < 1
+    paper = FrictionSettings(estimator="paper", model="coulomb")
+    assert legend(draw(replace(single, settings=replace(single.settings, friction=paper)), 1))[0] == "last cycle"

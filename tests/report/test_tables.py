@@ -87,4 +87,6 @@ def test_digits_follow_the_interval(coefficient: Coefficient, text: str) -> None
 def test_a_name_is_shown_only_where_it_says_more_than_the_number() -> None:
     assert joint_label(3, "panda_joint3") == "3"
     assert joint_label(3, "elbow") == "3 elbow"
+    assert joint_label(3, "joint13") == "3 joint13"
+    assert joint_label(3, "joint_03") == "3"
     assert joint_label(3, "") == "3"

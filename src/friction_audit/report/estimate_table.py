@@ -1,6 +1,7 @@
 """Estimate -> the table that people read."""
 
 import math
+import re
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Estimate
@@ -75,7 +76,7 @@ def _row(joint: JointFriction) -> tuple[str, ...]:
 
 def joint_label(joint: int, name: str) -> str:
     """Return the joint's number, and its name where that says more."""
-    return str(joint) if not name or name.endswith(str(joint)) else f"{joint} {name}"
+    return str(joint) if not name or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {name}"
 
 
 def format_coefficient(coefficient: Coefficient) -> str:

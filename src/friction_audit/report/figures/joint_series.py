@@ -1,12 +1,15 @@
 """What a figure needs of one joint, cut out of an Estimate."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from friction_audit.audit import Estimate
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
+from friction_audit.report.estimate_table import joint_label
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -34,6 +37,11 @@ class JointSeries:
     friction: JointFriction
 
     @property
+    def title(self) -> str:
+        """What a panel is called: the joint's number, and its name where that says more."""
+        return f"joint {joint_label(self.number, self.name)}"
+
+    @property
     def not_determined(self) -> str:
         """The words for a panel without an estimate, without the advice behind the semicolon; empty if there is one."""
         return f"not determined: {self.friction.reason.partition(';')[0]}" if self.friction.reason else ""
@@ -42,6 +50,21 @@ class JointSeries:
     def driving_torque(self) -> Float:
         """What acts against friction and inertia: F_m + u, shape (n,). [N m]"""
         return self.torque if self.compensation is None else self.torque + self.compensation
+
+    def first_cycles(self, count: int) -> "JointSeries":
+        """Return the stretch of the log that the first cycles fill; all of it without any cycle."""
+        if not len(self.cycles.joint):
+            return self
+        kept = self.cycles.rows(np.arange(len(self.cycles.joint)) < count)
+        begin, end = int(kept.start[0]), int(kept.stop[-1]) + 1
+        return replace(
+            self,
+            t=self.t[begin:end],
+            dq=self.dq[begin:end],
+            torque=self.torque[begin:end],
+            compensation=None if self.compensation is None else self.compensation[begin:end],
+            cycles=replace(kept, start=kept.start - begin, stop=kept.stop - begin),
+        )
 
 
 def joint_series(estimate: Estimate, joint: int) -> JointSeries:

@@ -27,11 +27,11 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
     return Figure(figsize=(width_in, height_in), layout="constrained")
 
 
-def label_panel(axes: "Axes", name: str, *, across: int | None = None) -> None:
-    """Write the joint's name above the upper left corner and keep the ticks few, ``across`` along the x axis."""
+def label_panel(axes: "Axes", title: str, *, across: int | None = None) -> None:
+    """Write the panel's title above the upper left corner and keep the ticks few, ``across`` along the x axis."""
     from matplotlib.ticker import MaxNLocator
 
-    axes.set_title(name, loc="left")
+    axes.set_title(title, loc="left")
     ticks = TICKS_IN_COLUMN if is_narrow(axes.get_figure(root=True)) else TICKS_ON_SHEET
     for axis, most in ((axes.xaxis, across or ticks), (axes.yaxis, ticks)):
         axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
@@ -55,14 +55,20 @@ def say_in_panel(axes: "Axes", sentence: str, *, characters: int) -> None:
     )
 
 
+def is_crowded(series: JointSeries) -> bool:
+    """Return True where a joint has too many cycles to tell them apart in one panel."""
+    return len(series.cycles.joint) > MOST_SHADED
+
+
 def shade_cycles(axes: "Axes", series: JointSeries) -> None:
     """Shade every other cycle of a joint and hatch the ones left out of the estimates."""
     cycles = series.cycles
-    shaded = len(cycles.joint) <= MOST_SHADED
+    if is_crowded(series):
+        return
     for row, (start, stop, reason) in enumerate(zip(cycles.start_s, cycles.stop_s, cycles.reason, strict=True)):
-        if shaded and reason == 0 and row % 2 == 0:
+        if reason == 0 and row % 2 == 0:
             axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
-        if shaded and reason != 0:
+        if reason != 0:
             axes.axvspan(start, stop, facecolor="none", edgecolor=REJECTED, hatch="/////", linewidth=0, zorder=0)
 
 
@@ -70,11 +76,12 @@ def cycle_handles(all_series: Sequence[JointSeries]) -> "list[Artist]":
     """Return the legend's entries for what shade_cycles drew on the panels of these joints."""
     from matplotlib.patches import Patch
 
-    counts = [len(series.cycles.joint) for series in all_series]
-    shown = [series for series, count in zip(all_series, counts, strict=True) if 0 < count <= MOST_SHADED]
+    shown = [series for series in all_series if len(series.cycles.joint) and not is_crowded(series)]
     handles: list[Artist] = [Patch(facecolor=SHADE, label="cycle (every other)")] if shown else []
     if any((series.cycles.reason != 0).any() for series in shown):
         handles.append(Patch(facecolor="none", edgecolor=REJECTED, hatch="/////", linewidth=0, label="cycle left out"))
+    if any(map(is_crowded, all_series)):
+        handles.append(Patch(facecolor="none", linewidth=0, label=f"more than {MOST_SHADED} cycles are not shaded"))
     return handles
 
 

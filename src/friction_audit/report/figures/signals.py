@@ -53,7 +53,7 @@ def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]
         shade_cycles(axes, series)
         handles = _draw_signal(axes, series.t, signal)
         axes.set_xlim(series.t[0], series.t[-1])
-        label_panel(axes, series.name if axes is pair[0] else "")
+        label_panel(axes, series.title if axes is pair[0] else "")
         axes.set_ylabel(label)
     return handles
 

@@ -16,6 +16,7 @@ FITTED = "#d55e00"
 DISSIPATED = "#e69f00"
 BORDER = "#000000"
 SHADE = "#e9e9e9"
+ZOOMED = "#d9ecd9"
 REJECTED = "#cc79a7"
 MUTED = "#555555"
 

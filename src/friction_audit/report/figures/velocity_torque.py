@@ -100,7 +100,7 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
         handles.extend(_draw_fit(axes, series))
     reach = max(SMALLEST_SPEED_RAD_S, 1.05 * float(np.abs(series.dq).max()))
     axes.set_xlim(-reach, reach)
-    label_panel(axes, series.name, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
+    label_panel(axes, series.title, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
     say_in_panel(axes, series.not_determined, characters=characters)
     return handles
 
