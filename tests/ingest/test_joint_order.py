@@ -52,6 +52,12 @@ def test_the_arm_of_a_table_is_chosen_as_in_a_bag() -> None:
         choose_arm(names, "middle", path="log")
 
 
+def test_names_that_differ_in_their_last_number_are_sorted_by_it() -> None:
+    assert arms_in(["lbr_A10", "lbr_A2", "lbr_A1"]) == {"": ("lbr_A1", "lbr_A2", "lbr_A10")}
+    assert arms_in(["3", "0", "12"]) == {"": ("0", "3", "12")}
+    assert arms_in(["shoulder2", "elbow1"]) == {"": ("shoulder2", "elbow1")}
+
+
 def test_only_fingers() -> None:
     assert arms_in(["panda_finger_joint1", "panda_finger_joint2"]) == {}
 

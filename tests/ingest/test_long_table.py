@@ -54,6 +54,16 @@ def test_degrees_are_believed_in_a_mapped_column(tmp_path: Path) -> None:
     np.testing.assert_allclose(log.q, motion(SAMPLES)["q"], atol=1e-12)
 
 
+@pytest.mark.parametrize("label", ["{}", "{}.0", "J{}"])
+def test_numbers_of_joints_are_sorted_as_numbers(tmp_path: Path, label: str) -> None:
+    frame = long_frame(12)
+    frame["joint"] = frame["joint"].map(label.format)
+    shuffled = frame.sample(frac=1.0, random_state=1).sort_values("time", kind="stable")
+    log = read_log(written(tmp_path / "run.csv", shuffled))
+    np.testing.assert_array_equal(log.q, motion(SAMPLES, 12)["q"])
+    assert log.joint_names[10:] == (("J11", "J12") if label == "J{}" else ("joint11", "joint12"))
+
+
 def test_melted_tables_are_refused_with_the_way_out(tmp_path: Path) -> None:
     melted = long_frame().melt(id_vars=["time", "joint"], var_name="signal")
     with pytest.raises(

@@ -8,6 +8,8 @@ from friction_audit.errors import InputError, UsageError
 ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 """``panda_joint3``, ``left_fr3_joint1``, ``joint2``: the arm before the word, the joint's number after it."""
 
+_LAST_NUMBER = re.compile(r"(.*?)(\d+)")
+
 ROBOTS = (
     ("panda", re.compile(r"(?:^|[\W_])(?:panda|fer)(?:[\W_]|\d|$)", re.IGNORECASE)),
     ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
@@ -28,8 +30,9 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         names: Joint names in the order of the message.
 
     Returns:
-        Prefix of the arm -> its joints in the order of their numbers, fingers left out. Where no name ends in a
-        joint's number, there is one arm, "", with the joints in the order of the message.
+        Prefix of the arm -> its joints in the order of their numbers, fingers left out. Where no name ends in
+        ``joint`` and a number, there is one arm, "": names that differ in a number at their end alone (``A1``) in the
+        order of the numbers, others in the order of the message.
     """
     bodies = [name for name in dict.fromkeys(names) if "finger" not in name.lower()]
     numbered: dict[str, list[tuple[int, str]]] = {}
@@ -37,13 +40,20 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         if match := ARM_JOINT.match(name):
             numbered.setdefault(match["arm"] or "", []).append((int(match["number"]), name))
     if not numbered:
-        return {"": tuple(bodies)} if bodies else {}
+        return {"": _by_last_number(bodies)} if bodies else {}
     most = max(map(len, numbered.values()))
     return {
         arm: tuple(name for _, name in sorted(joints))
         for arm, joints in sorted(numbered.items())
         if len(joints) >= min(most, MINIMUM_JOINTS_BESIDE_AN_ARM)
     }
+
+
+def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
+    numbered = [(match[1], int(match[2]), name) for name in names if (match := _LAST_NUMBER.fullmatch(name))]
+    if len(numbered) < len(names) or len({stem for stem, _, _ in numbered}) > 1:
+        return tuple(names)
+    return tuple(name for _, _, name in sorted(numbered))
 
 
 def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:

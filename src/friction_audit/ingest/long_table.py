@@ -18,6 +18,8 @@ from friction_audit.ingest.to_recording import to_recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
+_WHOLE = re.compile(r"^(\d+)\.0+$")
+"""A joint's number in a column that was written as floats."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -104,8 +106,8 @@ def pivot_long(
     import pandas as pd
 
     codes, labels = pd.factorize(joint, sort=False)
-    texts = [str(label).strip() for label in labels]
-    kept = [texts.index(text) for text in _joints_in_order(texts, arm, path)]
+    texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
+    kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows")
     rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], time)
@@ -127,13 +129,6 @@ def pivot_long(
     noticed += () if lost == 0 else (_incomplete(lost),)
     clock = to_clock(np.ascontiguousarray(time[rows[0]]), unit or long.time.unit, path=path)
     return to_recording(columns, clock, channels, findings=noticed)
-
-
-def _joints_in_order(labels: Sequence[str], arm: str, path: str) -> Sequence[str]:
-    """Return the labels of the arm's joints, by number; names without a number in the order of appearance."""
-    if not arm and all(label.isdigit() for label in labels):
-        return sorted(labels, key=int)
-    return choose_arm(labels, arm, path=path)
 
 
 def _names(labels: Sequence[str]) -> tuple[str, ...]:

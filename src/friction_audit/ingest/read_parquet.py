@@ -96,7 +96,7 @@ def _refuse_moving_joints(file: Any, path: Path, told: Mapping[str, Sequence[str
             array = _child(batch, column)
             same = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False) == len(joints)
             if same.all():
-                same = (np.asarray(array.flatten()).reshape(-1, len(joints)) == np.array(joints, object)).all(axis=1)
+                same = _are_the_same(array.flatten(), joints)
             if not same.all():
                 row = int(np.flatnonzero(~same)[0])
                 raise InputError(
@@ -104,6 +104,18 @@ def _refuse_moving_joints(file: Any, path: Path, told: Mapping[str, Sequence[str
                     "as in the first row; the order of the joints changes; sort every row by joint"
                 )
         start += len(batch)
+
+
+def _are_the_same(texts: Any, joints: Sequence[str]) -> NDArray[np.bool_]:  # noqa: ANN401
+    """Return for each row of joint names, given one after the other, whether they are these."""
+    import pyarrow as pa
+
+    coded = (texts.dictionary_decode() if pa.types.is_dictionary(texts.type) else texts).dictionary_encode()
+    codes = {text: code for code, text in enumerate(coded.dictionary.to_pylist())}
+    expected = [codes.get(joint, -1) for joint in joints]
+    rows = coded.indices.to_numpy(zero_copy_only=False).reshape(-1, len(joints))
+    same: NDArray[np.bool_] = (rows == expected).all(axis=1)
+    return same
 
 
 def _read_wide(
