@@ -20,6 +20,11 @@ LABELS = ("Coulomb [N m]", "Viscous [N m s/rad]")
 UNSETTLED = 10.0
 """Times the median width beyond which an interval says nothing, and neither does its value: early windows of one
 speed. They do not stretch the panel."""
+NEAR = 1.5
+"""Times the range of the values and the whole-log interval that bands may reach beyond it; there they are cut."""
+SMALLEST_SHARE, SMALLEST_RANGE = 0.02, 1e-6
+"""Of the value, and of all: a panel is never higher resolved than that."""
+WINDOW, BAND = "window", "95 %"
 
 
 def draw_coefficients(estimate: Estimate, joint: int | None) -> "Figure":
@@ -65,7 +70,7 @@ def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]
 
 
 def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple[float, float] | None:
-    """Return limits that show the values and the whole-log interval, and the bands as far as twice that beyond.
+    """Return limits that show the values and the whole-log interval, and of the bands as much as is near.
 
     Args:
         value: Coefficient after each cycle, shape (m,); NaN where there is none.
@@ -82,16 +87,11 @@ def y_limits(value: Float, low: Float, high: Float, whole: Coefficient) -> tuple
     if not len(shown):
         return None
     bottom, top = float(shown.min()), float(shown.max())
-    reach = max(top - bottom, SMALLEST_SHARE * abs(top), SMALLEST_RANGE)
+    reach = NEAR * max(top - bottom, SMALLEST_SHARE * abs(top), SMALLEST_RANGE)
     bands = np.concatenate([low, high, shown])
     inside = np.clip(bands[np.isfinite(bands)], bottom - reach, top + reach)
     margin = 0.05 * max(float(np.ptp(inside)), reach)
     return float(inside.min()) - margin, float(inside.max()) + margin
-
-
-SMALLEST_SHARE, SMALLEST_RANGE = 0.02, 1e-6
-"""Of the value, and of all: a panel is never higher resolved than that."""
-WINDOW, BAND = "window", "95 %"
 
 
 def _is_cut(axes: "Axes") -> bool:
