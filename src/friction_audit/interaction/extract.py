@@ -85,7 +85,7 @@ def extract_interaction(
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
     index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
-    unused = _not_used(plan, balance, settings, hand=hand)
+    unused = _not_used(log, plan, balance, settings, hand=hand)
     return Interaction(
         t=log.t,
         q=kept.q,
@@ -226,12 +226,14 @@ def _formula(plan: Plan, balance: _Balance) -> str:
     return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
 
 
-def _not_used(plan: Plan, balance: _Balance, settings: TorqueSettings, *, hand: bool) -> tuple[Caution, ...]:
+def _not_used(
+    log: JointLog, plan: Plan, balance: _Balance, settings: TorqueSettings, *, hand: bool
+) -> tuple[Caution, ...]:
     """Name what was said about the arm and changes nothing, because the torque needs no model of it."""
     if settings.urdf is not None and plan.arm is None:
         check_urdf(settings.urdf)  # no use is no excuse for a file that is no arm
     modelled = balance.modelled is not None
-    placed = modelled or plan.arm is not None  # even beside logged gravity its direction is the model's
+    placed = plan.arm is not None  # even beside logged gravity its direction is the model's
     given = (
         ("--payload", settings.payload is not None and not modelled),
         ("--urdf", settings.urdf is not None and not (placed or hand)),
@@ -240,9 +242,9 @@ def _not_used(plan: Plan, balance: _Balance, settings: TorqueSettings, *, hand: 
     unused = [option for option, idle in given if idle]
     if not unused:
         return ()
+    instead = "" if log.tau_J is None else ", or ask for the model with --torque tau_J --gravity model"
     message = (
-        f"{', '.join(unused)}: not used: {_formula(plan, balance)} needs no model of the arm; leave it away, or ask "
-        "for the model with --torque tau_J --gravity model"
+        f"{', '.join(unused)}: not used: {_formula(plan, balance)} needs no model of the arm; leave it away{instead}"
     )
     return (Caution(code="model_not_used", message=message),)
 
@@ -295,7 +297,7 @@ def _contradicted(log: JointLog, plan: Plan, balance: _Balance, settings: Torque
     wrong = ", or ".join(causes or ["velocity and torque do not belong together"])
     message = (
         f"with {_formula(plan, balance)}{row} the net energy falls on most of the moving joints, "
-        f"which friction cannot do{tried}; {wrong}"
+        f"which friction cannot do{tried}; perhaps {wrong}"
     )
     return Caution(code="sign_contradicts_drive", message=message)
 
