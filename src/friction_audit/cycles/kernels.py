@@ -1,16 +1,16 @@
 """The truly sequential loops of the segmentation, compiled; they run beside one another in threads."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
 WORK, COMPENSATION, PRINTED, PATH, RECTIFIED, SQUARE, HALF_SQUARE = range(7)
 SUMS = 7
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def find_borders(  # noqa: C901 - one pass over the samples, one state machine
     velocity: Float, initiation: float, termination: float, merge: bool
 ) -> NDArray[np.int64]:
@@ -58,7 +58,7 @@ def find_borders(  # noqa: C901 - one pass over the samples, one state machine
     return borders[:count].copy() if count > 1 else np.empty(0, np.int64)
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def cut_evenly(
     t: Float, speed: Float, borders: NDArray[np.int64], parts: int
 ) -> tuple[NDArray[np.int64], Float, Float]:
@@ -96,7 +96,7 @@ def cut_evenly(
     return edges, peak, longest
 
 
-@njit(cache=True, nogil=True)
+@compiled()
 def add_up(
     t: Float,
     q: Float,
@@ -145,7 +145,7 @@ def add_up(
 
 
 # Typed, so that importing this module starts the compiler: that takes longer than all the loops of an hour of log.
-@njit("void(float64[::1], float64, float64, float64)", cache=True, nogil=True)
+@compiled("void(float64[::1], float64, float64, float64)")
 def low_pass_both_ways(signal: Float, gain: float, a1: float, a2: float) -> None:
     """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, over a signal in place, forwards and backwards.
 

@@ -1,29 +1,28 @@
-"""The same coefficients from the torque itself: a robust regression with autocorrelation-consistent intervals.
+"""The same coefficients from the torque itself: a robust regression, with intervals that allow for autocorrelation.
 
     F_m + u = mu_c sgn(v) + mu_v v + b + c_x g_x + c_y g_y + B dv/dt
 
 It weighs slow and fast motion alike where the energy method weighs by power, so the two differ when friction is not
 Coulomb plus viscous, when torque and velocity are not simultaneous, or when the model lacks something.
+
+Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.velocity import filter_velocity
-from friction_audit.friction.history import Coefficient, TorqueRegression
-from friction_audit.friction.robust_regression import huber_weights, newey_west_errors, solve_weighted
+from friction_audit.friction.equations import Equations
+from friction_audit.friction.history import TorqueRegression
+from friction_audit.friction.huber import huber_weights
+from friction_audit.friction.weighted import FEWEST_CYCLES, fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
 MOST_ROWS = 20_000
-LAG_S = 0.5
-"""Longest correlation time that the intervals allow for; friction and model errors repeat within a stroke."""
-
 FEWEST_ROWS = 100
-QUANTILE = 1.959963984540054
-"""Of the normal distribution, for 95 % intervals."""
 
 
 def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float) -> TorqueRegression | None:
@@ -35,36 +34,28 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
         dead_band_rad_s: Speed below which the sign of the velocity means nothing. [rad/s]
 
     Returns:
-        The regression, or None with too few moving samples.
+        The regression, or None with too few moving samples or strokes.
     """
-    rows = _rows(interaction, column, dead_band_rad_s)
-    if rows is None:
+    columns, torque, stroke = _rows(interaction, column, dead_band_rad_s)
+    strokes = int(stroke[-1]) + 1 if len(stroke) else 0
+    if len(torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    design, torque, spacing_s = rows
-    scale = np.linalg.norm(design, axis=0)
-    scaled = design / scale
-    weights = huber_weights(scaled, torque)
-    solution, inverse = solve_weighted(scaled, torque, weights)
-    residual = torque - scaled @ solution
-    lags = max(int(LAG_S / spacing_s), 1)
-    half = QUANTILE * newey_west_errors(scaled * (weights * residual)[:, None], inverse, lags) / scale
-    value = solution / scale
-    coulomb, viscous = (
-        Coefficient(value=float(value[k]), low=float(value[k] - half[k]), high=float(value[k] + half[k]))
-        for k in range(2)
-    )
+    design = np.stack(list(columns.values()), axis=1)
+    fit = fit_windows(_gather(tuple(columns), design, torque, stroke), strokes)
     return TorqueRegression(
-        coulomb=coulomb,
-        viscous=viscous,
-        offset_nm=float(value[2]),
-        inertia_kg_m2=float(value[3]),
-        residual_rms_nm=float(np.sqrt(np.mean(residual**2))),
+        coulomb=fit.coefficient("coulomb"),
+        viscous=fit.coefficient("viscous"),
+        offset_nm=fit.coefficient("offset").value,
+        inertia_kg_m2=fit.coefficient("inertia").value,
+        residual_rms_nm=float(np.sqrt(np.mean((torque - design @ fit.value[0]) ** 2))),
         samples=len(torque),
     )
 
 
-def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> tuple[Float, Float, float] | None:
-    """Return the design matrix, the torque and the spacing of its rows in time."""
+def _rows(
+    interaction: Interaction, column: int, dead_band_rad_s: float
+) -> tuple[dict[str, Float], Float, NDArray[np.int64]]:
+    """Return the columns by name, the torque, and the number of the stroke of each row."""
     t = interaction.t
     rate_hz = 1.0 / median_step(t)
     velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
@@ -72,16 +63,32 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> tupl
     if interaction.compensation is not None:
         load = load + interaction.compensation[:, column]
     torque = filter_velocity(load, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
-    stride = max(int(rate_hz / ROW_RATE_HZ), len(t) // MOST_ROWS, 1)
-    index = np.arange(0, len(t), stride)
+    index = np.arange(0, len(t), max(int(rate_hz / ROW_RATE_HZ), len(t) // MOST_ROWS, 1))
     index = index[np.abs(velocity[index]) > dead_band_rad_s]
-    if len(index) < FEWEST_ROWS:
-        return None
     v = velocity[index]
-    acceleration = _slope(velocity, t, index)
-    columns = [np.sign(v), v, np.ones(len(v)), acceleration, *_gravity(interaction, column, index)]
-    kept = [c for c in columns if np.ptp(c) > 0 or c is columns[2]]
-    return np.stack(kept, axis=1), torque[index], stride / rate_hz
+    columns = {
+        "coulomb": np.sign(v),
+        "viscous": v,
+        "offset": np.ones(len(v)),
+        "inertia": _slope(velocity, t, index),
+        **_gravity(interaction, column, index),
+    }
+    return columns, torque[index], np.cumsum(np.diff(np.sign(v), prepend=np.sign(v[:1])) != 0)
+
+
+def _gather(names: tuple[str, ...], design: Float, torque: Float, stroke: NDArray[np.int64]) -> Equations:
+    """Gather the rows by stroke, outliers counting less."""
+    scale = np.linalg.norm(design, axis=0).clip(min=np.finfo(float).tiny)
+    scaled = design / scale
+    weighted = scaled * huber_weights(scaled, torque)[:, None]
+    first = np.flatnonzero(np.diff(stroke, prepend=-1))
+    return Equations(
+        names=names,
+        normal=np.add.reduceat(weighted[:, :, None] * scaled[:, None, :], first),
+        right=np.add.reduceat(weighted * torque[:, None], first),
+        scale=scale,
+        rows=len(torque),
+    )
 
 
 def _slope(signal: Float, t: Float, index: NDArray[np.int64]) -> Float:
@@ -92,14 +99,16 @@ def _slope(signal: Float, t: Float, index: NDArray[np.int64]) -> Float:
     return np.asarray((k * left + h * right) / (h + k), np.float64)
 
 
-def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> list[Float]:
+def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
+    """Return how gravity lies across the axis, where it turns: what does not turn is an offset."""
     if interaction.gravity_direction is None or interaction.gravity_index is None:
         q = interaction.q[index, column]
-        return [np.sin(q), np.cos(q)]
-    at, direction = interaction.gravity_index, interaction.gravity_direction[:, column]
-    sides = [np.interp(index, at, direction[:, k]) for k in range(2)]
-    return [side for side in sides if np.ptp(side) > LEAST_SWING]
+        sides = (np.sin(q), np.cos(q))
+    else:
+        at, direction = interaction.gravity_index, interaction.gravity_direction[:, column]
+        sides = (np.interp(index, at, direction[:, 0]), np.interp(index, at, direction[:, 1]))
+    named = zip(("gravity_x", "gravity_y"), sides, strict=True)
+    return {name: side for name, side in named if len(side) and np.ptp(side) > LEAST_SWING}
 
 
 LEAST_SWING = 1e-3
-"""A gravity direction that does not turn is a constant, and the offset has that column already."""

@@ -1,14 +1,14 @@
 """The sequential loops of the simulator, compiled by numba; import this module only where they run."""
 
 import numpy as np
-from numba import njit
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
 ROOT_ITERATIONS = 4
 
 
-@njit(cache=True)
+@compiled()
 def slide(
     q: float, v: float, sign: float, h: float, hand: tuple[float, float, float, float], u: float, body: Float
 ) -> tuple[float, float]:
@@ -27,13 +27,13 @@ def slide(
     return q + 0.5 * h * (v + v_next), v_next
 
 
-@njit(cache=True)
+@compiled()
 def split_hand(hand: tuple[float, float, float, float], share: float) -> tuple[float, float]:
     """Return the intended position and velocity at a share of the step."""
     return hand[0] + share * (hand[2] - hand[0]), hand[1] + share * (hand[3] - hand[1])
 
 
-@njit(cache=True)
+@compiled()
 def find_stop(
     q: float, v: float, sign: float, h: float, hand: tuple[float, float, float, float], u: float, body: Float
 ) -> tuple[float, float]:
@@ -54,7 +54,7 @@ def find_stop(
     return share, place
 
 
-@njit(cache=True)
+@compiled()
 def slip_direction(q: float, place: float, speed: float, u: float, body: Float) -> float:
     """Return the direction in which a joint at rest breaks away, or 0 where friction holds it."""
     drive = body[1] * (place - q) + body[2] * speed + u
@@ -63,13 +63,13 @@ def slip_direction(q: float, place: float, speed: float, u: float, body: Float) 
     return 1.0 if drive > 0.0 else -1.0
 
 
-@njit(cache=True)
+@compiled()
 def dissipation(q: float, v: float, q_next: float, v_next: float, h: float, body: Float) -> float:
     """Return what friction takes in a step without reversal, the velocity being linear in time. [J]"""
     return float(body[3] * abs(q_next - q) + body[4] * h / 3.0 * (v * v + v * v_next + v_next * v_next))
 
 
-@njit(cache=True)
+@compiled()
 def advance(
     q: float, v: float, sign: float, h: float, hand: tuple[float, float, float, float], u: float, body: Float
 ) -> tuple[float, float, float, float]:
@@ -90,7 +90,7 @@ def advance(
     return q_next, v_next, turned, taken + dissipation(q_stop, 0.0, q_next, v_next, rest, body)
 
 
-@njit(cache=True)
+@compiled()
 def integrate(place: Float, speed: Float, h: float, substeps: int, body: Float, compensator: Float) -> Float:
     """Integrate the joint held by the hand from rest; see ``dynamics.move``.
 
@@ -125,7 +125,7 @@ def integrate(place: Float, speed: Float, h: float, substeps: int, body: Float, 
     return out
 
 
-@njit(cache=True)
+@compiled()
 def smooth(signal: Float, keep: float, start: float) -> Float:
     """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
     out = np.empty_like(signal)

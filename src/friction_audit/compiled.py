@@ -1,0 +1,26 @@
+"""Loops compiled by numba, kept in its cache where there is one."""
+
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from numba import njit
+
+Loop = TypeVar("Loop", bound=Callable[..., Any])
+
+
+def compiled(signature: str | None = None) -> Callable[[Loop], Loop]:
+    """Compile a loop; it gives the interpreter away while it runs.
+
+    With a signature, importing the module compiles it (or loads it from the cache) instead of the first call. In an
+    installation that nobody may write to, without a home for the cache, it is compiled anew in every process.
+    """
+
+    def decorate(loop: Loop) -> Loop:
+        try:
+            return cast("Loop", njit(signature, cache=True, nogil=True)(loop))
+        except RuntimeError as error:
+            if "cannot cache" not in str(error):
+                raise
+            return cast("Loop", njit(signature, nogil=True)(loop))
+
+    return decorate
