@@ -141,6 +141,10 @@ class TorqueOptions:
     gravity_vector: Annotated[
         str, typer.Option(metavar="X,Y,Z", help="Gravity in the base frame [m/s^2].", rich_help_panel=TORQUE)
     ] = "0,0,-9.81"
+    model_rate: Annotated[
+        float,
+        typer.Option(metavar="HZ", help="Rate at which the model of the arm is evaluated.", rich_help_panel=TORQUE),
+    ] = 50.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

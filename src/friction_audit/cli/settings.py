@@ -41,6 +41,7 @@ def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
         urdf=torque.urdf,
         payload=numbers,
         gravity_vector=vector,
+        model_rate_hz=torque.model_rate,
     )
 
 

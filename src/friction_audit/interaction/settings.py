@@ -47,7 +47,7 @@ class TorqueSettings:
     urdf: Path | None = None
     payload: tuple[float, float, float, float] | None = None
     gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)
-    model_rate_hz: float = 100.0
+    model_rate_hz: float = 50.0
 
     def __post_init__(self) -> None:
         """Check every choice against its names."""
