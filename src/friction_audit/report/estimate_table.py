@@ -19,8 +19,8 @@ TITLES = (
     "viscous\n[N m s/rad]",
     "cycles\n(out)",
     "cond.\nnumber",
-    "torque fit\nCoulomb",
-    "torque fit\nviscous",
+    "torque\nCoulomb",
+    "torque\nviscous",
 )
 
 
