@@ -129,3 +129,13 @@ def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: lis
 def test_thresholds_in_the_wrong_order_are_refused() -> None:
     with pytest.raises(UsageError, match=r"--thresholds 0\.05,0\.2: expected initiation above termination"):
         CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.2)
+
+
+def test_a_stretched_clock_changes_neither_work_nor_path() -> None:
+    t, v, torque = rubbed(*BACK_AND_FORTH)
+    right = interaction(t, v, torque)
+    stretched = interaction(1.1 * t, v, torque, q=right.q)
+    once, again = segment_cycles(right, DEFAULT), segment_cycles(stretched, DEFAULT)
+    np.testing.assert_allclose(again.work_j, once.work_j, rtol=1e-6)
+    np.testing.assert_allclose(again.sums.path_rad, once.sums.path_rad, rtol=1e-6)
+    np.testing.assert_allclose(again.sums.printed_net_j, 1.1 * once.sums.printed_net_j, rtol=1e-6)
