@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -195,3 +197,14 @@ def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
 def test_the_smallest_window_is_checked() -> None:
     with pytest.raises(UsageError, match="--window 1: the combined model needs at least 2 cycles"):
         FrictionSettings(window=1)
+
+
+def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever_defines_the_cycles() -> None:
+    t, v, a = strokes(LENGTHS, DURATIONS)
+    log = replace(interaction(t, v, friction(v, a)), hand_speed=0.5 * np.abs(v))
+    found = [
+        estimate_friction(log, segment_cycles(log, CycleSettings(cycles_from=which)), FrictionSettings()).joints[0]
+        for which in ("joint", "hand")
+    ]
+    assert found[0].regression is not None
+    assert found[0].regression == found[1].regression

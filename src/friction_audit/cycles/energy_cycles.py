@@ -82,6 +82,8 @@ class EnergyCycles:
         termination: Threshold used per joint, shape (j,). [speed_unit]
         fastest: Largest filtered speed in the log of what the thresholds are for, shape (j,). [speed_unit]
         speed_unit: ``"rad/s"``, or ``"m/s"`` where the hand defines the cycles.
+        standstill_rad_s: Speed of each joint itself below which its direction means nothing: its own termination
+            threshold, also where the hand defines the cycles, shape (j,). [rad/s]
         moving_s: Time above the initiation threshold per joint of the Interaction, shape (j,). [s]
     """
 
@@ -99,6 +101,7 @@ class EnergyCycles:
     termination: Float
     fastest: Float
     speed_unit: str
+    standstill_rad_s: Float
     moving_s: Float
 
     @property

@@ -85,6 +85,7 @@ def _segment_joint(
         termination=np.array([detector.termination]),
         fastest=np.array([np.abs(detector.signal).max()]),
         speed_unit="rad/s" if detector.signed else "m/s",
+        standstill_rad_s=np.array([own.termination]),
         moving_s=np.array([np.mean(np.abs(filtered) > own.initiation) * (t[-1] - t[0])]),
     )
 
@@ -166,7 +167,7 @@ def _common_reason(cycles: EnergyCycles, settings: CycleSettings) -> NDArray[np.
 
 
 def _join(joints: list[EnergyCycles]) -> EnergyCycles:
-    per_joint = ("initiation", "termination", "fastest", "moving_s")
+    per_joint = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
     columns = {name: np.concatenate([getattr(c, name) for c in joints]) for name in (*PER_CYCLE, *per_joint)}
     sums, parts = (
         EnergySums(

@@ -14,7 +14,6 @@ NOISE_MULTIPLE = 5.0
 """Termination stays this many standard deviations above the noise of the filtered velocity."""
 
 BRISK_QUANTILE = 0.9
-SHORTEST_PIECE = 2
 
 
 def thresholds_from_log(dq: Float, filtered: Float, *, rate_hz: float, cutoff_hz: float) -> tuple[float, float]:
@@ -46,8 +45,6 @@ TINY = 1e-6
 
 def _noise_left(dq: Float, filtered: Float, *, rate_hz: float, cutoff_hz: float) -> float:
     """Standard deviation of the noise that passes the filter, from what does not pass."""
-    if filtered is dq or len(dq) <= SHORTEST_PIECE:
-        return 0.0
     taken = np.abs(dq - filtered)
     sigma = 1.4826 * float(np.median(taken))
     share = min(2.0 * cutoff_hz / rate_hz, 1.0)

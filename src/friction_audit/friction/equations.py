@@ -30,14 +30,12 @@ class Equations:
         normal: A_g^T W A_g per cycle, shape (m, p, p).
         right: A_g^T W y_g per cycle, shape (m, p).
         scale: Lengths by which the columns were divided, shape (p,).
-        rows: Number of rows of all cycles.
     """
 
     names: tuple[str, ...]
     normal: Float
     right: Float
     scale: Float
-    rows: int
 
     def first(self, cycles: int) -> "Equations":
         """Return the equations of the first cycles."""
@@ -79,7 +77,6 @@ def set_up(cycles: EnergyCycles, model: str) -> Equations:
         normal=np.swapaxes(matrix, 1, 2) @ matrix,
         right=np.einsum("gip,gi->gp", matrix, right),
         scale=scale,
-        rows=int(usable.sum()),
     )
 
 

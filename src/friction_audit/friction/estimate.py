@@ -68,7 +68,7 @@ def _estimate_joint(
         gravity_error_nm=solution.gravity_error_nm,
         condition_number=solution.condition_number,
         correlation=solution.correlation,
-        regression=regress_torque(interaction, column, float(cycles.termination[column])) if compare else None,
+        regression=regress_torque(interaction, column, float(cycles.standstill_rad_s[column])) if compare else None,
         history=solution.history,
         reason=reason,
     )

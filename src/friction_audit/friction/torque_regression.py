@@ -87,7 +87,6 @@ def _gather(names: tuple[str, ...], design: Float, torque: Float, stroke: NDArra
         normal=np.add.reduceat(weighted[:, :, None] * scaled[:, None, :], first),
         right=np.add.reduceat(weighted * torque[:, None], first),
         scale=scale,
-        rows=len(torque),
     )
 
 
