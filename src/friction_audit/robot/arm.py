@@ -129,20 +129,6 @@ class Arm:
             result[:, place] = direction[joint] @ across.T
         return result if self._in_order else result[:, np.argsort(self.columns)]
 
-    def hand_pose(self, q: Float) -> Float:
-        """Return the pose of the flange frame in the base frame for one configuration, shape (4, 4). [m]"""
-        pin, data = _pinocchio(), self.model.createData()
-        (arranged,) = self._arranged(q[None])
-        pin.framesForwardKinematics(self.model, data, arranged[0])
-        pose: Float = data.oMf[self.model.getFrameId(self.flange)].homogeneous
-        return pose
-
-    def potential_energy(self, q: Float) -> Float:
-        """Return the potential energy of configurations of shape (n, j), shape (n,). [J]"""
-        pin, data = _pinocchio(), self.model.createData()
-        (arranged,) = self._arranged(q)
-        return np.array([pin.computePotentialEnergy(self.model, data, position) for position in arranged])
-
     @property
     def _in_order(self) -> bool:
         return self.columns == tuple(range(len(self.columns)))
