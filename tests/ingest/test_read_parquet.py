@@ -126,6 +126,36 @@ def test_long_tables(tmp_path: Path) -> None:
     assert log.source.robot == "fr3"
 
 
+def _long_columns(samples: int = 300) -> dict[str, Any]:
+    arrays = motion(samples)
+    columns: dict[str, Any] = {"time": np.repeat(arrays["t"], 3), "joint": ["joint1", "joint2", "joint3"] * samples}
+    return columns | {channel: arrays[channel].ravel() for channel in ("q", "dq", "tau_J")}
+
+
+def test_a_long_table_with_its_channels_in_a_struct(tmp_path: Path) -> None:
+    columns = _long_columns()
+    fields = {channel: pa.array(columns.pop(channel)) for channel in ("q", "dq", "tau_J")}
+    columns["state"] = pa.StructArray.from_arrays(list(fields.values()), list(fields))
+    np.testing.assert_array_equal(read_log(write(tmp_path / "run.parquet", columns)).q, motion(300)["q"])
+
+
+def test_a_long_table_with_texts_for_numbers(tmp_path: Path) -> None:
+    columns = _long_columns()
+    columns["q"] = ["0.1"] * len(columns["q"])
+    with pytest.raises(InputError, match="q holds string; expected numbers"):
+        read_log(write(tmp_path / "run.parquet", columns))
+
+
+def test_a_stamp_that_is_missing_is_refused(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    time = next(iter(frame.columns))
+    frame[time] = pd.to_datetime(frame[time], unit="s")
+    frame.loc[7, time] = pd.NaT
+    frame.to_parquet(tmp_path / "run.parquet")
+    with pytest.raises(InputError, match=f"{time} lacks 1 stamps; expected one in every row"):
+        read_log(tmp_path / "run.parquet")
+
+
 @pytest.mark.parametrize(
     ("metadata", "names", "robot"),
     [

@@ -16,7 +16,7 @@ from friction_audit.ingest.columns import ColumnMap, map_columns
 from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
-from friction_audit.ingest.time_column import to_clock
+from friction_audit.ingest.time_column import TimeColumn, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 from friction_audit.joint_log import Float
 
@@ -129,17 +129,11 @@ def _read_wide(
     rows = file.metadata.num_rows
     if rows == 0:
         raise InputError(f"{path}: 0 samples; the table has columns and no rows")
-    time: NDArray[Any] = np.empty(rows, dtype=_time_type(file, cells, columns))
     channels: dict[str, Float] = {c: np.empty((rows, len(own)), order="F") for c, own in columns.channels.items()}
-    wanted = _targets(cells, columns, time, channels)
-    # Column by column: as fast as all at once, and only one row group of one column per thread is in memory beside
-    # the arrays that are kept.
-    with ThreadPoolExecutor(max_workers=_WORKERS, thread_name_prefix="parquet") as pool:
-        tasks = [pool.submit(_read_column, file.metadata, path, *wish, targets) for wish, targets in wanted.items()]
-        for task in tasks:
-            task.result()
-    if len(columns.time.cells) > 1:
-        time = time[:, 0] * 1_000_000_000 + time[:, 1]
+    aims = [
+        (cells[cell], channels[c][:, joint]) for c, own in columns.channels.items() for joint, cell in enumerate(own)
+    ]
+    time = _read_numbers(file, path, cells, columns.time, aims)
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
     recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
     return recording if is_named else name_joints(recording, *_stated_joints(file.schema_arrow.metadata or {}))
@@ -156,15 +150,31 @@ def _stated_joints(metadata: Mapping[bytes, bytes]) -> tuple[list[str], str]:
     return names if is_list else [], robot if robot in ("panda", "fr3") else "unknown"
 
 
+def _read_numbers(
+    file: Any,  # noqa: ANN401
+    path: Path,
+    cells: Sequence[Cell],
+    clock: TimeColumn,
+    aims: Sequence[tuple[Cell, Float]],
+) -> NDArray[Any]:
+    """Read cells into their arrays; returns the stamps, as they stand in the file."""
+    time: NDArray[Any] = np.empty(file.metadata.num_rows, dtype=_time_type(file, cells, clock))
+    parts = [time] if len(clock.cells) == 1 else [time[:, part] for part in range(len(clock.cells))]
+    stamps = [(cells[cell], part) for cell, part in zip(clock.cells, parts, strict=True)]
+    wanted = _targets(cells, [*aims, *stamps])
+    # Column by column: as fast as all at once, and only one row group of one column per thread is in memory beside
+    # the arrays that are kept.
+    with ThreadPoolExecutor(max_workers=_WORKERS, thread_name_prefix="parquet") as pool:
+        tasks = [pool.submit(_read_column, file.metadata, path, *wish, targets) for wish, targets in wanted.items()]
+        for task in tasks:
+            task.result()
+    return time if len(clock.cells) == 1 else time[:, 0] * 1_000_000_000 + time[:, 1]
+
+
 def _targets(
-    cells: Sequence[Cell], columns: ColumnMap, time: NDArray[Any], channels: Mapping[str, Float]
+    cells: Sequence[Cell], aims: Sequence[tuple[Cell, NDArray[Any]]]
 ) -> dict[tuple[str, int], list[tuple[int | None, NDArray[Any]]]]:
     """Return column of the file and its width -> the arrays that its elements go to."""
-    aims = [
-        (cells[cell], channels[c][:, joint]) for c, own in columns.channels.items() for joint, cell in enumerate(own)
-    ]
-    parts = [time] if len(columns.time.cells) == 1 else [time[:, part] for part in range(len(columns.time.cells))]
-    aims += [(cells[cell], part) for cell, part in zip(columns.time.cells, parts, strict=True)]
     widths: dict[str, int] = {}
     for cell in cells:
         widths[cell.column] = widths.get(cell.column, 0) + (cell.element is not None)
@@ -176,14 +186,10 @@ def _targets(
 
 def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns, arm: str) -> Recording:  # noqa: ANN401
     """Read a table with one row per joint and time."""
-    names = [cells[cell].column for cell in (long.joint, *long.time.cells, *long.channels.values())]
-    table = file.read(columns=names).combine_chunks()
-    values = {
-        c: np.asarray(table[cells[cell].column].to_numpy(), dtype=np.float64) for c, cell in long.channels.items()
-    }
-    joint = table[names[0]].to_numpy().astype(str).astype(object)
-    stamps = [_integers_or_floats(table[cells[cell].column].combine_chunks()) for cell in long.time.cells]
-    time = stamps[0] if len(stamps) == 1 else stamps[0].astype(np.int64) * 1_000_000_000 + stamps[1]
+    values = {channel: np.empty(file.metadata.num_rows) for channel in long.channels}
+    time = _read_numbers(file, path, cells, long.time, [(cells[own], values[c]) for c, own in long.channels.items()])
+    column = cells[long.joint].column
+    joint = file.read(columns=[column])[column].to_numpy().astype(str).astype(object)
     unit = _stamp_unit(file, cells[long.time.cells[0]])
     return pivot_long(long, joint, time, values, path=str(path), arm=arm, unit=unit)
 
@@ -203,8 +209,18 @@ def _read_column(
             for batch in table.to_batches(max_chunksize=_BATCH_ROWS):
                 values = _values(batch, column, width, path, start)
                 for element, target in targets:
+                    _refuse_missing_stamps(path, column, values, target)
                     target[start : start + len(values)] = values if element is None else values[:, element]
                 start += len(values)
+
+
+def _refuse_missing_stamps(path: Path, column: str, values: NDArray[Any], target: NDArray[Any]) -> None:
+    """Refuse integer stamps with nulls among them, which no integer stands for."""
+    if target.dtype.kind == "i" and values.dtype.kind == "f" and np.isnan(values).any():
+        raise InputError(
+            f"{path}: {column} lacks {np.count_nonzero(np.isnan(values))} stamps; expected one in every row; "
+            "remove the rows without, or name another clock with --map t=<column>"
+        )
 
 
 def _values(batch: Any, column: str, width: int, path: Path, start: int) -> NDArray[Any]:  # noqa: ANN401
@@ -314,11 +330,11 @@ def _field_type(file: Any, cell: Cell) -> Any:  # noqa: ANN401
     return kind
 
 
-def _time_type(file: Any, cells: Sequence[Cell], columns: ColumnMap) -> Any:  # noqa: ANN401
+def _time_type(file: Any, cells: Sequence[Cell], clock: TimeColumn) -> Any:  # noqa: ANN401
     """Return int64 for integer stamps, which a float would round, and float64 otherwise."""
     import pyarrow as pa
 
-    kinds = [_field_type(file, cells[cell]) for cell in columns.time.cells]
+    kinds = [_field_type(file, cells[cell]) for cell in clock.cells]
     exact = all(pa.types.is_integer(k) or pa.types.is_timestamp(k) or pa.types.is_duration(k) for k in kinds)
     return np.dtype((np.int64, (len(kinds),))) if len(kinds) > 1 else np.dtype(np.int64 if exact else np.float64)
 
