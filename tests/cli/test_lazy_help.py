@@ -12,7 +12,19 @@ from friction_audit.interaction import settings as torque
 from friction_audit.report import figures
 from friction_audit.report.figures import save
 
-HEAVY = ("numpy", "scipy", "pandas", "pyarrow", "matplotlib", "rich", "rosbags", "mcap", "pinocchio", "statsmodels")
+HEAVY = (
+    "numpy",
+    "scipy",
+    "pandas",
+    "pyarrow",
+    "numba",
+    "matplotlib",
+    "rich",
+    "rosbags",
+    "mcap",
+    "pinocchio",
+    "statsmodels",
+)
 
 SCRIPT = f"""
 import sys

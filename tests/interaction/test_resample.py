@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 
 from friction_audit.interaction.resample import grids_of, position_on, torque_on_grids, velocity_on
+from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.robot import load_arm
 
+RATE_HZ = TorqueSettings().model_rate_hz
 CENTRE = np.array([0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8])
 AMPLITUDE = np.array([0.5, 0.4, 0.5, 0.4, 0.5, 0.5, 0.6])
 FREQUENCY_HZ = np.array([0.5, 0.7, 0.9, 1.1, 0.6, 0.8, 1.0])
@@ -40,7 +42,7 @@ def test_gravity_from_the_grid_is_gravity_at_every_sample(rate_hz: float) -> Non
     log, _ = moving_arm(jittered(rate_hz, 5.0))
     arm = load_arm()
     torque = np.zeros(log.q.shape)
-    modelled = torque_on_grids(grids_of(log, 100.0), lambda grid: arm.gravity(position_on(grid, log)))
+    modelled = torque_on_grids(grids_of(log, RATE_HZ), lambda grid: arm.gravity(position_on(grid, log)))
     modelled.subtract_from(torque, log.t, list(range(7)))
     assert np.abs(torque + arm.gravity(log.q)).max() < 0.01
 
@@ -51,7 +53,7 @@ def test_inverse_dynamics_from_the_grid_is_within_a_hundredth_of_the_inertial_to
     exact = arm.inverse_dynamics(log.q, log.dq, ddq)
     torque = np.zeros(log.q.shape)
     modelled = torque_on_grids(
-        grids_of(log, 100.0), lambda grid: arm.inverse_dynamics(position_on(grid, log), *velocity_on(grid, log))
+        grids_of(log, RATE_HZ), lambda grid: arm.inverse_dynamics(position_on(grid, log), *velocity_on(grid, log))
     )
     modelled.subtract_from(torque, log.t, list(range(7)))
     inside = (log.t > 0.5) & (log.t < log.t[-1] - 0.5)
@@ -63,7 +65,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
     t = jittered(1000.0, 6.0)
     log, ddq = moving_arm(t)
     noisy = np.asfortranarray(log.dq + np.random.default_rng(5).normal(0, 0.003, log.dq.shape))
-    (grid,) = grids_of(log, 100.0)
+    (grid,) = grids_of(log, RATE_HZ)
     smooth, slope = velocity_on(grid, replace(log, dq=noisy))
     inside = slice(50, -50)
     for joint in range(7):
@@ -75,7 +77,7 @@ def test_velocity_has_no_delay_and_loses_noise() -> None:
 @pytest.mark.parametrize("rate_hz", [30.0, 12.0, 3.0])
 def test_a_log_slower_than_the_filter_is_still_followed(rate_hz: float) -> None:
     log, _ = moving_arm(np.arange(0.0, 8.0, 1 / rate_hz))
-    (grid,) = grids_of(log, 100.0)
+    (grid,) = grids_of(log, RATE_HZ)
     velocity, acceleration = velocity_on(grid, log)
     assert len(grid.t) <= len(log.t) + 1
     assert np.abs(velocity).max() < 1.2 * np.abs(log.dq).max()
@@ -84,7 +86,7 @@ def test_a_log_slower_than_the_filter_is_still_followed(rate_hz: float) -> None:
 
 def test_nothing_crosses_a_hole_in_the_log() -> None:
     log, _ = moving_arm(np.concatenate([np.arange(0.0, 2.0, 0.001), np.arange(1000.0, 1002.0, 0.001)]))
-    grids = grids_of(log, 100.0)
+    grids = grids_of(log, RATE_HZ)
     assert [(round(grid.t[0]), round(grid.t[-1])) for grid in grids] == [(0, 2), (1000, 1002)]
     assert sum(len(grid.t) for grid in grids) < 410
     arm = load_arm()
@@ -97,7 +99,7 @@ def test_nothing_crosses_a_hole_in_the_log() -> None:
 @pytest.mark.parametrize("samples", [3, 4, 5, 40])
 def test_very_short_logs_and_lone_samples(samples: int) -> None:
     log, _ = moving_arm(np.concatenate([np.arange(samples) * 0.001, [60.0]]))
-    grids = grids_of(log, 100.0)
+    grids = grids_of(log, RATE_HZ)
     velocity = [velocity_on(grid, log) for grid in grids]
     torque = np.zeros(log.q.shape)
     torque_on_grids(grids, lambda grid: position_on(grid, log)).subtract_from(torque, log.t, list(range(7)))
