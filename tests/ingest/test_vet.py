@@ -8,13 +8,14 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.reader import ReadOptions, Recording
-from friction_audit.ingest.vet import vet
+from friction_audit.ingest.vet import examine, to_joint_log
 from friction_audit.joint_log import Finding, JointLog
 from tests.ingest.synthetic_recordings import recording
 
 
 def vetted(given_recording: Recording, options: ReadOptions | None = None) -> JointLog:
-    return vet(given_recording, path="run.log", sha256="0" * 64, format="test", options=options or ReadOptions())
+    examined = examine(given_recording, path="run.log", options=options or ReadOptions())
+    return to_joint_log(examined, path="run.log", sha256="0" * 64, format="test")
 
 
 def finding(log: JointLog, code: str) -> Finding:

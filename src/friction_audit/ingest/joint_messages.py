@@ -13,7 +13,6 @@ class MessageKind:
     """One family of joint state messages.
 
     Attributes:
-        title: What people call it.
         rank: Preference when a file holds several; the smallest wins.
         fields: Channel -> dotted path of its array.
         required: Channels of which a definition must have all.
@@ -23,7 +22,6 @@ class MessageKind:
         elements: Path of a list with one entry per joint; the other paths then lie within an entry.
     """
 
-    title: str
     rank: int
     fields: Mapping[str, str]
     required: tuple[str, ...]
@@ -34,8 +32,8 @@ class MessageKind:
 
 
 KINDS: tuple[MessageKind, ...] = (
+    # nested FrankaRobotState
     MessageKind(
-        title="nested FrankaRobotState",
         rank=0,
         fields={
             "q": "measured_joint_state.position",
@@ -48,8 +46,8 @@ KINDS: tuple[MessageKind, ...] = (
         names="measured_joint_state.name",
         robot_time="time",
     ),
+    # FrankaState
     MessageKind(
-        title="FrankaState",
         rank=0,
         fields={
             "q": "q",
@@ -68,16 +66,16 @@ KINDS: tuple[MessageKind, ...] = (
         robot_time="time",
         stamps=("header.stamp", "stamp"),
     ),
+    # JointState
     MessageKind(
-        title="JointState",
         rank=1,
         fields={"q": "position", "dq": "velocity", "tau_J": "effort"},
         required=("q", "dq", "tau_J"),
         names="name",
         stamps=("header.stamp", "timestamp", "stamp"),
     ),
+    # foxglove JointStates
     MessageKind(
-        title="foxglove JointStates",
         rank=1,
         fields={"q": "position", "dq": "velocity", "tau_J": "effort"},
         required=(),

@@ -176,7 +176,7 @@ def _kind(decoder: MessageDecoder, mapping: Mapping[str, str]) -> tuple[MessageK
     if not named or missing:
         return kind, missing
     robot_time = named.pop("t", None)
-    base = kind or MessageKind(title="as mapped", rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
+    base = kind or MessageKind(rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
     return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time), []
 
 

@@ -17,7 +17,7 @@ from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+MESSAGE, BAG_HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
 SHORTEST_RUN = 16
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")

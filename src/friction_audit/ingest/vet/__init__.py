@@ -14,29 +14,11 @@ from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.joint_log import MINIMUM_SAMPLES, JointLog, Source
 
-_DEFAULT = ReadOptions()
-
-
-def vet(
-    recording: Recording,
-    *,
-    path: str,
-    sha256: str,
-    format: str,  # noqa: A002 (the name of the field in Source)
-    options: ReadOptions = _DEFAULT,
-) -> JointLog:
-    """Examine a recording and make it a JointLog.
-
-    The recording's arrays are worked on in place and become the log's.
-
-    Raises:
-        InputError: If it cannot be used; the message says what was found and what to do.
-    """
-    return to_joint_log(examine(recording, path=path, options=options), path=path, sha256=sha256, format=format)
-
 
 def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recording:
     """Notice, handle or refuse the faults of a recording; its findings grow.
+
+    The recording's arrays are worked on in place.
 
     Raises:
         InputError: If it cannot be used.
