@@ -65,7 +65,7 @@ def _in_seconds(robot_time: Float, log_time: Int) -> tuple[Float, list[Finding]]
 
 
 def _runs(t: Float) -> bool:
-    """Return True if a clock is finite and moves on with most messages, unless there is one message only."""
+    """Return True if a clock is finite and does not stand still; a single message cannot tell."""
     return bool(np.isfinite(t).all()) and (len(t) == 1 or bool(t.max() > 0.0))
 
 

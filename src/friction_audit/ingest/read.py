@@ -1,6 +1,5 @@
 """A path -> JointLog: the reader is chosen by content, then by suffix; the result is vetted."""
 
-import os
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
@@ -116,7 +115,7 @@ def _unreadable(path: Path, error: OSError) -> InputError:
     advice = {
         FileNotFoundError: "no such file or directory; check the path",
         PermissionError: "no permission to read it; change its mode or owner",
-    }.get(type(error), f"cannot be read: {error.strerror or os.strerror(error.errno or 0)}")
+    }.get(type(error), f"cannot be read: {error.strerror or error}")
     return InputError(f"{path}: {advice}")
 
 
