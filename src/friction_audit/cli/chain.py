@@ -77,9 +77,14 @@ def require_an_estimate(result: "Estimate") -> None:
         raise AnalysisError(f"{result.log.source.path}: no joint has an estimate:{lines}")
 
 
+def is_damaged(log: "JointLog") -> bool:
+    """Return True if part of the input is missing from a log."""
+    return any(found.damaged for found in log.source.findings)
+
+
 def exit_if_damaged(*logs: "JointLog") -> None:
     """Exit with the code for a result that part of the input is missing from."""
-    if any(found.damaged for log in logs for found in log.source.findings):
+    if any(map(is_damaged, logs)):
         raise typer.Exit(DAMAGED)
 
 

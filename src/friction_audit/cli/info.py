@@ -58,7 +58,7 @@ def command(
     _print(entries, voice, json=json)
     if len(failures) == len(entries):
         raise typer.Exit(max(error.exit_code for error in failures))
-    if failures or any(_is_damaged(entry) for entry in entries):
+    if failures or any(entry.summary is not None and chain.is_damaged(entry.summary.log) for entry in entries):
         raise typer.Exit(DAMAGED)
 
 
@@ -107,10 +107,6 @@ def _summary(log: "JointLog", view: _View) -> "LogSummary":
     except FrictionAuditError as error:
         return summarize_log(log, None, None, obstacle=str(error))
     return summarize_log(log, interaction, segment_cycles(interaction, view.cycles))
-
-
-def _is_damaged(entry: "InfoEntry") -> bool:
-    return entry.summary is not None and any(found.damaged for found in entry.summary.log.source.findings)
 
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:

@@ -8,10 +8,11 @@ import typer
 
 from friction_audit.cli import choices
 from friction_audit.cli.config import load_config
+from friction_audit.cli.grouped_help import GENERAL
 from friction_audit.errors import UsageError
 
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
-CYCLES, ESTIMATE, OUTPUT, GENERAL = "Energy cycles", "Estimate", "Output", "General"
+CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
 
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
 
