@@ -74,8 +74,13 @@ FRANKA_STATE_ROS1 = MessageType(
 )
 """franka_ros 0.10."""
 
-_LOWER_CASE = {"q": "q", "dq": "dq", "tau_j": "tau_J", "tau_j_d": "tau_J_d"}
-_LOWER_CASE["tau_ext_hat_filtered"] = "tau_ext_hat_filtered"
+_LOWER_CASE = {
+    "q": "q",
+    "dq": "dq",
+    "tau_j": "tau_J",
+    "tau_j_d": "tau_J_d",
+    "tau_ext_hat_filtered": "tau_ext_hat_filtered",
+}
 
 FRANKA_STATE = MessageType(
     name="franka_msgs/msg/FrankaState",

@@ -35,3 +35,8 @@ def joint_columns(
     recorded = log.channels()
     kept = [channel for channel in recorded if channels is None or channel in channels]
     return {name(channel, j): recorded[channel][:, j] for channel in kept for j in range(len(log.joint_names))}
+
+
+def tidy_columns(log: JointLog) -> dict[str, Column]:
+    """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
+    return {"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.export.tables import NANOSECONDS, Column, joint_columns, stamps_ns
+from friction_audit.export.tables import NANOSECONDS, Column, joint_columns, stamps_ns, tidy_columns
 from friction_audit.export.writer import Writer
 from friction_audit.joint_log import JointLog
 
@@ -17,7 +17,7 @@ JOINT_STATE_CHANNELS = tuple(JOINT_STATE_FIELDS)
 
 def write_tidy(log: JointLog, path: Path) -> None:
     """Write ``time`` [s], then ``q_1``, ``q_2``, ...; every number so that it reads back to the bit."""
-    write_columns({"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}, path)
+    write_columns(tidy_columns(log), path)
 
 
 def write_long(log: JointLog, path: Path) -> None:
@@ -35,8 +35,8 @@ def write_rostopic(log: JointLog, path: Path) -> None:
         "%time": stamps,
         "field.header.seq": np.arange(len(stamps)),
         "field.header.stamp": stamps,
+        "field.header.frame_id": _constant("", len(stamps)),
     }
-    head["field.header.frame_id"] = _constant("", len(stamps))
     names = {f"field.name{j}": _constant(name, len(stamps)) for j, name in enumerate(log.joint_names)}
     write_columns({**head, **names, **_joint_state(log, "field.{field}{joint}")}, path)
 

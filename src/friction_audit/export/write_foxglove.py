@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 TOPIC = "/joint_states"
 SCHEMA = "foxglove.JointStates"
+HOLDS = ("q", "dq", "tau_J")
 
 _NUMBER = {"type": "number"}
 _TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
@@ -85,7 +86,7 @@ def _protobuf_messages(log: JointLog, descriptors: "FileDescriptorSet") -> Itera
 def _samples(log: JointLog) -> Iterator[tuple[int, list[dict[str, str | float]]]]:
     """Yield (time [ns], joints) for every sample."""
     channels = log.channels()
-    rows = zip(stamps_ns(log).tolist(), *(channels[name] for name in ("q", "dq", "tau_J")), strict=True)
+    rows = zip(stamps_ns(log).tolist(), *(channels[name] for name in HOLDS), strict=True)
     for stamp, q, dq, effort in rows:
         numbers = zip(log.joint_names, q.tolist(), dq.tolist(), effort.tolist(), strict=True)
         yield stamp, [{"name": n, "position": p, "velocity": v, "effort": e} for n, p, v, e in numbers]
@@ -150,7 +151,7 @@ MCAP_JSON = Writer(
     suffix=".mcap",
     write=write_json,
     summary="MCAP of foxglove.JointStates as JSON",
-    holds=("q", "dq", "tau_J"),
+    holds=HOLDS,
     needs=("tau_J",),
 )
 MCAP_PROTOBUF = Writer(
@@ -158,6 +159,6 @@ MCAP_PROTOBUF = Writer(
     suffix=".mcap",
     write=write_protobuf,
     summary="MCAP of foxglove.JointStates as protobuf",
-    holds=("q", "dq", "tau_J"),
+    holds=HOLDS,
     needs=("tau_J",),
 )

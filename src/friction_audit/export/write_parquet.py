@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from friction_audit.export.tables import joint_columns
+from friction_audit.export.tables import tidy_columns
 from friction_audit.export.writer import Writer
 from friction_audit.joint_log import JointLog
 
@@ -16,8 +16,7 @@ def write_parquet(log: JointLog, path: Path) -> None:
     """Write the tidy table: ``time`` [s], then ``q_1``, ``q_2``, ... in SI units."""
     import pyarrow as pa
 
-    columns = {"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}
-    _write(pa.table({name: pa.array(column) for name, column in columns.items()}), log, path)
+    _write(pa.table({name: pa.array(column) for name, column in tidy_columns(log).items()}), log, path)
 
 
 def write_parquet_lists(log: JointLog, path: Path) -> None:
