@@ -8,8 +8,8 @@ from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.report.figures.joint_series import JointSeries, all_series, joint_series
-from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
-from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, SHEET_IN, figure_style
+from friction_audit.report.figures.layout import add_legend, label_panel, new_pairs, say_in_panel
+from friction_audit.report.figures.style import FILTERED, FITTED, figure_style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -30,14 +30,8 @@ WINDOW, BAND = "window", "95 %"
 def draw_coefficients(estimate: Estimate, joint: int | None) -> "Figure":
     """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
     with figure_style():
-        if joint is None:
-            joints = all_series(estimate)
-            figure = new_figure(SHEET_IN, 0.6 + 1.15 * len(joints))
-            pairs = figure.subplots(len(joints), 2, squeeze=False, sharex=True)
-        else:
-            joints = (joint_series(estimate, joint),)
-            figure = new_figure(COLUMN_IN, 3.2)
-            pairs = figure.subplots(2, 1, sharex=True, squeeze=False).T
+        joints = all_series(estimate) if joint is None else (joint_series(estimate, joint),)
+        figure, pairs = new_pairs(len(joints), sheet=joint is None)
         found = [_draw_joint(pair, series) for pair, series in zip(pairs, joints, strict=True)]
         handles = max(found, key=len)
         _name_window(handles, estimate.settings.friction.cycles_per_point, cut=any(map(_is_cut, figure.axes)))
@@ -51,8 +45,7 @@ def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]
     """Draw both coefficients of one joint; return the legend's entries."""
     friction, history = series.friction, series.friction.history
     coulomb = (history.coulomb_nm, history.coulomb_low_nm, history.coulomb_high_nm)
-    names = ("viscous_nms_per_rad", "viscous_low_nms_per_rad", "viscous_high_nms_per_rad")
-    viscous = (getattr(history, names[0]), getattr(history, names[1]), getattr(history, names[2]))
+    viscous = (history.viscous_nms_per_rad, history.viscous_low_nms_per_rad, history.viscous_high_nms_per_rad)
     found: list[list[Artist]] = []
     rows = zip(pair, (coulomb, viscous), (friction.coulomb, friction.viscous), LABELS, strict=True)
     for axes, (value, low, high), whole, label in rows:
@@ -123,7 +116,8 @@ def _draw_coefficient(
     handles: list[Artist] = []
     if np.isfinite(value).any():
         # The last step holds until the log ends.
-        t, middle, lower, upper = (np.append(a, b) for a, b in _held(stop_s, value, low, high, end_s))
+        t = np.append(stop_s, max(end_s, stop_s[-1]))
+        middle, lower, upper = (np.append(column, column[-1]) for column in (value, low, high))
         handles += axes.step(t, middle, where="post", color=FILTERED, label=WINDOW)
         handles.append(axes.fill_between(t, lower, upper, step="post", color=FILTERED, alpha=0.22, lw=0, label=BAND))
     if np.isfinite(whole.value):
@@ -131,15 +125,3 @@ def _draw_coefficient(
     if np.isfinite(whole.low + whole.high):
         handles.append(axes.axhspan(whole.low, whole.high, color=FITTED, alpha=0.18, lw=0, label="95 %, whole log"))
     return handles
-
-
-def _held(
-    stop_s: Float, value: Float, low: Float, high: Float, end_s: float
-) -> tuple[tuple[Float, float], tuple[Float, float], tuple[Float, float], tuple[Float, float]]:
-    """Return every column with the value that continues it to the end of the log."""
-    return (
-        (stop_s, max(end_s, float(stop_s[-1]))),
-        (value, float(value[-1])),
-        (low, float(low[-1])),
-        (high, float(high[-1])),
-    )

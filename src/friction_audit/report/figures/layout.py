@@ -5,12 +5,14 @@ from textwrap import fill
 from typing import TYPE_CHECKING
 
 from friction_audit.report.figures.joint_series import JointSeries
-from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, REJECTED, SHADE
+from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, REJECTED, SHADE, SHEET_IN
 
 if TYPE_CHECKING:
+    import numpy as np
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
 
 MOST_SHADED = 80
 """Cycles in one panel above which stripes would only be grey."""
@@ -25,6 +27,15 @@ def new_figure(width_in: float, height_in: float) -> "Figure":
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def new_pairs(joints: int, *, sheet: bool) -> "tuple[Figure, NDArray[np.object_]]":
+    """Return a figure over time and its two panels per joint: a row of a sheet, or above each other in a column."""
+    if sheet:
+        figure = new_figure(SHEET_IN, 0.6 + 1.15 * joints)
+        return figure, figure.subplots(joints, 2, squeeze=False, sharex=True)
+    figure = new_figure(COLUMN_IN, 3.2)
+    return figure, figure.subplots(2, 1, squeeze=False, sharex=True).T
 
 
 def label_panel(axes: "Axes", title: str, *, across: int | None = None) -> None:

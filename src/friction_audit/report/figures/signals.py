@@ -9,11 +9,11 @@ from friction_audit.report.figures.layout import (
     add_legend,
     cycle_handles,
     label_panel,
-    new_figure,
+    new_pairs,
     shade_cycles,
 )
 from friction_audit.report.figures.smoothing import cutoff_hz, median_rate_hz, smooth
-from friction_audit.report.figures.style import COLUMN_IN, FILTERED, RAW, SHEET_IN, figure_style
+from friction_audit.report.figures.style import FILTERED, RAW, figure_style
 from friction_audit.report.figures.thinning import break_at_gaps, thin_extremes
 
 if TYPE_CHECKING:
@@ -31,14 +31,8 @@ GAP_PERIODS = 20
 def draw_signals(estimate: Estimate, joint: int | None) -> "Figure":
     """Draw one joint at column width, velocity above torque, or every joint on a sheet, a row for each."""
     with figure_style():
-        if joint is None:
-            joints = all_series(estimate)
-            figure = new_figure(SHEET_IN, 0.6 + 1.15 * len(joints))
-            pairs = figure.subplots(len(joints), 2, squeeze=False, sharex=True)
-        else:
-            joints = (joint_series(estimate, joint),)
-            figure = new_figure(COLUMN_IN, 3.2)
-            pairs = figure.subplots(2, 1, sharex=True, squeeze=False).T
+        joints = all_series(estimate) if joint is None else (joint_series(estimate, joint),)
+        figure, pairs = new_pairs(len(joints), sheet=joint is None)
         found = [_draw_joint(pair, series) for pair, series in zip(pairs, joints, strict=True)]
         add_legend(figure, found[0] + cycle_handles(joints))
         figure.align_ylabels()
