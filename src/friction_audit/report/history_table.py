@@ -2,6 +2,7 @@
 
 import csv
 import io
+import math
 from dataclasses import fields
 
 import numpy as np
@@ -29,4 +30,4 @@ def _rows(joint: JointFriction) -> list[list[str]]:
 
 
 def _cell(value: float) -> str:
-    return "" if value != value else f"{value:.10g}"  # noqa: PLR0124 - NaN is the one value unlike itself
+    return "" if math.isnan(value) else f"{value:.10g}"

@@ -45,7 +45,6 @@ def _summary(summary: LogSummary) -> Document:
     count = source.pop("joints")
     return {
         **source,
-        "path": summary.log.source.path,
         "joint_count": count,
         "jitter_s": to_json(summary.jitter_s),
         "gaps": summary.gaps,
@@ -58,4 +57,4 @@ def _summary(summary: LogSummary) -> Document:
 
 
 def _torque(choice: TorqueChoice | None) -> Document | None:
-    return None if choice is None else {name: to_json(value) for name, value in asdict(choice).items()}
+    return None if choice is None else to_json(asdict(choice))
