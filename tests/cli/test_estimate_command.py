@@ -23,8 +23,10 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     document = answer.document()
     assert answer.err == ""
     assert [joint["joint"] for joint in document["joints"]] == [2]
-    low, high = document["joints"][0]["viscous_nms_per_rad"]["ci95"]
-    assert low < VISCOUS[1] < high or low == pytest.approx(VISCOUS[1], rel=0.1)
+    viscous = document["joints"][0]["viscous_nms_per_rad"]
+    assert viscous["value"] == pytest.approx(VISCOUS[1], rel=0.02)
+    low, high = viscous["ci95"]
+    assert low < viscous["value"] < high
     assert document["settings"]["reading"]["time_scale"] == 1.0
     assert document["settings"]["joints"] == [2]
 
