@@ -378,7 +378,7 @@ def test_impossible_options(run: Run, words: str, message: str, sound: dict[str,
 
 
 ESTIMATE_ONLY = [
-    ("--window 1", r"--window 1: the combined model needs at least 2 cycles"),
+    ("--window 1", r"--window 1: the weighted estimator with the combined model needs at least 4 cycles"),
     ("--thresholds 0.1,0.5", r"expected initiation above termination"),
     ("--thresholds inf,0.5", r"expected initiation above termination"),
     ("--min-path nan", r"--min-path nan: expected an angle"),

@@ -38,7 +38,7 @@ TABLE = [
     ("estimate {logs}/moved1.csv --gravity-vector a,b,c", 2, "err", "expected numbers x,y,z"),
     ("estimate {logs}/moved1.csv --thresholds 0.1,0.2", 2, "err", "initiation above termination"),
     ("estimate {logs}/moved1.csv --map dq", 2, "err", "expected CHANNEL=NAME"),
-    ("estimate {logs}/moved1.csv --window 1", 2, "err", "needs at least 2 cycles"),
+    ("estimate {logs}/moved1.csv --window 1", 2, "err", "needs at least 4 cycles"),
     ("plot {logs}/moved1.csv --kind energi", 2, "err", "did you mean energy"),
     ("convert {logs}/moved1.csv", 2, "err", "Missing argument 'OUT'"),
     ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),

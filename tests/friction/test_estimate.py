@@ -209,8 +209,11 @@ def test_a_delay_looks_like_viscous_friction_to_both_methods() -> None:
 
 
 def test_the_smallest_window_is_checked() -> None:
-    with pytest.raises(UsageError, match="--window 1: the combined model needs at least 2 cycles"):
-        FrictionSettings(window=1)
+    with pytest.raises(UsageError, match=r"--window 3: the weighted estimator .* needs at least 4 cycles"):
+        FrictionSettings(window=3)
+    with pytest.raises(UsageError, match=r"--window 1: the paper estimator with the combined model .* at least 2"):
+        FrictionSettings(estimator="paper", window=1)
+    assert FrictionSettings(estimator="paper", model="viscous", window=1).cycles_per_point == 1
 
 
 def test_the_regression_ignores_slow_samples_by_the_joints_own_threshold_whoever_defines_the_cycles() -> None:

@@ -17,9 +17,9 @@ from friction_audit.friction.history import (
 )
 from friction_audit.friction.paper import estimate_paper
 from friction_audit.friction.reasons import missing_motion, one_speed
-from friction_audit.friction.settings import FrictionSettings
+from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
 from friction_audit.friction.torque_regression import regress_torque
-from friction_audit.friction.weighted import FEWEST_CYCLES, conditioning, fit_windows
+from friction_audit.friction.weighted import conditioning, fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import per_joint
@@ -107,7 +107,7 @@ def _solve_weighted(own: EnergyCycles, settings: FrictionSettings) -> _Solution:
 def _weighted_history(own: EnergyCycles, equations: Equations, window: int) -> CoefficientHistory:
     """Estimate after every cycle: over the first cycles with all there are, then over the last k."""
     cycles = len(equations.normal)
-    window = min(max(window, FEWEST_CYCLES), cycles)
+    window = min(window, cycles)
     growing = [fit_windows(equations.first(n), n) for n in range(FEWEST_CYCLES, window)]
     fits = [*growing, fit_windows(equations, window)]
     columns = {}

@@ -3,8 +3,7 @@
 import numpy as np
 
 from friction_audit.cycles.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, Int
-from friction_audit.friction.settings import FrictionSettings
-from friction_audit.friction.weighted import FEWEST_CYCLES
+from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
 
 SMALLEST_SPREAD = 0.1
 """Coefficient of variation of the speed over the path below which a log has one speed only."""

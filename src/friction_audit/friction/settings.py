@@ -8,6 +8,8 @@ ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 PAPER_WINDOW = 2
 DEFAULT_WINDOW = 20
+FEWEST_CYCLES = 4
+"""With fewer cycles a jackknife has too few degrees of freedom to mean anything."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -35,17 +37,22 @@ class FrictionSettings:
             raise UsageError(f"--estimator {self.estimator}: expected one of {', '.join(ESTIMATORS)}")
         if self.model not in MODELS:
             raise UsageError(f"--model {self.model}: expected one of {', '.join(MODELS)}")
-        smallest = 2 if self.model == "combined" else 1
-        if self.window is not None and self.window < smallest:
+        if self.window is not None and self.window < self.fewest_cycles:
             raise UsageError(
-                f"--window {self.window}: the {self.model} model needs at least {smallest} cycles; give more"
+                f"--window {self.window}: the {self.estimator} estimator with the {self.model} model needs at least "
+                f"{self.fewest_cycles} cycles; give more"
             )
+
+    @property
+    def fewest_cycles(self) -> int:
+        """The smallest window: as many cycles as unknowns, and enough to leave one out where there are intervals."""
+        if self.estimator == "weighted":
+            return FEWEST_CYCLES
+        return PAPER_WINDOW if self.model == "combined" else 1
 
     @property
     def cycles_per_point(self) -> int:
         """The window k in force."""
         if self.window is not None:
             return self.window
-        if self.estimator == "weighted":
-            return DEFAULT_WINDOW
-        return PAPER_WINDOW if self.model == "combined" else 1
+        return DEFAULT_WINDOW if self.estimator == "weighted" else self.fewest_cycles

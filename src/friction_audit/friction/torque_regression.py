@@ -15,7 +15,8 @@ from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.friction.equations import Equations
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.huber import huber_weights
-from friction_audit.friction.weighted import FEWEST_CYCLES, fit_windows
+from friction_audit.friction.settings import FEWEST_CYCLES
+from friction_audit.friction.weighted import fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 

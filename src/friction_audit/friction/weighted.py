@@ -16,9 +16,6 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
 CONFIDENCE = 0.95
-FEWEST_CYCLES = 4
-"""With fewer cycles a jackknife has too few degrees of freedom to mean anything."""
-
 RIDGE = 1e-10
 """Relative to unit columns: keeps a window without any motion of one kind solvable, changes nothing else."""
 
