@@ -13,6 +13,9 @@ from friction_audit.errors import InputError
 
 Int = NDArray[np.int64]
 
+SHORTEST_RUN = 16
+"""A run of equally long messages shorter than this means that topics alternate: no more runs are looked for."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Connection:
@@ -95,6 +98,12 @@ class MessageStream(Protocol):
         """Yield the messages of some connections, in the order of the file."""
 
 
+def block_of_ranges(key: int, buffer: bytes, ranges: Sequence[tuple[int, int, int]]) -> Block:
+    """Make a block of the offset, length and time of each payload in a buffer."""
+    start, size, log_time = np.array(ranges, np.int64).T
+    return Block(key, log_time, buffer, start, size)
+
+
 def block_of_payloads(key: int, log_time: Sequence[int], payloads: Sequence[bytes]) -> Block:
     """Join separate payloads into one block."""
     size = np.fromiter(map(len, payloads), np.int64, len(payloads))
@@ -114,12 +123,3 @@ def open_log(path: Path) -> Iterator[BinaryIO]:
             yield file
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check the path and its permissions") from error
-
-
-def starts_with(path: Path, magic: bytes) -> bool:
-    """Return True if the file begins with these bytes; False if it cannot be read."""
-    try:
-        with path.open("rb") as file:
-            return file.read(len(magic)) == magic
-    except OSError:
-        return False

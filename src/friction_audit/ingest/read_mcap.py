@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 import numpy as np
 
 from friction_audit.errors import InputError
+from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.message_stream import (
+    SHORTEST_RUN,
     Block,
     Connection,
     Damage,
     block_of_payloads,
+    block_of_ranges,
     open_log,
-    starts_with,
 )
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
@@ -37,8 +39,6 @@ _MESSAGE_START = struct.Struct("<BQHIQQ")
 MESSAGE_FIELDS_BYTES = MESSAGE_HEADER.itemsize - _RECORD_START.size
 LATEST_TIME_NS = 2**63 - 1
 LOOSE_MESSAGES_PER_BLOCK = 8192
-SHORTEST_RUN = 16
-"""A run of equally long messages shorter than this means that topics alternate: no more runs are looked for."""
 
 
 class McapStream:
@@ -285,7 +285,7 @@ def find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block
             entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time & LATEST_TIME_NS)
             mixed.setdefault(channel, []).append(entry)
         position = following
-    blocks += [_block(channel, data, entries) for channel, entries in mixed.items()]
+    blocks += [block_of_ranges(channel, data, entries) for channel, entries in mixed.items()]
     return blocks, "" if position == len(data) else "a message runs over the end of its chunk"
 
 
@@ -299,11 +299,6 @@ def _run(data: bytes, position: int, length: int) -> Block:
     start = position + MESSAGE_HEADER.itemsize + stride * np.arange(run, dtype=np.int64)
     size = np.full(run, length - MESSAGE_FIELDS_BYTES, np.int64)
     return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
-
-
-def _block(channel: int, data: bytes, entries: list[tuple[int, int, int]]) -> Block:
-    start, size, log_time = np.array(entries, np.int64).T
-    return Block(channel, log_time, data, start, size)
 
 
 def _recognises(path: Path) -> bool:

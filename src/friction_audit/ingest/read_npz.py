@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import map_columns
+from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.time_column import to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
 _TABLE_DIMENSIONS = 2
+_ZIP_MAGIC = b"PK"
 _DAMAGED = (
     zipfile.BadZipFile,
     zlib.error,
@@ -64,7 +66,7 @@ def read_npz(path: Path, options: ReadOptions) -> Recording:
 
 def _load(path: Path) -> dict[str, NDArray[Any]]:
     """Return the arrays in the archive."""
-    if not _starts_like_zip(path):
+    if not starts_with(path, _ZIP_MAGIC):
         raise InputError(
             f"{path}: does not begin as a zip archive; expected one written by numpy.savez; save it again that way"
         )
@@ -109,15 +111,7 @@ def _recognises(path: Path) -> bool:
         with zipfile.ZipFile(path) as archive:
             return any(name.endswith(".npy") for name in archive.namelist())
     except _DAMAGED:
-        return path.is_file() and path.suffix.lower() == ".npz" and _starts_like_zip(path)
-
-
-def _starts_like_zip(path: Path) -> bool:
-    try:
-        with path.open("rb") as stream:
-            return stream.read(2) == b"PK"
-    except OSError:
-        return False
+        return path.is_file() and path.suffix.lower() == ".npz" and starts_with(path, _ZIP_MAGIC)
 
 
 def _tables(path: Path) -> tuple[Topic, ...]:

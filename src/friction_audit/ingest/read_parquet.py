@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import ColumnMap, map_columns
+from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
@@ -347,11 +348,7 @@ def _stamp_unit(file: Any, cell: Cell) -> str | None:  # noqa: ANN401
 
 
 def _recognises(path: Path) -> bool:
-    try:
-        with path.open("rb") as stream:
-            return stream.read(len(_MAGIC)) == _MAGIC
-    except OSError:
-        return False
+    return starts_with(path, _MAGIC)
 
 
 def _tables(path: Path) -> tuple[Topic, ...]:

@@ -12,13 +12,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.ingest.message_stream import Block, Connection, Damage, open_log, starts_with
+from friction_audit.ingest.first_bytes import starts_with
+from friction_audit.ingest.message_stream import (
+    SHORTEST_RUN,
+    Block,
+    Connection,
+    Damage,
+    block_of_ranges,
+    open_log,
+)
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 
 MAGIC = b"#ROSBAG V2.0\n"
 MESSAGE, BAG_HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
-SHORTEST_RUN = 16
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 NANOSECONDS = 10**9
@@ -309,7 +316,7 @@ def find_messages(data: bytes, keys: Collection[int] | None) -> ChunkContent:
             walk.step()
     except BrokenRecordError as error:
         walk.content.broken = str(error)
-    walk.content.blocks += [_block(key, data, entries) for key, entries in walk.mixed.items()]
+    walk.content.blocks += [block_of_ranges(key, data, entries) for key, entries in walk.mixed.items()]
     return walk.content
 
 
@@ -367,11 +374,6 @@ def _run(data: bytes, position: int, head: MessageHead, size: int) -> Block:
     start = position + width + stride * np.arange(run, dtype=np.int64)
     log_time = values["sec"][:run].astype(np.int64) * NANOSECONDS + values["nsec"][:run]
     return Block(int(values["conn"][0]), log_time, data, start, np.full(run, size, np.int64))
-
-
-def _block(key: int, data: bytes, entries: list[tuple[int, int, int]]) -> Block:
-    start, size, log_time = np.array(entries, np.int64).T
-    return Block(key, log_time, data, start, size)
 
 
 def _record_at(data: bytes, position: int) -> tuple[dict[str, bytes], int, int]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from friction_audit.errors import InputError
+from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.message_stream import (
     Block,
     Connection,
@@ -16,7 +17,6 @@ from friction_audit.ingest.message_stream import (
     MessageStream,
     block_of_payloads,
     open_log,
-    starts_with,
 )
 from friction_audit.ingest.read_mcap import MAGIC, McapStream
 from friction_audit.ingest.read_messages import read_messages, topics_of
