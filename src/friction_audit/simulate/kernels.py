@@ -123,14 +123,3 @@ def integrate(place: Float, speed: Float, h: float, substeps: int, body: Float, 
             q, v, sign, loss = advance(q, v, sign, h, hand, u, body)
             taken += loss
     return out
-
-
-@compiled()
-def smooth(signal: Float, keep: float, start: float) -> Float:
-    """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
-    out = np.empty_like(signal)
-    state = start
-    for k in range(len(signal)):
-        state = keep * state + (1.0 - keep) * signal[k]
-        out[k] = state
-    return out

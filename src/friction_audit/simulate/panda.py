@@ -16,7 +16,6 @@ JOINTS = 7
 READY_RAD = (0.0, -0.785398, 0.0, -2.356194, 0.0, 1.570796, 0.785398)
 """The vendor's ready pose."""
 
-GRAVITY_M_S2 = (0.0, 0.0, -9.81)
 EXTERNAL_CUTOFF_HZ = 100.0
 """Corner of the filter on ``tau_ext_hat_filtered``; the vendor's is not published, this one is an assumption."""
 
@@ -96,7 +95,7 @@ def _sense_arm(settings: HandGuidedPanda, motion: Motion, rng: np.random.Generat
     compensation[:, moved] = motion.compensation_nm
     hidden = settings.moved.torque_offset_nm + settings.moved.gravity_error_nm * np.sin(q[:, moved])
     interaction[:, moved] = motion.interaction_nm + hidden
-    gravity = load_arm(None, None, GRAVITY_M_S2).gravity(q)
+    gravity = load_arm().gravity(q)
     sensors, columns = settings.sensors, range(JOINTS)
     tau_J = np.column_stack([sense_torque((gravity - interaction)[:, j], rate, sensors[j], rng) for j in columns])
     external = [low_pass((tau_J - gravity)[:, j], EXTERNAL_CUTOFF_HZ, rate) for j in columns]

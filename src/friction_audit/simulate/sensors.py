@@ -66,10 +66,8 @@ def sense_torque(torque: Float, rate_hz: float, sensors: Sensors, rng: np.random
 
 def _colour(noise: Float, keep: float) -> Float:
     """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
-    from friction_audit.simulate import kernels
-
     gain = np.sqrt((1.0 + keep) / (1.0 - keep))
-    return np.asarray(gain * kernels.smooth(noise, keep, noise[0] / gain))
+    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
 
 
 def sense_velocity(dq: Float, sensors: Sensors, rng: np.random.Generator) -> Float:
@@ -87,6 +85,12 @@ def quantise(signal: Float, step: float) -> Float:
 
 def low_pass(signal: Float, cutoff_hz: float, rate_hz: float) -> Float:
     """Filter as a vendor's controller does: first order, causal, settled at the first value."""
-    from friction_audit.simulate import kernels
+    return _smooth(signal, np.exp(-2.0 * np.pi * cutoff_hz / rate_hz), signal[0])
 
-    return np.asarray(kernels.smooth(signal, np.exp(-2.0 * np.pi * cutoff_hz / rate_hz), signal[0]))
+
+def _smooth(signal: Float, keep: float, start: float) -> Float:
+    """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
+    from scipy.signal import lfilter
+
+    smoothed, _ = lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * start])
+    return np.asarray(smoothed)

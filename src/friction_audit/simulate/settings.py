@@ -1,6 +1,6 @@
 """What the simulator may be told: the joint, the hand that moves it, the sensors, what is hidden in the log."""
 
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 
 from friction_audit.errors import UsageError
 
@@ -141,17 +141,7 @@ _PANDA_PROXIMAL = Sensors(
     stale=0.056,
     lost=0.02,
 )
-_PANDA_DISTAL = Sensors(
-    torque_noise_nm=0.03,
-    torque_correlation_s=0.01,
-    torque_step_nm=0.006,
-    velocity_noise_rad_s=0.0027,
-    velocity_step_rad_s=1e-6,
-    position_step_rad=1e-6,
-    clock_jitter_s=0.125e-3,
-    stale=0.056,
-    lost=0.02,
-)
+_PANDA_DISTAL = replace(_PANDA_PROXIMAL, torque_noise_nm=0.03, torque_step_nm=0.006)
 PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3
 """The sensors of a Panda's joints 1 to 7."""
 
