@@ -87,12 +87,11 @@ class McapStream:
     def blocks(self, keys: Collection[int]) -> Iterator[Block]:
         """Yield the messages of some channels, chunk by chunk."""
         loose: dict[int, tuple[list[int], list[bytes]]] = {key: ([], []) for key in keys}
-        for offset, record in self._records():
-            name = type(record).__name__
-            if name == "Chunk":
+        for opcode, offset, record in self._records():
+            if opcode == CHUNK_OPCODE:
                 data = self._decompress(record, offset)
                 yield from () if data is None else self._guarded(data, loose.keys(), offset)
-            elif name == "Message" and record.channel_id in loose:
+            elif opcode == MESSAGE_OPCODE and record.channel_id in loose:
                 yield from _gather(record, loose)
         for key, (times, payloads) in loose.items():
             if payloads:
@@ -104,8 +103,8 @@ class McapStream:
             self._note(offset, broken)
         return iter(blocks)
 
-    def _records(self) -> Iterator[tuple[int, Any]]:
-        """Yield chunks, and schemas, channels and messages outside chunks, with their offsets; up to a break.
+    def _records(self) -> Iterator[tuple[int, int, Any]]:
+        """Yield opcode, offset and content of chunks, and of what lies outside chunks; up to a break.
 
         Index records are passed over unread: the stream reader of the mcap library spends half its time on them.
         """
@@ -123,7 +122,7 @@ class McapStream:
                     return self._note(offset, "a record is cut off")
                 if opcode in PARSED_OPCODES:
                     try:
-                        yield offset, _parse(opcode, length, file)
+                        yield opcode, offset, _parse(opcode, file.read(length))
                     except BROKEN as error:
                         self._note(offset, f"a record is broken: {error}")
                 offset += _RECORD_START.size + length
@@ -164,33 +163,28 @@ class McapStream:
     def _scan(self) -> dict[int, int]:
         """Read the whole file for its channels and the number of their messages."""
         counts: dict[int, int] = {}
-        for offset, record in self._records():
-            name = type(record).__name__
-            if name == "Chunk":
+        for opcode, offset, record in self._records():
+            if opcode == CHUNK_OPCODE:
                 data = self._decompress(record, offset)
                 self._count_chunk(data or b"", counts, offset)
-            elif name == "Message":
+            elif opcode == MESSAGE_OPCODE:
                 counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
             else:
-                self._learn(record)
+                self._learn(opcode, record)
         return counts
 
     def _count_chunk(self, data: bytes, counts: dict[int, int], offset: int) -> None:
         for opcode, at, length in _definitions(data):
             try:
-                self._learn(_parse(opcode, length, BytesIO(data[at:])))
+                self._learn(opcode, _parse(opcode, data[at : at + length]))
             except BROKEN as error:
                 self._note(offset, f"a record is broken: {error}")
         for block in find_messages(data, None)[0]:
             counts[block.key] = counts.get(block.key, 0) + len(block)
 
-    def _learn(self, record: object) -> None:
-        from mcap.records import Channel, Schema
-
-        if isinstance(record, Channel):
-            self._channels[record.id] = record
-        elif isinstance(record, Schema):
-            self._schemas[record.id] = record
+    def _learn(self, opcode: int, record: Any) -> None:  # noqa: ANN401
+        known: dict[int, Any] = self._channels if opcode == CHANNEL_OPCODE else self._schemas
+        known[record.id] = record
 
     def _connection(self, channel: "Channel") -> Connection:
         schema = self._schemas.get(channel.schema_id)
@@ -206,20 +200,17 @@ class McapStream:
         )
 
 
-def _parse(opcode: int, length: int, file: BinaryIO) -> object:
+def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import EndOfFile
     from mcap.records import Channel, Chunk, Message, Schema
 
-    stream = ReadDataStream(BytesIO(file.read(length)))
+    stream = ReadDataStream(BytesIO(content))
+    kinds: dict[int, Any] = {CHUNK_OPCODE: Chunk, SCHEMA_OPCODE: Schema, CHANNEL_OPCODE: Channel}
     try:
-        if opcode == MESSAGE_OPCODE:
-            return Message.read(stream, length)
-        kinds: dict[int, Any] = {CHUNK_OPCODE: Chunk, SCHEMA_OPCODE: Schema, CHANNEL_OPCODE: Channel}
-        record: object = kinds[opcode].read(stream)
+        return Message.read(stream, len(content)) if opcode == MESSAGE_OPCODE else kinds[opcode].read(stream)
     except EndOfFile as error:
         raise EOFError("it ends early") from error  # without a text of its own in the library
-    return record
 
 
 def _type_name(name: str, encoding: str) -> str:
