@@ -22,6 +22,7 @@ from friction_audit.report.figures.save import FORMATS
 from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
 from friction_audit.report.figures.velocity_torque import (
     centre_nm,
+    filtered_curve,
     filtered_loop,
     fitted_label,
     fitted_torque,
@@ -121,7 +122,8 @@ def test_friction_is_drawn_on_all_that_acts_against_it(single: Estimate) -> None
 
 def test_a_long_log_shows_whole_cycles_and_says_how_many(single: Estimate, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(velocity_torque, "MOST_POINTS", 1000)
-    loop = filtered_loop(joint_series(single, 1))
+    series = joint_series(single, 1)
+    loop = filtered_loop(series, filtered_curve(series))
     assert loop.every > 1
     assert loop.every % 2 == 1
     assert np.nanmin(loop.dq) < -0.3

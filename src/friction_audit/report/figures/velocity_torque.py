@@ -89,9 +89,10 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
     axes.plot(series.dq[thinned], series.driving_torque[thinned], ".", color=RAW, ms=1.2, mew=0, rasterized=True)
     # In the legend the marks are larger, or nobody would see them.
     raw = Line2D([], [], color=RAW, marker=".", ls="", ms=5, mew=0)
-    loop = filtered_loop(series)
+    curve = filtered_curve(series)
+    loop = filtered_loop(series, curve)
     filtered = axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True)[0]
-    _add_arrows(axes, series)
+    _add_arrows(axes, series, curve)
     raw.set_label("raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}")
     shown = "" if loop.every == 1 else f", 1 cycle in {loop.every}"
     filtered.set_label(f"filtered, {cutoff_hz(series.t):.3g} Hz{shown}")
@@ -105,10 +106,15 @@ def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[
     return handles
 
 
-def filtered_loop(series: JointSeries) -> Loop:
+def filtered_curve(series: JointSeries) -> tuple[Float, Float]:
+    """Return velocity [rad/s] and torque [N m] after the filter, shape (n,) each."""
+    return smooth(series.t, series.dq), smooth(series.t, series.driving_torque)
+
+
+def filtered_loop(series: JointSeries, curve: tuple[Float, Float]) -> Loop:
     """Return the filtered curve, thinned to smooth lines; of a long log every k-th cycle, gaps between them as NaN."""
     step = max(1, int(median_rate_hz(series.t) / (POINTS_PER_PERIOD * CUTOFF_HZ)))
-    dq, torque = (smooth(series.t, signal)[::step] for signal in (series.dq, series.driving_torque))
+    dq, torque = (signal[::step] for signal in curve)
     every = max(-(-len(dq) // MOST_POINTS), -(-len(series.cycles.joint) // MOST_LOOPS))
     if every <= 1:
         return Loop(dq, torque, 1)
@@ -186,12 +192,12 @@ def typical_strokes(series: JointSeries) -> slice:
     return slice(int(kept.start[row]), int(kept.stop[row + 1]) + 1)
 
 
-def _add_arrows(axes: "Axes", series: JointSeries) -> None:
+def _add_arrows(axes: "Axes", series: JointSeries, curve: tuple[Float, Float]) -> None:
     """Add arrows in the direction of time, evenly spread along a typical pair of strokes, away from rest."""
     strokes = typical_strokes(series)
     if strokes.stop - strokes.start < 2 * ARROWS:
         return
-    dq, torque = (smooth(series.t, signal)[strokes] for signal in (series.dq, series.driving_torque))
+    dq, torque = (signal[strokes] for signal in curve)
     # A white rim keeps the strokes apart from the curve around them.
     axes.plot(dq, torque, color="white", lw=2.2, rasterized=True)
     axes.plot(dq, torque, color=FILTERED, lw=0.9, rasterized=True)
