@@ -84,3 +84,8 @@ def test_only_fingers() -> None:
 )
 def test_robot(prefix: str, robot: str) -> None:
     assert robot_of([f"{prefix}joint{i}" for i in range(1, 8)]) == robot
+
+
+def test_the_joints_of_a_gripper_are_no_second_arm() -> None:
+    assert arms_in(["gripper_joint_1", "gripper_joint_2", "joint_2", "joint_1"]) == {"": ("joint_1", "joint_2")}
+    assert arms_in(["A2", "A1", "left_gripper"]) == {"": ("A1", "A2")}

@@ -4,6 +4,8 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from friction_audit.ingest.joint_order import is_finger
+
 ALIASES: dict[str, tuple[str, ...]] = {
     "q": ("q", "actual_q", "joint_positions", "joint_position", "positions", "position", "joint_pos", "pos",
           "joint_angles", "joint_angle", "angle"),
@@ -44,7 +46,6 @@ _PATTERNS = tuple(
 _COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
 _MOTOR_SIDE = re.compile(r"motor_state")
 _EXTERNAL = re.compile(r"tau_ext|external")
-_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
 _ELEMENT = re.compile(r"(?P<head>(?:.*[./])?)(?P<stem>[^\W\d][^./]*?)(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))")
 _LABEL = re.compile(r"(?:joint_)?names?", re.IGNORECASE)
 
@@ -101,11 +102,6 @@ def labels_of(names: Sequence[str], told: Mapping[str, str]) -> dict[int, str]:
     labels = {_place(match): text for name, text in told.items() if (match := _element(name)) is not None}
     matches = [_element(name) for name in names]
     return {cell: labels[_place(m)] for cell, m in enumerate(matches) if m is not None and _place(m) in labels}
-
-
-def is_finger(name: str) -> bool:
-    """Return True for joints of a gripper, which are no part of the arm."""
-    return _FINGER.search(name) is not None
 
 
 def _element(name: str) -> re.Match[str] | None:

@@ -8,6 +8,7 @@ from friction_audit.errors import InputError, UsageError
 ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 """``panda_joint3``, ``left_fr3_joint1``, ``joint2``: the arm before the word, the joint's number after it."""
 
+_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
 _LAST_NUMBER = re.compile(r"(.*?)(\d+)")
 
 ROBOTS = (
@@ -34,7 +35,7 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         ``joint`` and a number, there is one arm, "": names that differ in a number at their end alone (``A1``) in the
         order of the numbers, others in the order of the message.
     """
-    bodies = [name for name in dict.fromkeys(names) if "finger" not in name.lower()]
+    bodies = [name for name in dict.fromkeys(names) if not is_finger(name)]
     numbered: dict[str, list[tuple[int, str]]] = {}
     for name in bodies:
         if match := ARM_JOINT.match(name):
@@ -47,6 +48,11 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
         for arm, joints in sorted(numbered.items())
         if len(joints) >= min(most, MINIMUM_JOINTS_BESIDE_AN_ARM)
     }
+
+
+def is_finger(name: str) -> bool:
+    """Return True for joints of a gripper, which are no part of the arm."""
+    return _FINGER.search(name) is not None
 
 
 def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
