@@ -19,8 +19,7 @@ forgotten hand makes two to three."""
 
 MEANING = {
     "coulomb": "low-speed friction (Stribeck), friction that depends on position, or a gravity error pulls them apart",
-    "viscous": "a viscous coefficient that is larger by energy than by torque points to a delay between torque and "
-    "velocity, or to friction that is not linear in speed",
+    "viscous": "friction that is not linear in speed pulls them apart",
 }
 
 
