@@ -19,6 +19,21 @@ BINARY_NOISE_DIGITS = 9
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class SensorNoise:
+    """What the sensors of one joint add to the truth, drawn before the motion; n + 1 ticks.
+
+    A sensor reads ``quantise(truth + noise, step)``: a compensator in the loop can thus be given what the log shows.
+
+    Attributes:
+        torque: Shape (n + 1,). [N m]
+        velocity: Shape (n + 1,). [rad/s]
+    """
+
+    torque: Float
+    velocity: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Recorder:
     """Which states were recorded, and when; m samples.
 
@@ -56,28 +71,47 @@ def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[n
     return lost
 
 
+def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> SensorNoise:
+    """Draw the noise of one joint's sensors for ticks + 1 states; zeros where they are ideal."""
+    velocity = _velocity_noise(ticks + 1, sensors, rng)
+    return SensorNoise(torque=_torque_noise(ticks + 1, rate_hz, sensors, rng), velocity=velocity)
+
+
 def sense_torque(torque: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
-    """Return the torque as sensed at every tick: coloured noise (first-order autoregressive), then resolution."""
-    noise = rng.normal(0.0, 1.0, len(torque))
-    if sensors.torque_correlation_s > 0:
-        noise = _colour(noise, np.exp(-1.0 / (rate_hz * sensors.torque_correlation_s)))
-    return quantise(torque + sensors.torque_noise_nm * noise, sensors.torque_step_nm)
-
-
-def _colour(noise: Float, keep: float) -> Float:
-    """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
-    gain = np.sqrt((1.0 + keep) / (1.0 - keep))
-    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
+    """Return the torque as sensed at every tick: noise, then resolution."""
+    return quantise(torque + _torque_noise(len(torque), rate_hz, sensors, rng), sensors.torque_step_nm)
 
 
 def sense_velocity(dq: Float, sensors: Sensors, rng: np.random.Generator) -> Float:
     """Return the velocity as sensed at every tick."""
-    noise = rng.normal(0.0, 1.0, len(dq))
-    return quantise(dq + sensors.velocity_noise_rad_s * noise, sensors.velocity_step_rad_s)
+    return quantise(dq + _velocity_noise(len(dq), sensors, rng), sensors.velocity_step_rad_s)
+
+
+def _velocity_noise(samples: int, sensors: Sensors, rng: np.random.Generator) -> Float:
+    return sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, samples)
+
+
+def _torque_noise(samples: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
+    """Draw coloured noise: one first-order autoregressive process, or a fast and a slow one of that variance."""
+    share = sensors.slow_noise_share
+    noise = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.torque_correlation_s)
+    if share > 0:
+        slow = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.slow_correlation_s)
+        noise = np.sqrt(1.0 - share) * noise + np.sqrt(share) * slow
+    return sensors.torque_noise_nm * noise
+
+
+def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:
+    """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
+    if correlation_s == 0:
+        return noise
+    keep = np.exp(-1.0 / (rate_hz * correlation_s))
+    gain = np.sqrt((1.0 + keep) / (1.0 - keep))
+    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
 
 
 def quantise(signal: Float, step: float) -> Float:
-    """Round to multiples of a step; a step of 0 changes nothing."""
+    """Round to multiples of a step; a step of 0 changes nothing. ``mechanics.sensing`` has the same for one value."""
     if step == 0:
         return signal
     return np.round(np.rint(signal / step) * step, BINARY_NOISE_DIGITS)

@@ -95,6 +95,8 @@ class Sensors:
     Attributes:
         torque_noise_nm: Standard deviation of the torque noise. [N m]
         torque_correlation_s: Time after which its autocorrelation has fallen to 1/e. [s]
+        slow_noise_share: Share of its variance that wanders more slowly.
+        slow_correlation_s: Time after which the autocorrelation of the slower part has fallen to 1/e. [s]
         torque_step_nm: Resolution of the torque, 0 for none. [N m]
         velocity_noise_rad_s: Standard deviation of the velocity noise, white. [rad/s]
         velocity_step_rad_s: Resolution of the velocity. [rad/s]
@@ -107,6 +109,8 @@ class Sensors:
 
     torque_noise_nm: float = 0.0
     torque_correlation_s: float = 0.0
+    slow_noise_share: float = 0.0
+    slow_correlation_s: float = 0.05
     torque_step_nm: float = 0.0
     velocity_noise_rad_s: float = 0.0
     velocity_step_rad_s: float = 0.0
@@ -119,6 +123,8 @@ class Sensors:
     def __post_init__(self) -> None:
         """Check signs and shares."""
         _require_not_negative("sensors", **{item.name: getattr(self, item.name) for item in fields(self)})
+        if self.slow_noise_share > 1:
+            raise UsageError(f"sensors: slow_noise_share {self.slow_noise_share:g}: expected a share from 0 to 1")
         if max(self.stale, self.lost) > HIGHEST_SHARE or self.longest_loss < 1:
             raise UsageError(
                 f"sensors: stale {self.stale:g}, lost {self.lost:g}, longest_loss {self.longest_loss}: expected "
