@@ -1,0 +1,140 @@
+"""The path of a hand that guides an arm's end effector: spontaneous strokes and turns with pauses between them."""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulate.motion.checks import require_order, require_positive, require_within
+from friction_audit.simulate.motion.intention import tick_times
+from friction_audit.simulate.motion.minimum_jerk import PEAK, REST_S, course, latest, slope
+
+WHERE = "hand path"
+
+SMALL_RAD = 1e-3
+"""Below this angle, the series of the Jacobian are exact to rounding."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class HandPath:
+    """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
+
+    Attributes:
+        reach_m: Radius of the ball of positions around the start. [m]
+        rotation_rad: Radius of the ball of rotation vectors around the start orientation. [rad]
+        stroke_s: Shortest and longest duration of a stroke, where neither the speed nor the reach cuts it. [s]
+        speed_m_s: Slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it. [m/s]
+        turning_rad_s: No stroke turns faster. [rad/s]
+        pause_s: Shortest and longest pause between two strokes. [s]
+
+    Raises:
+        UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
+    """
+
+    reach_m: float = 0.2
+    rotation_rad: float = 0.6
+    stroke_s: tuple[float, float] = (0.9, 1.8)
+    speed_m_s: tuple[float, float] = (0.15, 0.6)
+    turning_rad_s: float = 1.5
+    pause_s: tuple[float, float] = (0.2, 0.7)
+
+    def __post_init__(self) -> None:
+        """Check signs, the order of the pairs and the rotation."""
+        require_positive(WHERE, reach_m=self.reach_m, turning_rad_s=self.turning_rad_s)
+        require_positive(WHERE, shortest_stroke_s=self.stroke_s[0], slowest_m_s=self.speed_m_s[0])
+        require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
+        require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
+        if self.rotation_rad >= pi:
+            raise UsageError(f"{WHERE}: rotation_rad {self.rotation_rad:g}: expected less than half a turn")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class HandMotion:
+    """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes.
+
+    Attributes:
+        position: Offset from the start. [m]
+        rotation: Rotation vector r; the orientation is exp(r) times the start orientation. [rad]
+        velocity: Derivative of the position. [m/s]
+        angular: Angular velocity. [rad/s]
+    """
+
+    position: Float
+    rotation: Float
+    velocity: Float
+    angular: Float
+
+
+def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
+    """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
+    t = tick_times(ticks, dt)
+    start, lasts, origin, change = _draw_strokes(settings, ticks * dt, rng)
+    if not len(start):
+        return HandMotion(**{name: np.zeros((ticks + 1, 3)) for name in HandMotion.__slots__})
+    stroke = latest(start, t)
+    x = np.clip((t - start[stroke]) / lasts[stroke], 0.0, 1.0)
+    pose = origin[stroke] + course(x)[:, np.newaxis] * change[stroke]
+    rate = (slope(x) / lasts[stroke])[:, np.newaxis] * change[stroke]
+    position, rotation, velocity, turning = pose[:, :3], pose[:, 3:], rate[:, :3], rate[:, 3:]
+    return HandMotion(
+        position=position, rotation=rotation, velocity=velocity, angular=angular_velocity(rotation, turning)
+    )
+
+
+def angular_velocity(rotation: Float, derivative: Float) -> Float:
+    """Return the angular velocity in the world's axes, by the left Jacobian of the rotation group.
+
+    Args:
+        rotation: Rotation vectors, shape (n, 3). [rad]
+        derivative: Their derivatives by time, shape (n, 3). [rad/s]
+    """
+    angle = np.linalg.norm(rotation, axis=1)
+    safe = np.maximum(angle, SMALL_RAD)
+    first = np.where(angle > SMALL_RAD, 2 * (np.sin(safe / 2) / safe) ** 2, 0.5 - angle**2 / 24)
+    second = np.where(angle > SMALL_RAD, (safe - np.sin(safe)) / safe**3, 1 / 6 - angle**2 / 120)
+    across = np.cross(rotation, derivative)
+    result: Float = derivative + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
+    return result
+
+
+def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float, Float]:
+    """Draw strokes: start [s] and duration [s] of shape (m,), origin and change [m, rad] of shape (m, 6)."""
+    rows: list[Float] = []
+    start, pose = REST_S, np.zeros(6)
+    while True:
+        lasts, change = _draw_stroke(settings, pose, rng)
+        if start + lasts > duration_s - REST_S:
+            break
+        rows.append(np.concatenate(([start, lasts], pose, change)))
+        start += lasts + rng.uniform(*settings.pause_s)
+        pose = pose + change
+    table = np.asarray(rows).reshape(-1, 14)
+    return table[:, 0], table[:, 1], table[:, 2:8], table[:, 8:]
+
+
+def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point, as far as it gets."""
+    change = _draw_via(settings, pose[:3], rng) - pose
+    distance = float(np.linalg.norm(change[:3]))
+    speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
+    length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)
+    change *= length / distance
+    turn = float(np.linalg.norm(change[3:]))
+    return max(PEAK * length / speed, PEAK * turn / settings.turning_rad_s, settings.stroke_s[0]), change
+
+
+def _draw_via(settings: HandPath, place: Float, rng: np.random.Generator) -> Float:
+    """Draw a via point, shape (6,) [m, rad], at least half the reach away from the place."""
+    while True:
+        position = settings.reach_m * _draw_in_ball(rng)
+        if np.linalg.norm(position - place) >= settings.reach_m / 2:
+            return np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng)))
+
+
+def _draw_in_ball(rng: np.random.Generator) -> Float:
+    """Draw a point of the unit ball, evenly distributed, shape (3,)."""
+    direction = rng.standard_normal(3)
+    point: Float = direction / np.linalg.norm(direction) * rng.random() ** (1 / 3)
+    return point

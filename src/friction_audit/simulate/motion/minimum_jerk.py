@@ -1,0 +1,37 @@
+"""The minimum-jerk course from 0 to 1 (Flash and Hogan, 1985): at rest, and without acceleration, at both ends."""
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+
+PEAK = 1.875
+"""Its steepest slope, half-way: the peak speed of a stroke of length 1 in time 1."""
+
+REST_S = 0.5
+"""Rest before the first stroke of a motion and after the last. [s]"""
+
+
+def course(x: Float) -> Float:
+    """Return the share of the way covered at the share x of the time, in [0, 1]."""
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+
+
+def slope(x: Float) -> Float:
+    """Return the derivative of the course at x in [0, 1]."""
+    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
+
+
+def area(x: Float) -> Float:
+    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
+    inside = np.clip(x, 0.0, 1.0)
+    return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
+
+
+def rising(x: Float) -> Float:
+    """Return the course for any x: 0 below 0 and 1 above 1."""
+    return course(np.clip(x, 0.0, 1.0))
+
+
+def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
+    return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
