@@ -38,22 +38,20 @@ def engaged(group: Any, stretch: float) -> float:  # noqa: ANN401 - a record of 
 
 
 @compiled()
-def contact_nm(group: Any, stretch: float, rate: float, inertia: float) -> float:  # noqa: ANN401 - a record of numbers
-    """Return the torque from motor to link through the flanks; they press and never pull, so an impact is passive.
+def contact_nm(group: Any, engaged_rad: float) -> float:  # noqa: ANN401 - a record of numbers
+    """Return the elastic torque of the flanks, signed as the stretch that is left after the dead zone. [N m]"""
+    return float(engaged_rad / group.contact_compliance_rad_per_nm)
+
+
+@compiled()
+def contact_damping_nms_per_rad(group: Any, inertia: float) -> float:  # noqa: ANN401 - a record of numbers
+    """Return the damping of the flanks while they touch, which takes the energy of the impact. [N m s/rad]
 
     Args:
         group: A ``Backlash``.
-        stretch: Motor position less link position. [rad]
-        rate: Its rate. [rad/s]
         inertia: Inertia that the contact decelerates: the reduced one of both sides. [kg m^2]
     """
-    pressed = engaged(group, stretch)
-    if pressed == 0.0:
-        return 0.0
-    compliance = group.contact_compliance_rad_per_nm
-    damping = 2.0 * group.contact_damping_ratio * math.sqrt(inertia / compliance)
-    torque = pressed / compliance + damping * rate
-    return float(max(0.0, torque) if pressed > 0.0 else min(0.0, torque))
+    return float(2.0 * group.contact_damping_ratio * math.sqrt(inertia / group.contact_compliance_rad_per_nm))
 
 
 EFFECT = Effect(
