@@ -1,0 +1,263 @@
+"""The compensator at one tick of the controller, compiled; other compiled loops call ``step``.
+
+The joint behind its torque sensor obeys B ddq = F_m + u - tau_f. Integrated over a cycle from rest to rest,
+sum F_m dq + sum u dq = sum tau_f dq: what human and compensator put in, friction took. The general form of (10), (13),
+(16) and (25) is therefore E_net = E_n - E_(n-1) + sum u dq with all of u, the damping of the passivity controller
+included, whose work is negative.
+"""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.replay.records import (
+    COULOMB,
+    ENERGY,
+    ESTIMATED,
+    FIXED,
+    GAP,
+    NET,
+    NOT_MOVED,
+    PATH,
+    SQUARE,
+    TOO_ALIKE,
+    TOO_FEW,
+    VISCOUS,
+    Record,
+)
+
+FIND = -1
+"""Value of ``cut``: the joint finds its cycles itself."""
+
+
+@compiled()
+def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
+    """Run a compensator for one tick, after the sensors were read.
+
+    Args:
+        settings: Record of SETTINGS.
+        memory: Record of MEMORY, changed in place.
+        dq: Velocity as measured. [rad/s]
+        interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
+        dt: Time since the previous call; of no effect in the first. [s]
+        cut: FIND, or 1 if a cycle ends at this tick and 0 if not, as told from outside.
+
+    Returns:
+        Torque u of compensation and passivity controller, for the coming tick. [N m]
+    """
+    if memory.ticks > 0:
+        add_up(settings, memory, dq, interaction_nm, dt)
+    memory.ticks += 1
+    memory.dq = dq
+    memory.interaction_nm = interaction_nm
+    found = find_end(settings, memory, dq, dt)
+    if (found if cut == FIND else cut == 1) and memory.ticks > 1:
+        close_cycle(settings, memory)
+    choose(settings, memory)
+    return float(command(settings, memory, dq))
+
+
+@compiled()
+def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
+    """Add the interval since the previous tick to the sums of the cycle and to the ledgers (2), (24).
+
+    Trapezoids; the torque u was held, so its work is u times the displacement.
+    """
+    moved = 0.5 * (memory.dq + dq) * dt
+    work = 0.5 * (memory.interaction_nm + interaction_nm) * moved
+    memory.net_j += work + memory.u_nm * moved
+    memory.path_rad += 0.5 * (moving_speed(settings, memory.dq) + moving_speed(settings, dq)) * dt
+    memory.square_rad2_s += 0.5 * (memory.dq * memory.dq + dq * dq) * dt
+    memory.longest_gap_s = max(memory.longest_gap_s, dt)
+    memory.energy_j += work
+    if memory.active == 1:
+        memory.active_energy_j += work
+    memory.dissipated_j -= memory.passivity_nm * moved
+
+
+@compiled()
+def moving_speed(settings: Record, dq: float) -> float:
+    """Return |dq|, or 0 at rest, where the noise of the velocity would add up to a path. [rad/s]"""
+    speed = abs(dq)
+    return speed if speed > settings.rest_rad_s else 0.0
+
+
+@compiled()
+def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
+    """Return True if an energy cycle ends at this tick.
+
+    A cycle is under way once the filtered speed has exceeded the initiation threshold. It ends when the filtered speed
+    has fallen below the termination threshold and the joint, by its velocity as measured, rests or turns.
+    """
+    gain = 1.0 if memory.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
+    memory.filtered_rad_s += gain * (dq - memory.filtered_rad_s)
+    direction = memory.direction
+    ended = (
+        direction != 0.0
+        and memory.filtered_rad_s * direction < settings.termination_rad_s
+        and dq * direction <= settings.rest_rad_s
+    )
+    if ended:
+        memory.direction = 0.0
+    if memory.direction == 0.0 and abs(memory.filtered_rad_s) > settings.initiation_rad_s:
+        memory.direction = math.copysign(1.0, memory.filtered_rad_s)
+    return bool(ended)
+
+
+@compiled()
+def close_cycle(settings: Record, memory: Record) -> None:
+    """End the cycle at this tick, estimate, and begin the next one here."""
+    memory.cycle += 1
+    if memory.longest_gap_s > settings.maximum_gap_s:
+        memory.status = GAP
+    elif memory.path_rad < settings.minimum_path_rad:
+        memory.status = NOT_MOVED
+    else:
+        row = memory.rows[memory.count % settings.window]
+        row[NET], row[PATH], row[SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
+        memory.count += 1
+        memory.status = estimate(settings, memory)
+    if memory.status >= NOT_MOVED:
+        memory.refused += 1
+    if memory.acted == 1:
+        memory.released = 1
+    memory.acted = 0
+    memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
+
+
+@compiled()
+def estimate(settings: Record, memory: Record) -> int:
+    """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
+
+    (19) prints the right pseudo-inverse of a tall matrix, which does not exist for k > 2; this is the left one.
+    """
+    if memory.count < settings.window:
+        return TOO_FEW
+    net_path = net_square = path_path = path_square = square_square = 0.0
+    for i in range(settings.window):
+        row = memory.rows[i]
+        net_path += row[NET] * row[PATH]
+        net_square += row[NET] * row[SQUARE]
+        path_path += row[PATH] * row[PATH]
+        path_square += row[PATH] * row[SQUARE]
+        square_square += row[SQUARE] * row[SQUARE]
+    if settings.model == VISCOUS:
+        memory.estimated_viscous_nms_per_rad = net_square / square_square
+    elif settings.model == COULOMB:
+        memory.estimated_coulomb_nm = net_path / path_path
+    else:
+        cosine = path_square / math.sqrt(path_path * square_square)
+        sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+        if 1.0 + cosine > settings.condition_limit * sine:
+            return TOO_ALIKE
+        determinant = path_path * square_square * sine * sine
+        memory.estimated_coulomb_nm = (net_path * square_square - net_square * path_square) / determinant
+        memory.estimated_viscous_nms_per_rad = (net_square * path_path - net_path * path_square) / determinant
+    return ESTIMATED
+
+
+@compiled()
+def choose(settings: Record, memory: Record) -> None:
+    """Choose the coefficients to apply: given, forced or estimated, these never below zero."""
+    coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
+    if settings.kind == ENERGY:
+        forced = not math.isnan(settings.forced_coulomb_nm) and memory.cycle + 1 >= settings.forced_from_cycle
+        if forced and not (settings.forced_until_acted == 1 and memory.released == 1):
+            coulomb, viscous = settings.forced_coulomb_nm, settings.forced_viscous_nms_per_rad
+        else:
+            coulomb = settings.factor * applicable(memory.estimated_coulomb_nm)
+            viscous = settings.factor * applicable(memory.estimated_viscous_nms_per_rad)
+    memory.coulomb_nm, memory.viscous_nms_per_rad = coulomb, viscous
+    if coulomb != 0.0 or viscous != 0.0:
+        memory.active = 1
+
+
+@compiled()
+def applicable(coefficient: float) -> float:
+    """Return an estimate, or 0 where there is none or it is negative."""
+    return 0.0 if math.isnan(coefficient) else max(0.0, coefficient)
+
+
+@compiled()
+def compensation(settings: Record, memory: Record, dq: float) -> float:
+    """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
+    if settings.kind == FIXED:
+        share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
+        return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
+    if settings.kind == ENERGY:
+        return float(memory.coulomb_nm * soft_sign(settings, dq) + memory.viscous_nms_per_rad * dq)
+    return 0.0
+
+
+@compiled()
+def soft_sign(settings: Record, dq: float) -> float:
+    """Return the sign of the velocity, 0 in the dead-band, with a ramp between."""
+    beyond = abs(dq) - settings.dead_band_rad_s
+    if beyond <= 0.0:
+        return 0.0
+    return math.copysign(1.0 if beyond >= settings.ramp_rad_s else beyond / settings.ramp_rad_s, dq)
+
+
+@compiled()
+def damping(settings: Record, memory: Record, dq: float) -> float:
+    """Return the damping alpha that pays the deficit of the ledger within the coming tick (22), capped."""
+    deficit = -memory.observed_energy_j
+    if settings.passivity == 0 or deficit <= 0.0 or abs(dq) < settings.minimum_speed_rad_s:
+        return 0.0
+    return float(min(deficit / (dq * dq * settings.period_s), settings.max_damping_nms_per_rad))
+
+
+@compiled()
+def command(settings: Record, memory: Record, dq: float) -> float:
+    """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
+    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
+    if settings.controller_in_interaction == 0:
+        memory.observed_energy_j += memory.dissipated_j
+    change = settings.max_torque_rate_nm_s * settings.period_s
+    low = max(-settings.max_torque_nm, memory.u_nm - change)
+    high = min(settings.max_torque_nm, memory.u_nm + change)
+    aid = min(max(compensation(settings, memory, dq), low), high)
+    u = min(max(aid - damping(settings, memory, dq) * dq, low), high)
+    memory.u_nm, memory.compensation_nm, memory.passivity_nm = u, aid, u - aid
+    memory.damping_nms_per_rad = (aid - u) / dq if u != aid else 0.0
+    if memory.damping_nms_per_rad > 0.0:
+        memory.acted = 1
+    served = (aid - u) * dq * settings.period_s
+    memory.unserved_j = max(0.0, -memory.observed_energy_j - served) if settings.passivity == 1 else 0.0
+    return float(u)
+
+
+@compiled()
+def trace(memory: Record, row: Float) -> None:
+    """Write the quantities named in ``records.TRACE`` into a row, shape (len(TRACE),)."""
+    row[0] = memory.u_nm
+    row[1] = memory.compensation_nm
+    row[2] = memory.passivity_nm
+    row[3] = memory.damping_nms_per_rad
+    row[4] = memory.coulomb_nm
+    row[5] = memory.viscous_nms_per_rad
+    row[6] = memory.estimated_coulomb_nm
+    row[7] = memory.estimated_viscous_nms_per_rad
+    row[8] = memory.energy_j
+    row[9] = memory.observed_energy_j
+    row[10] = memory.active_energy_j
+    row[11] = memory.dissipated_j
+    row[12] = memory.unserved_j
+    row[13] = memory.cycle
+    row[14] = memory.acted
+    row[15] = memory.status
+    row[16] = memory.refused
+
+
+@compiled()
+def run_records(
+    settings: Record, memory: Record, t: Float, dq: Float, interaction_nm: Float, cut: NDArray[np.int64], out: Float
+) -> None:
+    """Run one compensator over signals of shape (n,); write its traces into ``out``, shape (n, len(TRACE))."""
+    for i in range(len(t)):
+        dt = t[i] - t[i - 1] if i > 0 else 0.0
+        step(settings, memory, dq[i], interaction_nm[i], dt, cut[i])
+        trace(memory, out[i])
