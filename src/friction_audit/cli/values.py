@@ -1,6 +1,7 @@
 """Text of an option -> its value."""
 
 from friction_audit.errors import UsageError
+from friction_audit.joint_numbers import parse_joint_numbers
 
 
 def parse_joints(text: str | None) -> tuple[int, ...] | None:
@@ -11,15 +12,7 @@ def parse_joints(text: str | None) -> tuple[int, ...] | None:
     """
     if text is None:
         return None
-    joints: set[int] = set()
-    for part in text.split(","):
-        first, dash, last = part.strip().partition("-")
-        if not first.isdecimal() or (dash and not last.isdecimal()) or int(first) < 1:
-            raise UsageError(f"--joints {text}: {part.strip()!r} is no joint; expected e.g. 1,3-5")
-        if dash and int(last) < int(first):
-            raise UsageError(f"--joints {text}: {part.strip()!r} runs backwards; expected e.g. 1,3-5")
-        joints.update(range(int(first), int(last if dash else first) + 1))
-    return tuple(sorted(joints))
+    return parse_joint_numbers(text, f"--joints {text}")
 
 
 def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float, ...]:
