@@ -1,0 +1,159 @@
+"""``name=value`` on a tree of settings: nested frozen dataclasses, some of them in tuples with one per joint.
+
+Names, types and limits are those of the dataclasses themselves; nothing is written down a second time.
+"""
+
+import difflib
+from collections.abc import Iterator
+from dataclasses import fields, is_dataclass, replace
+from typing import Any, NamedTuple, TypeVar, get_type_hints
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
+from friction_audit.simulate.plain_values import Reader, Value, reader_of, write_plain
+
+Settings = TypeVar("Settings")
+
+APART = ("hidden",)
+"""Parts of the settings that have an option of their own."""
+
+
+class PerJoint(NamedTuple):
+    """A setting that every joint has for itself: one value per joint."""
+
+    values: tuple[Value, ...]
+
+
+class _Leaf(NamedTuple):
+    """A setting: where it is, what it is, what reads it."""
+
+    path: tuple[str, ...]
+    value: Value | PerJoint
+    read: Reader
+
+
+def paths(settings: object) -> dict[str, Value | PerJoint]:
+    """Return every setting that can be assigned, by its dotted path, in the order of declaration."""
+    return {name: leaf.value for name, leaf in _named(settings).items()}
+
+
+def write_value(value: Value | PerJoint) -> str:
+    """Return a value as ``assign`` reads it; different ones of the joints side by side, their joints behind ``@``."""
+    if not isinstance(value, PerJoint):
+        return write_plain(value)
+    joints: dict[str, list[int]] = {}
+    for number, one in enumerate(value.values, start=1):
+        joints.setdefault(write_plain(one), []).append(number)
+    if len(joints) == 1:
+        return next(iter(joints))
+    return "  ".join(f"{text}@{write_joint_numbers(numbers)}" for text, numbers in joints.items())
+
+
+def assign_text(settings: Settings, entry: str) -> Settings:
+    """Return the settings with ``"name=value"`` or ``"name=value@2,5"`` assigned.
+
+    Raises:
+        UsageError: If the text has another shape, or as ``assign`` does.
+    """
+    assignment, joints = split_joints(entry, f"--set {entry}")
+    path, equals, text = assignment.partition("=")
+    if not equals or not path.strip():
+        raise UsageError(f"--set {entry}: expected NAME=VALUE, e.g. duration_s=60")
+    return assign(settings, path.strip(), text.strip(), joints)
+
+
+def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | None = None) -> Settings:
+    """Return the settings with one value replaced.
+
+    Args:
+        settings: The tree.
+        path: Dotted path of a setting, or as much of its end as no other one shares.
+        text: The value, e.g. ``"80"``, ``"0.2,0.7"``, ``"true"``.
+        joints: Numbers (1..n) of the joints that it is for; None for all.
+
+    Raises:
+        UsageError: If there is no such setting or more than one, or value or joints do not fit.
+    """
+    known = _named(settings)
+    full = _find(path, tuple(known))
+    behind = "" if joints is None else f"@{write_joint_numbers(joints)}"
+    where, leaf = f"--set {full}={text}{behind}", known[full]
+    if joints is not None:
+        if not isinstance(leaf.value, PerJoint):
+            raise UsageError(f"{where}: is not set joint by joint; leave out {behind}")
+        require_joints(joints, len(leaf.value.values), where)
+    try:
+        value = leaf.read(text)
+    except ValueError as error:
+        raise UsageError(f"{where}: expected {error}") from error
+    try:
+        changed: Settings = _put(settings, leaf.path, value, joints)
+    except UsageError as error:
+        raise UsageError(f"{where}: {error}") from error
+    return changed
+
+
+def _named(settings: object) -> dict[str, _Leaf]:
+    return {".".join(leaf.path): leaf for leaf in _leaves(settings)}
+
+
+def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
+    hints = get_type_hints(type(node))
+    for name in (item.name for item in fields(node) if item.name not in APART):
+        value, read = getattr(node, name), reader_of(hints[name])
+        if is_dataclass(value):
+            below = _leaves(value)
+        elif _one_per_joint(value):
+            below = _side_by_side(value)
+        else:
+            below = iter(() if read is None else (_Leaf((), value, read),))
+        yield from (leaf._replace(path=(name, *leaf.path)) for leaf in below)
+
+
+def _one_per_joint(value: object) -> bool:
+    return isinstance(value, tuple) and len(value) > 0 and all(map(is_dataclass, value))
+
+
+def _side_by_side(nodes: tuple[object, ...]) -> Iterator[_Leaf]:
+    """Yield the settings that all joints have, with the joints' values."""
+    own = [{leaf.path: leaf for leaf in _leaves(node)} for node in nodes]
+    for path, leaf in own[0].items():
+        if all(path in one for one in own):
+            values: Any = tuple(one[path].value for one in own)
+            yield leaf._replace(value=PerJoint(values))
+
+
+def _find(name: str, known: tuple[str, ...]) -> str:
+    """Return the one path that a name stands for."""
+    found = [path for path in known if path == name] or [path for path in known if path.endswith(f".{name}")]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        raise UsageError(f"--set {name}: stands for {len(found)} settings; expected one of {', '.join(found)}")
+    near = _near(name, known)
+    hint = f"did you mean {' or '.join(near)}?" if near else "--list with the scenario names all of them"
+    raise UsageError(f"--set {name}: no such setting; {hint}")
+
+
+def _near(name: str, known: tuple[str, ...]) -> list[str]:
+    """Return the paths that a name may have meant: by the whole path, else by its end."""
+    end = name.rpartition(".")[2]
+    ends = difflib.get_close_matches(end, [path.rpartition(".")[2] for path in known], n=2)
+    by_end = [path for path in known if path.rpartition(".")[2] in ends]
+    return difflib.get_close_matches(name, known, n=3, cutoff=0.75) or by_end[:3]
+
+
+def _put(node: Any, path: tuple[str, ...], value: Value, joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
+    """Return a node with the value at a path below it replaced, for some joints or for all."""
+    name, *rest = path
+    old = getattr(node, name)
+    if not rest:
+        new: Any = value
+    elif isinstance(old, tuple):
+        meant = range(1, len(old) + 1) if joints is None else joints
+        new = tuple(
+            _put(one, tuple(rest), value, None) if number in meant else one for number, one in enumerate(old, start=1)
+        )
+    else:
+        new = _put(old, tuple(rest), value, joints)
+    return replace(node, **{name: new})

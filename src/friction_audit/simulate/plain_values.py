@@ -1,0 +1,95 @@
+"""Text <-> the plain values of settings, by their annotation."""
+
+import math
+from collections.abc import Callable
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin
+
+Value = float | int | bool | str | tuple["Value", ...] | None
+Reader = Callable[[str], Value]
+"""Text -> value; raises ValueError with what it expected."""
+
+TRUTHS = {"true": True, "false": False}
+NOTHING = "none"
+
+
+def reader_of(hint: Any) -> Reader | None:  # noqa: ANN401 - any annotation
+    """Return what reads a value of an annotated type, or None where text cannot give one."""
+    plain: dict[Any, Reader] = {float: _read_float, int: _read_int, bool: _read_bool, str: str}
+    if hint in plain:
+        return plain[hint]
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin is Literal:
+        return lambda text: _read_word(text, arguments)
+    if origin is tuple:
+        return _tuple_reader(arguments)
+    if origin in (Union, UnionType) and NoneType in arguments:
+        return _optional_reader([one for one in arguments if one is not NoneType])
+    return None
+
+
+def write_plain(value: Value) -> str:
+    """Return a value as its reader reads it."""
+    match value:
+        case None:
+            return NOTHING
+        case bool():
+            return str(value).lower()
+        case float():
+            short = f"{value:g}"
+            return short if float(short) == value else repr(value)
+        case tuple():
+            return ",".join(map(write_plain, value))
+    return str(value)
+
+
+def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
+    """Return the reader of a tuple of values of one type: a fixed number of them, or any."""
+    kinds = set(arguments) - {Ellipsis}
+    item = reader_of(kinds.pop()) if len(kinds) == 1 else None
+    if item is None:
+        return None
+    count = None if Ellipsis in arguments else len(arguments)
+
+    def read(text: str) -> Value:
+        parts = text.split(",")
+        if count not in (None, len(parts)):
+            raise ValueError(f"{count} values separated by commas, found {len(parts)}")
+        return tuple(item(part.strip()) for part in parts)
+
+    return read
+
+
+def _optional_reader(others: list[Any]) -> Reader | None:
+    """Return the reader of a value that may be missing."""
+    present = reader_of(others[0]) if len(others) == 1 else None
+    return None if present is None else lambda text: None if text == NOTHING else present(text)
+
+
+def _read_float(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError("a number")
+    return value
+
+
+def _read_int(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError("a whole number") from None
+
+
+def _read_bool(text: str) -> bool:
+    if text not in TRUTHS:
+        raise ValueError(" or ".join(TRUTHS))
+    return TRUTHS[text]
+
+
+def _read_word(text: str, words: tuple[Any, ...]) -> str:
+    if text not in words:
+        raise ValueError(f"one of {', '.join(map(str, words))}")
+    return text
