@@ -16,13 +16,18 @@ def convert_document(log: JointLog, path: str, dialect: str, left_out: Sequence[
         dialect: Name of the writer.
         left_out: Channels that the format has no place for.
     """
-    notices = log_notices(log)
-    if left_out:
-        message = f"{path}: the dialect {dialect} has no place for {', '.join(left_out)}; left out"
-        notices += (Notice("channels_left_out", None, message),)
+    notices = log_notices(log) + left_out_notices(path, dialect, left_out)
     return {
         **new_document("convert"),
         "source": source_document(log),
         "output": {"path": path, "dialect": dialect, "joints": len(log.joint_names), "samples": len(log.t)},
         "warnings": [notice._asdict() for notice in notices],
     }
+
+
+def left_out_notices(path: str, dialect: str, left_out: Sequence[str]) -> tuple[Notice, ...]:
+    """Return the warning about channels that the format of a written log has no place for."""
+    if not left_out:
+        return ()
+    message = f"{path}: the dialect {dialect} has no place for {', '.join(left_out)}; left out"
+    return (Notice("channels_left_out", None, message),)
