@@ -3,7 +3,7 @@
 import sys
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -12,6 +12,11 @@ import typer
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+    from rich.progress import Progress
+    from rich.status import Status
+
+Report = Callable[[float], None]
+"""Takes the share of the work that is done, 0 to 1."""
 
 PATIENCE_S = 1.0
 """Work shorter than this shows no progress."""
@@ -40,9 +45,23 @@ class Voice:
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
         """Show that a step is under way, on a terminal and only if it takes long."""
-        begin = time.perf_counter()
-        with _spinner(name) if sys.stderr.isatty() and not self.quiet else _silence():
+        with self._timed(name), _spinner(name) if self._watched else _silence():
             yield
+
+    @contextmanager
+    def progress(self, name: str) -> Iterator[Report | None]:
+        """Show how much of a step is done, as ``step`` does; yield what it is to be told, None if nobody watches."""
+        with self._timed(name), _bar(name) if self._watched else _silence() as report:
+            yield report
+
+    @property
+    def _watched(self) -> bool:
+        return sys.stderr.isatty() and not self.quiet
+
+    @contextmanager
+    def _timed(self, name: str) -> Iterator[None]:
+        begin = time.perf_counter()
+        yield
         if self.verbose:
             typer.echo(f"{name}: {time.perf_counter() - begin:.2f} s", err=True)
 
@@ -66,8 +85,27 @@ def _silence() -> Iterator[None]:
 def _spinner(name: str) -> Iterator[None]:
     from rich.console import Console
 
-    status = Console(stderr=True).status(f"{name} ...")
-    timer = threading.Timer(PATIENCE_S, status.start)
+    with _late(Console(stderr=True).status(f"{name} ...")):
+        yield
+
+
+@contextmanager
+def _bar(name: str) -> Iterator[Report]:
+    """Show a bar: in motion while nothing is known, then up to where the work is."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+
+    columns = (TextColumn("{task.description} ..."), BarColumn(), TaskProgressColumn())
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task(name, total=None)
+    with _late(bar):
+        yield lambda share: bar.update(task, total=1.0, completed=share)
+
+
+@contextmanager
+def _late(display: "Status | Progress") -> Iterator[None]:
+    """Start a display as soon as the work takes long."""
+    timer = threading.Timer(PATIENCE_S, display.start)
     timer.daemon = True
     timer.start()
     try:
@@ -75,4 +113,4 @@ def _spinner(name: str) -> Iterator[None]:
     finally:
         timer.cancel()
         timer.join()
-        status.stop()
+        display.stop()
