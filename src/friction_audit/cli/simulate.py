@@ -1,0 +1,288 @@
+"""``friction-audit simulate``."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.choices import near_misses
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice
+from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.export import Writer
+    from friction_audit.joint_log import JointLog
+    from friction_audit.report.simulate_document import SimulatedLog
+    from friction_audit.simulate.scenarios import Scenario
+
+SIMULATION = "Simulation"
+
+EXAMPLES = """Examples:
+  friction-audit simulate --list
+  friction-audit simulate bench -o run.parquet --seed 7 --truth run.truth.json
+  friction-audit simulate bench -o run.mcap --effect stribeck:excess_nm=0.2 --effect time_delay
+  friction-audit simulate panda -o run.bag --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
+
+
+def _finite(value: float | None) -> float | None:
+    """Refuse what is no number; everything else is the settings' to judge."""
+    if value is not None and not math.isfinite(value):
+        raise typer.BadParameter(f"{value:g}: expected a number")
+    return value
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SimulationOptions:
+    """What is simulated."""
+
+    seed: Annotated[
+        int,
+        typer.Option(metavar="INT", min=0, help="Same seed, same log, to the bit.", rich_help_panel=SIMULATION),
+    ] = 0
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            callback=_finite,
+            help="Length of the log. Default: the scenario's.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = None
+    rate: Annotated[
+        float | None,
+        typer.Option(
+            metavar="HZ", callback=_finite, help="Sampling rate. Default: the scenario's.", rich_help_panel=SIMULATION
+        ),
+    ] = None
+    effects: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effect",
+            metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
+            help="Hide an effect, in all joints or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = None
+    assignments: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE[@JOINTS]",
+            help="Another value for a setting of the scenario, e.g. joints.coulomb_nm=0.4@2,5. Repeatable.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = None
+    ideal: Annotated[
+        bool,
+        typer.Option(
+            "--ideal",
+            help="Sensors and clock without noise, resolution or loss; --set may bring some of it back.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ListOptions:
+    """What is listed instead."""
+
+    scenarios: Annotated[
+        bool,
+        typer.Option(
+            "--list",
+            help="List the scenarios and stop; with SCENARIO, its settings and their values.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = False
+    effects_there_are: Annotated[
+        bool,
+        typer.Option(
+            "--list-effects", help="List the effects and their parameters and stop.", rich_help_panel=SIMULATION
+        ),
+    ] = False
+
+
+def command(
+    context: typer.Context,
+    scenario: Annotated[str | None, typer.Argument(metavar="SCENARIO", help="One of --list.")] = None,
+    *,
+    simulation: SimulationOptions,
+    lists: ListOptions,
+    output: OutputOptions,
+    general: GeneralOptions,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="FILE", help="The log; its suffix chooses the format.", rich_help_panel=OUTPUT
+        ),
+    ] = None,
+    dialect: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="One of convert --list-dialects. Default: the first one of FILE's suffix.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+    truth: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.json", help="Also write what the log does not say: settings, effects.", rich_help_panel=OUTPUT
+        ),
+    ] = None,
+) -> None:
+    """Make a synthetic log whose friction and hidden effects are known."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    if lists.scenarios or lists.effects_there_are:
+        _list(scenario, lists, json=output.json)
+        return
+    chosen = _find_scenario(scenario)
+    path, writer = _choose_output(out, dialect, truth, overwrite=output.overwrite)
+    run = _Run(replace(chosen, settings=_settings(chosen, simulation)), simulation.seed)
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    log = run.simulate(path, voice)
+    simulated = run.write(log, path, writer, truth, voice, overwrite=output.overwrite)
+    _report(simulated, log, path, writer, truth, voice, json=output.json)
+
+
+@dataclass(frozen=True, slots=True)
+class _Run:
+    """A scenario, its settings as asked for, and the seed."""
+
+    scenario: "Scenario"
+    seed: int
+
+    def simulate(self, path: Path, voice: Voice) -> "JointLog":
+        from friction_audit.simulate import simulate
+
+        with voice.progress(f"simulate {self.scenario.name}") as progress:
+            return simulate(self.scenario.settings, self.seed, path=str(path), progress=progress).log
+
+    def write(
+        self, log: "JointLog", path: Path, writer: "Writer", truth: Path | None, voice: Voice, *, overwrite: bool
+    ) -> "SimulatedLog":
+        """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
+        from friction_audit.export import write_log
+        from friction_audit.ingest.fingerprint import sha256_of
+        from friction_audit.whole_file import whole_file
+
+        with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
+            write_log(log, draft, dialect=writer.name)
+            simulated = self._tell(sha256_of(draft))
+            if truth is not None:
+                _write_truth(simulated, truth, overwrite=overwrite)
+        return simulated
+
+    def _tell(self, sha256: str) -> "SimulatedLog":
+        from friction_audit.report.simulate_document import SimulatedLog
+        from friction_audit.simulate.hide import hidden_effects, settings_in_sight
+
+        settings = self.scenario.settings
+        effects = [asdict(effect) for effect in hidden_effects(settings)]
+        return SimulatedLog(self.scenario.name, self.seed, settings_in_sight(settings), effects, sha256)
+
+
+def _find_scenario(name: str | None) -> "Scenario":
+    from friction_audit.simulate.scenarios import SCENARIOS
+
+    names = [scenario.name for scenario in SCENARIOS]
+    if name is None:
+        raise UsageError(f"SCENARIO: missing; expected one of {', '.join(names)}")
+    found = next((scenario for scenario in SCENARIOS if scenario.name == name), None)
+    if found is None:
+        raise UsageError(f"{name}: no such scenario; expected one of {', '.join(names)}{near_misses(name, names)}")
+    return found
+
+
+def _choose_output(
+    out: Path | None, dialect: str | None, truth: Path | None, *, overwrite: bool
+) -> "tuple[Path, Writer]":
+    """Refuse outputs that could not be written, before anything long is done."""
+    from friction_audit.export import choose_writer
+
+    if out is None:
+        raise UsageError("--output: missing; expected the file of the log, e.g. --output run.parquet")
+    writer = choose_writer(out, dialect)
+    if truth is not None:
+        _check_truth(truth, out)
+    chain.check_outputs([out] if truth is None else [out, truth], overwrite=overwrite)
+    return out, writer
+
+
+def _check_truth(truth: Path, out: Path) -> None:
+    if truth.suffix.lower() != ".json":
+        raise UsageError(f"--truth {truth}: ending {truth.suffix or 'missing'}: expected .json; rename it")
+    told, log = truth.resolve(), out.resolve()
+    if told.is_relative_to(log) or log.is_relative_to(told):
+        raise UsageError(f"--truth {truth}: is the log {out} or lies in it; choose another name")
+
+
+def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa: ANN401 - of any scenario
+    """Return the scenario's settings, changed as asked for."""
+    from friction_audit.simulate.assign import assign_text
+    from friction_audit.simulate.hide import hide
+    from friction_audit.simulate.settings import IDEAL_SENSORS
+
+    asked = {"duration_s": options.duration, "rate_hz": options.rate}
+    settings = replace(scenario.settings, **{name: value for name, value in asked.items() if value is not None})
+    if options.ideal:
+        settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
+    for entry in options.assignments or ():
+        settings = assign_text(settings, entry)
+    return hide(settings, options.effects or ())
+
+
+def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:
+    from friction_audit.report.document import write_document
+    from friction_audit.report.truth_document import truth_document
+    from friction_audit.whole_file import whole_file
+
+    with whole_file(truth, overwrite=overwrite) as draft:
+        draft.write_text(write_document(truth_document(simulated)), encoding="utf-8")
+
+
+def _report(
+    simulated: "SimulatedLog",
+    log: "JointLog",
+    path: Path,
+    writer: "Writer",
+    truth: Path | None,
+    voice: Voice,
+    *,
+    json: bool,
+) -> None:
+    """Say what was written and what the format has no place for."""
+    from friction_audit.report.document import write_document
+    from friction_audit.report.simulate_document import simulate_document
+
+    document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
+    if json:
+        typer.echo(write_document(document), nl=False)
+        return
+    voice.warn(warning["message"] for warning in document["warnings"])
+    for written in (path, truth):
+        if written is not None:
+            typer.echo(str(written))
+
+
+def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
+    """Print the scenarios, the settings of one of them, or the effects."""
+    from friction_audit.cli.simulate_lists import effect_lines, scenario_lines, setting_lines
+
+    if json:
+        raise UsageError("--json: the lists are for people; leave it out")
+    lines: Sequence[str] = ()
+    if lists.scenarios:
+        lines = scenario_lines() if name is None else setting_lines(_find_scenario(name))
+    if lists.effects_there_are:
+        lines = [*lines, *effect_lines()]
+    for line in lines:
+        typer.echo(line)
