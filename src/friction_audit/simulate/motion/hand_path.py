@@ -33,11 +33,11 @@ class HandPath:
         UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
     """
 
-    reach_m: float = 0.2
+    reach_m: float = 0.15
     rotation_rad: float = 0.6
     stroke_s: tuple[float, float] = (0.9, 1.8)
     speed_m_s: tuple[float, float] = (0.15, 0.6)
-    turning_rad_s: float = 1.5
+    turning_rad_s: float = 1.2
     pause_s: tuple[float, float] = (0.2, 0.7)
 
     def __post_init__(self) -> None:
@@ -69,17 +69,12 @@ class HandMotion:
 
 def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
-    t = tick_times(ticks, dt)
-    start, lasts, origin, change = _draw_strokes(settings, ticks * dt, rng)
-    if not len(start):
-        return HandMotion(**{name: np.zeros((ticks + 1, 3)) for name in HandMotion.__slots__})
-    stroke = latest(start, t)
-    x = np.clip((t - start[stroke]) / lasts[stroke], 0.0, 1.0)
-    pose = origin[stroke] + course(x)[:, np.newaxis] * change[stroke]
-    rate = (slope(x) / lasts[stroke])[:, np.newaxis] * change[stroke]
-    position, rotation, velocity, turning = pose[:, :3], pose[:, 3:], rate[:, :3], rate[:, 3:]
+    pose, rate = _follow(_draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt))
     return HandMotion(
-        position=position, rotation=rotation, velocity=velocity, angular=angular_velocity(rotation, turning)
+        position=pose[:, :3],
+        rotation=pose[:, 3:],
+        velocity=rate[:, :3],
+        angular=angular_velocity(pose[:, 3:], rate[:, 3:]),
     )
 
 
@@ -99,8 +94,18 @@ def angular_velocity(rotation: Float, derivative: Float) -> Float:
     return result
 
 
-def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float, Float]:
-    """Draw strokes: start [s] and duration [s] of shape (m,), origin and change [m, rad] of shape (m, 6)."""
+def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
+    """Return pose and its derivative at the times t, shape (n, 6) each. [m, rad; m/s, rad/s]"""
+    if not len(strokes):
+        return np.zeros((len(t), 6)), np.zeros((len(t), 6))
+    current = strokes[latest(strokes[:, 0], t)]
+    start, lasts, origin, change = current[:, :1], current[:, 1:2], current[:, 2:8], current[:, 8:]
+    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
+    return origin + course(x) * change, slope(x) / lasts * change
+
+
+def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> Float:
+    """Draw strokes, shape (m, 14): start [s], duration [s], origin (6) and change (6) of the pose [m, rad]."""
     rows: list[Float] = []
     start, pose = REST_S, np.zeros(6)
     while True:
@@ -110,8 +115,7 @@ def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generato
         rows.append(np.concatenate(([start, lasts], pose, change)))
         start += lasts + rng.uniform(*settings.pause_s)
         pose = pose + change
-    table = np.asarray(rows).reshape(-1, 14)
-    return table[:, 0], table[:, 1], table[:, 2:8], table[:, 8:]
+    return np.asarray(rows).reshape(-1, 14)
 
 
 def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:

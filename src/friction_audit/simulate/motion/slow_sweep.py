@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import cycle
 from math import inf
 
 import numpy as np
@@ -19,9 +20,10 @@ Target = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SlowSweep:
-    """Strokes of constant speed from the start to one side and back, then to the other side and back.
+    """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
 
-    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other.
+    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
+    pass with the usual settings takes less than a minute.
 
     Attributes:
         speeds_rad_s: Slowest and fastest speed. [rad/s]
@@ -30,7 +32,7 @@ class SlowSweep:
         longest_s: A stroke turns back after this time although the range goes on. [s]
         dwell_s: Rest after every stroke. [s]
         ease_s: Time in which a stroke reaches its speed, and in which it loses it. [s]
-        reversals: Number of small reversals at the end of every pass.
+        reversals: Number of small reversals at the start of every pass.
         reversal_rad: Smallest and largest way of a small reversal, drawn evenly on a logarithmic scale. [rad]
         reversal_s: Way divided by speed of a small reversal. [s]
 
@@ -40,7 +42,7 @@ class SlowSweep:
     """
 
     speeds_rad_s: tuple[float, float] = (0.01, 1.0)
-    steps: int = 9
+    steps: int = 7
     range_rad: tuple[float, float] = (-0.6, 0.6)
     longest_s: float = 3.0
     dwell_s: float = 0.3
@@ -104,14 +106,13 @@ def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> t
 def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
     """Yield excursions that leave 0 and come back to it, without end."""
     speeds = np.geomspace(*settings.speeds_rad_s, settings.steps)
-    low, high = settings.range_rad
+    sides = cycle(settings.range_rad)
     while True:
-        for speed in rng.permutation(speeds):
-            far = float(speed) * settings.longest_s
-            yield [(min(high, far), float(speed)), (0.0, float(speed))]
-            yield [(max(low, -far), float(speed)), (0.0, float(speed))]
         if settings.reversals:
             yield _reversals(settings, rng)
+        for speed in rng.permutation(speeds):
+            far = float(speed) * settings.longest_s
+            yield [(float(np.clip(next(sides), -far, far)), float(speed)), (0.0, float(speed))]
 
 
 def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
