@@ -71,9 +71,9 @@ def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generato
     """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
     pose, rate = _follow(_draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt))
     return HandMotion(
-        position=pose[:, :3],
-        rotation=pose[:, 3:],
-        velocity=rate[:, :3],
+        position=np.ascontiguousarray(pose[:, :3]),
+        rotation=np.ascontiguousarray(pose[:, 3:]),
+        velocity=np.ascontiguousarray(rate[:, :3]),
         angular=angular_velocity(pose[:, 3:], rate[:, 3:]),
     )
 
