@@ -60,10 +60,11 @@ class SlowSweep:
         require_within(where, 0, inf, dwell_s=self.dwell_s, reversals=self.reversals)
         pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
         require_order(where, **pairs)
-        if self.ease_s > min(self.longest_s, self.reversal_s):
+        shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
+        if self.ease_s > shortest:
             raise UsageError(
-                f"{where}: ease_s {self.ease_s:g}: expected at most longest_s {self.longest_s:g} "
-                f"and reversal_s {self.reversal_s:g}"
+                f"{where}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
+                "longest_s or, with reversals, reversal_s"
             )
         wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
         require_room(where, self.range_rad, wide, wide)
