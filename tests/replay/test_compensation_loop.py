@@ -132,6 +132,20 @@ def test_over_compensated_with_the_controller_it_does_not_and_the_estimate_takes
     assert signals["dissipated_j"][-1] > 0.0
 
 
+def test_in_a_closed_loop_the_dissipation_must_not_be_counted_twice() -> None:
+    once = drive(VISCOUS, EnergyCompensator(**OVER))
+    twice = drive(VISCOUS, EnergyCompensator(controller_in_interaction=False, **OVER))
+    assert twice["energy_j"].min() == pytest.approx(-twice["dissipated_j"][-1], rel=0.05)
+    assert twice["energy_j"][-1] < 0.9 * twice["energy_j"].min()
+    assert once["energy_j"].min() > 0.6 * twice["energy_j"].min()
+
+
+def test_damping_without_bound_makes_a_soft_hand_unstable() -> None:
+    bench = replace(VISCOUS, duration_s=3.05)
+    assert np.abs(drive(bench, EnergyCompensator(**OVER))["u_nm"]).max() < 5.0
+    assert np.abs(drive(bench, EnergyCompensator(max_damping_nms_per_rad=1e9, **OVER))["u_nm"]).max() > 50.0
+
+
 def test_forced_coefficients_may_stay() -> None:
     given_ones = EnergyCompensator(model="viscous", forced=Coefficients(viscous_nms_per_rad=0.3), forced_from_cycle=1)
     signals = drive(VISCOUS, replace(given_ones, forced_until_acted=False))

@@ -57,6 +57,7 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
     if (found if cut == FIND else cut == 1) and memory.ticks > 1:
         close_cycle(settings, memory)
     choose(settings, memory)
+    observe(settings, memory)
     return float(command(settings, memory, dq))
 
 
@@ -202,6 +203,18 @@ def soft_sign(settings: Record, dq: float) -> float:
 
 
 @compiled()
+def observe(settings: Record, memory: Record) -> None:
+    """Bring the ledger of (21) up to this tick.
+
+    A sensor in a closed loop has already felt what the passivity controller dissipated; to add it once more would let
+    the energy fall as far below zero as the controller has brought it up.
+    """
+    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
+    if settings.controller_in_interaction == 0:
+        memory.observed_energy_j += memory.dissipated_j
+
+
+@compiled()
 def damping(settings: Record, memory: Record, dq: float) -> float:
     """Return the damping alpha that pays the deficit of the ledger within the coming tick (22), capped."""
     deficit = -memory.observed_energy_j
@@ -213,9 +226,6 @@ def damping(settings: Record, memory: Record, dq: float) -> float:
 @compiled()
 def command(settings: Record, memory: Record, dq: float) -> float:
     """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
-    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
-    if settings.controller_in_interaction == 0:
-        memory.observed_energy_j += memory.dissipated_j
     change = settings.max_torque_rate_nm_s * settings.period_s
     low = max(-settings.max_torque_nm, memory.u_nm - change)
     high = min(settings.max_torque_nm, memory.u_nm + change)
