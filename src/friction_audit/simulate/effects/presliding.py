@@ -13,6 +13,7 @@ LUGRE, DAHL, MAXWELL_SLIP = range(3)
 BRISTLES = 8
 FIRST_YIELD = sum(1.0 / k for k in range(1, BRISTLES + 1)) / BRISTLES
 LINEAR = 1e-9
+LEAST_LEVEL = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -119,12 +120,13 @@ def advance(
         group: With a displacement > 0.
         bristles: Deflections, shape (BRISTLES,); LuGre and Dahl use the first. [rad]
         coulomb_nm: Coulomb friction that sets the stiffness. [N m]
-        level: Present friction of steady sliding without the viscous part, > 0. [N m]
+        level: Present friction of steady sliding without the viscous part; at least a millionth of Coulomb. [N m]
         velocity: Of the joint. [rad/s]
         h: Time. [s]
     """
     if coulomb_nm <= 0.0:
         return
+    level = max(level, LEAST_LEVEL * coulomb_nm)
     sigma0 = stiffness(group, coulomb_nm)
     if group.form == LUGRE:
         bristles[0] = lugre_advance(bristles[0], sigma0, level, velocity, h)
@@ -133,7 +135,8 @@ def advance(
     else:
         for k in range(BRISTLES):
             limit = yield_rad(group, k) * level / coulomb_nm
-            bristles[k] = min(limit, max(-limit, bristles[k] + velocity * h))
+            held = min(limit, max(-limit, bristles[k]))
+            bristles[k] = min(limit, max(-limit, held + velocity * h))
 
 
 @compiled()
@@ -143,6 +146,9 @@ def force_nm(group: Any, bristles: Float, coulomb_nm: float, level: float, veloc
     Passive in every form, also while the level changes: sigma0 z^2 / 2, summed over the elements, is the stored energy.
     LuGre and Dahl creep under a load that swings below break-away (Dupont et al. 2002); Maxwell-slip does not.
     """
+    if coulomb_nm <= 0.0:
+        return 0.0
+    level = max(level, LEAST_LEVEL * coulomb_nm)
     sigma0 = stiffness(group, coulomb_nm)
     if group.form == LUGRE:
         sigma1 = passive_damping(group.damping_s * sigma0, level, velocity)
