@@ -4,7 +4,7 @@ Names, types and limits are those of the dataclasses themselves; nothing is writ
 """
 
 import difflib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass, replace
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
@@ -47,6 +47,26 @@ def write_value(value: Value | PerJoint) -> str:
     if len(joints) == 1:
         return next(iter(joints))
     return "  ".join(f"{text}@{write_joint_numbers(numbers)}" for text, numbers in joints.items())
+
+
+def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
+    """Return the settings with several entries assigned, those last that the settings allow only after others.
+
+    Raises:
+        UsageError: As ``assign_text`` does, for the first entry that never fits.
+    """
+    waiting = list(entries)
+    while waiting:
+        refused: dict[str, UsageError] = {}
+        for entry in waiting:
+            try:
+                settings = assign_text(settings, entry)
+            except UsageError as error:
+                refused[entry] = error
+        if len(refused) == len(set(waiting)):
+            raise refused[waiting[0]]
+        waiting = list(refused)
+    return settings
 
 
 def assign_text(settings: Settings, entry: str) -> Settings:

@@ -44,9 +44,10 @@ def write_plain(value: Value) -> str:
 
 
 def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
-    """Return the reader of a tuple of values of one type: a fixed number of them, or any."""
+    """Return the reader of a tuple of numbers or words of one type: a fixed number of them, or any."""
     kinds = set(arguments) - {Ellipsis}
-    item = reader_of(kinds.pop()) if len(kinds) == 1 else None
+    kind = kinds.pop() if len(kinds) == 1 else tuple
+    item = None if kind is tuple or get_origin(kind) is tuple else reader_of(kind)
     if item is None:
         return None
     count = None if Ellipsis in arguments else len(arguments)

@@ -39,20 +39,20 @@ class Recorder:
 
     Attributes:
         t: Stamps from 0, strictly increasing, shape (m,). [s]
-        tick: Tick of the joint's clock whose state each sample holds, shape (m,).
+        tick: Which of the states each sample holds, shape (m,).
     """
 
     t: Float
     tick: NDArray[np.int64]
 
 
-def record(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Recorder:
-    """Draw lost samples, stale samples and the jitter of the stamps for ticks + 1 states."""
-    kept = np.flatnonzero(~_lost(ticks + 1, sensors, rng))
+def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Recorder:
+    """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times."""
+    kept = np.flatnonzero(~_lost(len(times), sensors, rng))
     stale = rng.random(len(kept)) < sensors.stale
     stale[0] = False
     source = np.maximum.accumulate(np.where(stale, 0, np.arange(len(kept))))
-    stamps = kept / rate_hz
+    stamps = times[kept]
     if sensors.clock_jitter_s > 0:
         room = STAMP_ROOM / rate_hz
         stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)

@@ -6,7 +6,7 @@ from math import inf, pi
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulate.motion.checks import require_positive, require_within
+from friction_audit.simulate.checks import require_positive, require_within
 from friction_audit.simulate.motion.intention import Intention, tick_times
 from friction_audit.simulate.motion.minimum_jerk import area, course, rising, slope
 from friction_audit.simulate.motion.motion import Motion

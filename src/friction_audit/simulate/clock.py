@@ -1,0 +1,40 @@
+"""How long a recording is and how often its states are kept."""
+
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import UsageError
+from friction_audit.simulate.checks import require_positive
+
+CONTROL_RATE_HZ = 1000.0
+"""Rate at which the controller reads its sensors and sets its torques. [Hz]"""
+
+HALF_SUBSTEPS = 5
+"""Integration steps in half a tick of the controller."""
+
+FEWEST_TICKS = 2
+
+
+def count_ticks(duration_s: float, rate_hz: float) -> int:
+    """Return the number of the controller's ticks in a recording, after checking its length and its rate.
+
+    Raises:
+        UsageError: If the recording is too short, or the rate is above that of the controller.
+    """
+    require_positive("simulation", duration_s=duration_s, rate_hz=rate_hz)
+    if rate_hz > CONTROL_RATE_HZ:
+        raise UsageError(
+            f"simulation: rate_hz {rate_hz:g}: expected at most {CONTROL_RATE_HZ:g}, the rate of the controller"
+        )
+    if duration_s * rate_hz < FEWEST_TICKS:
+        raise UsageError(
+            f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
+        )
+    return round(duration_s * CONTROL_RATE_HZ)
+
+
+def sampled_ticks(ticks: int, rate_hz: float) -> NDArray[np.int64]:
+    """Return the ticks whose states are logged at a lower rate, the first one always."""
+    samples = int(ticks * rate_hz / CONTROL_RATE_HZ + 1e-9)
+    return np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / rate_hz)).astype(np.int64)

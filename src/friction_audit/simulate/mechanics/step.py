@@ -1,0 +1,124 @@
+"""One step in time: forces at its middle, sliding and sticking inside it, friction's own states along with it."""
+
+from typing import Any
+
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.simulate.effects import frictional_lag, presliding
+from friction_audit.simulate.mechanics.accelerate import accelerate
+from friction_audit.simulate.mechanics.body import FREE
+from friction_audit.simulate.mechanics.friction import sliding_level
+from friction_audit.simulate.mechanics.load import LEAST_LEVEL_NM, load_drive, load_friction, load_joint
+
+ROOT_ITERATIONS = 3
+EVENTS = 32
+"""So many stops may happen within a step; what comes after is taken without stopping again."""
+
+
+@compiled()
+def _first_stop(body: Any, h: float) -> tuple[int, float]:  # noqa: ANN401 - a Body
+    """Return the sliding coordinate that stops first within a step, or -1, and the share of the step."""
+    first, share = -1, 1.0
+    for c in range(len(body.y)):
+        mode = body.mode[c]
+        after = body.v[c] + h * body.a[c]
+        if abs(mode) == 1.0 and after * mode < 0.0:
+            crossing = body.v[c] / (body.v[c] - after)
+            if first < 0 or crossing < share:
+                first, share = c, crossing
+    return first, share
+
+
+@compiled()
+def _stop_time(body: Any, c: int, h: float, share: float) -> float:  # noqa: ANN401
+    """Return the time within the step at which a coordinate stops; damping makes its acceleration depend on it."""
+    time = share * h
+    for _ in range(ROOT_ITERATIONS):
+        accelerate(body, time)
+        if body.a[c] * body.v[c] >= 0.0:
+            break
+        time = min(h, -body.v[c] / body.a[c])
+    return time
+
+
+@compiled()
+def _take(state: Any, body: Any, c: int, way: float, h: float) -> None:  # noqa: ANN401
+    """Count the work of friction over a piece of the way, and the time at rest."""
+    if body.mode[c] == 0.0:
+        state.rest_s += h
+        return
+    state.rest_s = 0.0
+    sign = 1.0 if body.mode[c] == FREE else body.mode[c]
+    state.dissipated_j += sign * body.level[c] * way + body.viscous[body.joint[c]] * way * way / h
+
+
+@compiled()
+def _drift(states: Any, body: Any, h: float) -> None:  # noqa: ANN401
+    """Move on by h with the accelerations found."""
+    if h <= 0.0:
+        return
+    for c in range(len(body.y)):
+        after = body.v[c] + h * body.a[c]
+        way = 0.5 * h * (body.v[c] + after)
+        if body.joint[c] >= 0:
+            _take(states[body.joint[c]], body, c, way, h)
+        body.y[c] += way
+        body.v[c] = after
+
+
+@compiled()
+def _remember(joint: Any, state: Any, body: Any, j: int, t: float, h: float, duration: float) -> None:  # noqa: ANN401
+    """Let the bristles of a joint follow its motion for a time h."""
+    q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
+    if joint.hidden.presliding.displacement_rad != 0.0:
+        level = sliding_level(joint, state, q, abs(dq), 1.0 if dq >= 0.0 else -1.0, t, duration)
+        level = max(level, LEAST_LEVEL_NM)
+        presliding.advance(joint.hidden.presliding, state.bristles, joint.coulomb_nm, level, dq, h)
+
+
+@compiled()
+def slide(
+    joints: Any,
+    states: Any,
+    events: Float,
+    body: Any,
+    since: float,
+    t: float,
+    h: float,
+    duration: float,
+) -> None:
+    """Move on by h, stopping and turning every coordinate exactly where its velocity is zero.
+
+    Position forces are taken at the middle of the step (drift, kick, drift), damping is implicit.
+
+    Args:
+        joints: Records of the joints, shape (n,).
+        states: What they remember, shape (n,); changed.
+        events: Contact events, shape (n, m, 3).
+        body: Coordinates and matrices; changed.
+        since: Time since the tick that the drive's torque refers to. [s]
+        t: Time. [s]
+        h: Step. [s]
+        duration: Length of the recording. [s]
+    """
+    for j in range(len(joints)):
+        _remember(joints[j], states[j], body, j, t, 0.5 * h, duration)
+    load_drive(body, since + 0.5 * h, 0.5 * h)
+    for j in range(len(joints)):
+        load_joint(joints[j], states[j], events[j], body, j, 0.5 * h, t + 0.5 * h, duration)
+    left = h
+    for _ in range(EVENTS):
+        accelerate(body, left)
+        c, share = _first_stop(body, left)
+        if c < 0:
+            break
+        time = _stop_time(body, c, left, share)
+        _drift(states, body, time)
+        body.v[c], body.mode[c] = 0.0, 0.0
+        load_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h, duration)
+        left -= time
+    _drift(states, body, left)
+    for j in range(len(joints)):
+        _remember(joints[j], states[j], body, j, t + h, 0.5 * h, duration)
+        speed = abs(body.v[body.inner[j]])
+        states[j].speed_seen = frictional_lag.speed(joints[j].hidden.frictional_lag, states[j].lag, speed, h)

@@ -1,0 +1,146 @@
+"""One tick of the controller's clock: move, read the sensors, compensate, move on."""
+
+from typing import Any
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.replay.kernels import step as compensate
+from friction_audit.replay.kernels import trace
+from friction_audit.simulate.effects import unlogged_compensation, warm_up
+from friction_audit.simulate.mechanics.accelerate import accelerate
+from friction_audit.simulate.mechanics.body import FREE
+from friction_audit.simulate.mechanics.load import load_drive, load_joint
+from friction_audit.simulate.mechanics.rows import (
+    ACCELERATION,
+    COMPENSATION,
+    DISSIPATED,
+    FRICTION,
+    INNER,
+    OUTER,
+    OUTER_SPEED,
+    PASSIVITY,
+    PORT,
+    SPEED,
+    SUPPORT,
+    UNLOGGED,
+    WARMTH,
+)
+from friction_audit.simulate.mechanics.sensing import quantised
+from friction_audit.simulate.mechanics.step import slide
+
+
+@compiled()
+def advance(
+    joints: Any,
+    states: Any,
+    events: Float,
+    body: Any,
+    clock: Any,
+    t: float,
+    since: float,
+) -> None:
+    """Move on by half a tick."""
+    h = 0.5 * clock.dt / clock.substeps
+    for i in range(clock.substeps):
+        slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
+
+
+@compiled()
+def evaluate(joints: Any, states: Any, events: Float, body: Any, clock: Any, t: float) -> None:  # noqa: ANN401
+    """Find accelerations, friction and the torques at the sensors at an instant."""
+    load_drive(body, 0.0, 0.0)
+    for j in range(len(joints)):
+        load_joint(joints[j], states[j], events[j], body, j, 0.0, t, clock.duration)
+    accelerate(body, 0.0)
+    for j in range(len(joints)):
+        c = body.inner[j]
+        if body.mode[c] == 0.0:
+            body.friction[j] = body.reaction[c]
+        else:
+            sign = 1.0 if body.mode[c] == FREE else body.mode[c]
+            body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
+        torque = body.friction[j] - body.behind[j]
+        for k in range(len(joints)):
+            torque += body.inner_mass[j, k] * body.a[body.inner[k]]
+        body.port[j] = torque
+
+
+@compiled()
+def keep(states: Any, body: Any, out: Float) -> None:  # noqa: ANN401
+    """Write the truth of an instant into ``out``, shape (ROWS, n)."""
+    for j in range(len(states)):
+        c = body.inner[j]
+        out[OUTER, j], out[OUTER_SPEED, j], out[INNER, j], out[SPEED, j] = body.y[j], body.v[j], body.y[c], body.v[c]
+        out[ACCELERATION, j], out[PORT, j], out[SUPPORT, j] = body.a[c], body.port[j], body.support[j]
+        out[FRICTION, j], out[COMPENSATION, j] = body.friction[j], states[j].compensation_nm - states[j].passivity_nm
+        out[PASSIVITY, j] = states[j].passivity_nm
+        out[UNLOGGED, j], out[DISSIPATED, j] = states[j].unlogged_nm, states[j].dissipated_j
+        out[WARMTH, j] = states[j].warmth
+
+
+@compiled()
+def control(joints: Any, states: Any, body: Any, loop: Any, clock: Any, k: int, cut: int) -> None:  # noqa: ANN401
+    """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
+    for j in range(len(joints)):
+        state, hidden = states[j], joints[j].hidden
+        power = body.friction[j] * body.v[body.inner[j]]
+        state.port_nm = body.port[j]
+        state.warmth = warm_up.advance(hidden.warm_up, state.warmth, power, clock.dt)
+        velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+        state.unlogged_nm = unlogged_compensation.torque_nm(hidden.unlogged_compensation, velocity)
+        read = quantised(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
+        interaction = body.support[j] - read
+        state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
+        state.passivity_nm = loop.memory[j].passivity_nm
+
+
+@compiled()
+def run_bench(  # noqa: PLR0913
+    joints: Any,  # noqa: ANN401
+    states: Any,  # noqa: ANN401
+    events: Float,
+    body: Any,  # noqa: ANN401
+    loop: Any,  # noqa: ANN401
+    clock: Any,  # noqa: ANN401
+    push: Float,
+    gravity: Float,
+    first: int,
+    last: int,
+    out: Float,
+    traced: Float,
+) -> None:
+    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
+
+    Args:
+        joints: Record of the joint, shape (1,).
+        states: What it remembers, shape (1,); changed.
+        events: Contact events, shape (1, m, 3).
+        body: Coordinates and matrices; changed.
+        loop: The compensator in the loop.
+        clock: The controller's clock.
+        push: Torque of the drive with the joint at zero, at every tick, shape (ticks + 1,). [N m]
+        gravity: Amplitude [N m] and phase [rad] of the load's gravity torque, held by the motor.
+        first: First tick.
+        last: Tick to end before.
+        out: Receives the truth, shape (ticks + 1, ROWS, 1).
+        traced: Receives what the compensator knew, shape (ticks + 1, 1, columns), or no columns at all.
+    """
+    half = 0.5 * clock.dt
+    for k in range(first, last):
+        t = k * clock.dt
+        place = body.y[0] + (half * body.v[0] if k > 0 else 0.0)
+        weight = gravity[0] * np.sin(place + gravity[1])
+        body.push[0], body.support[0] = push[k] - weight, weight
+        if k > 0:
+            body.push_rate[0] = (push[k] - push[k - 1]) / clock.dt
+            advance(joints, states, events, body, clock, t - half, -half)
+        evaluate(joints, states, events, body, clock, t)
+        keep(states, body, out[k])
+        control(joints, states, body, loop, clock, k, -1)
+        if traced.shape[2] > 0:
+            trace(loop.memory[0], traced[k, 0])
+        if k + 1 < len(push):
+            body.push_rate[0] = (push[k + 1] - push[k]) / clock.dt
+            advance(joints, states, events, body, clock, t, 0.0)

@@ -1,0 +1,140 @@
+"""Joints and what is hidden in them -> the records, arrays and noises that the mechanics run on."""
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.replay.compensator import Compensator, EnergyCompensator
+from friction_audit.replay.records import TRACE, fresh_memory
+from friction_audit.replay.records import pack as pack_compensators
+from friction_audit.simulate.clock import CONTROL_RATE_HZ, HALF_SUBSTEPS
+from friction_audit.simulate.effects import contact_event, torque_bias, torque_drift
+from friction_audit.simulate.effects.hidden import Hidden
+from friction_audit.simulate.effects.inertial_coupling import coupled_mass
+from friction_audit.simulate.mechanics.body import Body, make_body
+from friction_audit.simulate.mechanics.records import STATE, pack, pad_events
+from friction_audit.simulate.mechanics.rows import ROWS, Clock, Loop
+from friction_audit.simulate.sensors import draw_noise
+from friction_audit.simulate.settings import JointParameters, Sensors
+from friction_audit.simulate.streams import Streams
+
+
+class Settings(Protocol):
+    """What the settings of every simulation have in common; the tuples have one entry per joint."""
+
+    joints: tuple[JointParameters, ...]
+    hidden: tuple[Hidden, ...]
+    sensors: tuple[Sensors, ...]
+    compensator: Compensator | None
+    duration_s: float
+    rate_hz: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Joint:
+    """A joint as the mechanics read it."""
+
+    inertia_kg_m2: float
+    coulomb_nm: float
+    viscous_nms_per_rad: float
+    hidden: Hidden
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Mechanism:
+    """Everything that moves, and where it is written down; n joints.
+
+    Attributes:
+        joints: Records of the joints, shape (n,).
+        states: What they remember, shape (n,).
+        events: Contact events, shape (n, m, 3).
+        body: Coordinates and matrices.
+        loop: Compensators and what they see.
+        clock: The controller's clock.
+        out: Truth of every tick, shape (ticks + 1, ROWS, n).
+        traced: What the compensators knew, shape (ticks + 1, n, columns); no columns where none of them learns.
+    """
+
+    joints: np.ndarray[Any, Any]
+    states: np.ndarray[Any, Any]
+    events: Float
+    body: Body
+    loop: Loop
+    clock: Clock
+    out: Float
+    traced: Float
+
+    @property
+    def arguments(self) -> tuple[Any, ...]:
+        """The first arguments of the compiled loops."""
+        return (self.joints, self.states, self.events, self.body, self.loop, self.clock)
+
+
+def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
+    """Return the mass matrix of the motors behind the sensors, with what is hidden in it, shape (n, n). [kg m^2]"""
+    pairs = zip(joints, hidden, strict=True)
+    inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
+    return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
+
+
+def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> Mechanism:
+    """Build the mechanism at rest; its masses and its drive are the caller's to set.
+
+    Args:
+        settings: Joints, what is hidden in them, sensors and compensator.
+        ticks: Number of the controller's intervals.
+        start: Positions of the joints, shape (n,). [rad]
+        streams: Random numbers.
+    """
+    n = len(settings.joints)
+    pairs = list(zip(settings.joints, settings.hidden, strict=True))
+    rows = [_Joint(**{name: getattr(joint, name) for name in _NUMBERS}, hidden=inside) for joint, inside in pairs]
+    drawn = [
+        contact_event.draw_events(inside.contact_event, settings.duration_s, rng)
+        for inside, rng in zip(settings.hidden, streams.events, strict=True)
+    ]
+    learns = isinstance(settings.compensator, EnergyCompensator)
+    states = np.zeros(n, STATE)
+    states["start_rad"] = start
+    return Mechanism(
+        joints=pack(rows),
+        states=states,
+        events=pad_events(drawn),
+        body=make_body(*_sides(pairs), start),
+        loop=_loop(settings, ticks, streams),
+        clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
+        out=np.zeros((ticks + 1, ROWS, n)),
+        traced=np.zeros((ticks + 1, n, len(TRACE) if learns else 0)),
+    )
+
+
+_NUMBERS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
+
+
+def _sides(pairs: list[tuple[JointParameters, Hidden]]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return which joints turn separately on their two sides, and which are held by bristles."""
+    hidden = [inside for _, inside in pairs]
+    two = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
+    free = [h.presliding.displacement_rad != 0.0 and joint.coulomb_nm > 0.0 for joint, h in pairs]
+    return np.array(two), np.array(free)
+
+
+def _loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
+    """Draw the noise of the sensors and prepare the compensators."""
+    t = np.arange(ticks + 1) / CONTROL_RATE_HZ
+    torque, velocity = (np.empty((ticks + 1, len(settings.joints))) for _ in range(2))
+    for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
+        noise = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
+        drift = torque_drift.reading_nm(inside.torque_drift, t, streams.drifts[j])
+        torque[:, j] = noise.torque + torque_bias.reading_nm(inside.torque_bias, t) + drift
+        velocity[:, j] = noise.velocity
+    return Loop(
+        settings=pack_compensators([settings.compensator] * len(settings.joints), CONTROL_RATE_HZ),
+        memory=fresh_memory(len(settings.joints)),
+        torque_noise=torque,
+        velocity_noise=velocity,
+        torque_step=np.array([sensors.torque_step_nm for sensors in settings.sensors]),
+        velocity_step=np.array([sensors.velocity_step_rad_s for sensors in settings.sensors]),
+    )

@@ -1,0 +1,23 @@
+"""What a scenario is: settings with a name."""
+
+from dataclasses import dataclass
+
+from friction_audit.simulate.arm import ArmSettings
+from friction_audit.simulate.bench import BenchSettings
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scenario:
+    """A situation that can be simulated by its name.
+
+    Attributes:
+        name: As on the command line.
+        summary: One line.
+        settings: What is simulated; every number of it can be set.
+        figure: The figure of the paper that it belongs to, or None.
+    """
+
+    name: str
+    summary: str
+    settings: BenchSettings | ArmSettings
+    figure: str | None = None
