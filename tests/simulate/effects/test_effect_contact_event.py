@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
@@ -16,6 +16,7 @@ from friction_audit.simulate.effects.contact_event import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 EVENTS = np.array([[1.0, 0.2, 2.0], [5.0, 0.4, -3.0], [5.1, 0.1, 1.0]])
 
@@ -50,6 +51,7 @@ def test_without_events_there_is_no_torque(form: int) -> None:
     assert torque(1.1, 0.5, form, np.array([[np.inf, 0.0, 0.0]])) == 0.0
 
 
+@unhurried
 @given(seed=st.integers(0, 2**31), duration=st.floats(1.0, 300.0), per_minute=st.floats(0.1, 60.0))
 def test_events_are_ordered_short_and_over_before_the_end(seed: int, duration: float, per_minute: float) -> None:
     group = ContactEvent(torque_nm=0.5, per_minute=per_minute)
@@ -82,6 +84,7 @@ def test_an_event_as_long_as_the_recording_fits() -> None:
     assert (start, length) == (0.0, 0.04)
 
 
+@unhurried
 @given(st.lists(st.floats(0.0, 100.0)), st.floats(0.0, 100.0))
 def test_bisection_counts_as_a_count_does(starts: list[float], t: float) -> None:
     events = np.zeros((len(starts), 3))

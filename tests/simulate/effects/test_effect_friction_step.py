@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.friction_step import (
@@ -15,6 +15,7 @@ from friction_audit.simulate.effects.friction_step import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 DURATION_S = 60.0
 
@@ -47,6 +48,7 @@ def test_viscous_friction_changes_by_its_ratio() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(t=st.floats(0.0, DURATION_S), change=st.floats(-0.95, 3.0), ratio=st.floats(0.0, 1.0))
 def test_friction_stays_friction(form: int, t: float, change: float, ratio: float) -> None:
     assert coulomb(t, change=change, form=form) > 0.0

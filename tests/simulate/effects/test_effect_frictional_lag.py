@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.frictional_lag import (
@@ -15,6 +15,7 @@ from friction_audit.simulate.effects.frictional_lag import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 H = 1e-4
 
@@ -36,6 +37,7 @@ def test_delayed_shows_a_sinusoid_as_it_was(lag: float) -> None:
     np.testing.assert_allclose(late, 1.0 - np.cos(20.0 * np.maximum(0.0, t - lag)), atol=2e-5)
 
 
+@unhurried
 @given(steps=st.lists(st.floats(0.0, 3e-3), min_size=1, max_size=200), lag=st.floats(1e-4, 0.05))
 def test_delayed_is_exact_on_a_ramp_whatever_the_steps(steps: list[float], lag: float) -> None:
     t = np.cumsum(steps)
@@ -51,6 +53,7 @@ def test_delayed_shows_a_jump_after_the_lag_to_half_a_millisecond() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(
     speeds=st.lists(st.floats(0.0, 3.0), min_size=1, max_size=100),
     h=st.floats(0.0, 0.01),
@@ -68,6 +71,7 @@ def test_a_steady_speed_is_seen_as_it_is(form: int) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(speeds=st.lists(st.floats(0.0, 3.0)))
 def test_nothing_hidden_shows_the_speed_itself(form: int, speeds: list[float]) -> None:
     assert seen(speeds, [H] * len(speeds), form=form) == speeds

@@ -1,12 +1,13 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.nonlinear_viscous import ARCTAN, CUBIC, EFFECT, EYRING, NonlinearViscous, extra_nm
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 speeds = st.floats(0.0, 5.0)
 
@@ -36,6 +37,7 @@ def test_shear_thinning_grows_like_a_logarithm_and_arctan_to_a_limit() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(slow=speeds, fast=speeds)
 def test_it_grows_with_speed_and_never_drives(form: int, slow: float, fast: float) -> None:
     slow, fast = sorted((slow, fast))

@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
@@ -24,6 +24,7 @@ from friction_audit.simulate.effects.presliding import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 COULOMB_NM = 0.3
 DISPLACEMENT_RAD = 0.005
@@ -95,6 +96,7 @@ def test_maxwell_slip_after_some_elements_slipped(slipped: int) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(
     path=st.floats(-0.03, 0.03).filter(lambda path: abs(path) > 1e-9),
     start=st.floats(-0.01, 0.01),
@@ -138,6 +140,7 @@ def test_the_loop_of_maxwell_slip_has_the_area_of_its_slips() -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(
     pieces=st.lists(
         st.tuples(
@@ -159,12 +162,14 @@ def test_no_path_takes_energy_from_friction(
         assert taken >= bristles.stored_j - 1e-12
 
 
+@unhurried
 @given(sigma1=st.floats(0.0, 1e3), level=st.floats(1e-3, 10.0), velocity=st.floats(-10.0, 10.0))
 def test_micro_damping_stays_within_what_is_passive(sigma1: float, level: float, velocity: float) -> None:
     assert passive_damping(sigma1, level, velocity) * abs(velocity) <= 4.0 * level * (1.0 + 1e-12)
     assert passive_damping(sigma1, level, 0.0) == sigma1
 
 
+@unhurried
 @given(z=st.floats(-1.0, 1.0), velocity=st.floats(-10.0, 10.0), h=st.floats(0.0, 10.0))
 def test_lugre_is_stable_at_any_step(z: float, velocity: float, h: float) -> None:
     assert abs(lugre_advance(z, 1e5, 1.0, velocity, h)) <= max(abs(z), 1e-5) * (1.0 + 1e-9)

@@ -1,12 +1,13 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.stiction import EFFECT, IMMEDIATE, LOGARITHMIC, SATURATING, Stiction, excess_nm
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 rests = st.floats(0.0, 1000.0)
 
@@ -37,6 +38,7 @@ def test_no_rest_leaves_sliding_friction(form: int) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(short=rests, long=rests)
 def test_it_never_shrinks_with_the_rest(form: int, short: float, long: float) -> None:
     short, long = sorted((short, long))

@@ -1,12 +1,13 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.stribeck import EFFECT, EXPONENTIAL, LORENTZIAN, PIECEWISE, Stribeck, excess_nm
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 speeds = st.floats(0.0, 5.0)
 
@@ -32,6 +33,7 @@ def test_all_of_it_is_there_at_rest(form: int) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(slow=speeds, fast=speeds)
 def test_it_falls_with_speed_and_never_drives(form: int, slow: float, fast: float) -> None:
     slow, fast = sorted((slow, fast))

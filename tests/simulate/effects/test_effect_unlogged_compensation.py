@@ -1,7 +1,7 @@
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.unlogged_compensation import (
@@ -14,6 +14,7 @@ from friction_audit.simulate.effects.unlogged_compensation import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 
 
@@ -47,6 +48,7 @@ def test_sigmoid_does_not_overflow(velocity: float) -> None:
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(velocity=st.floats(-3.0, 3.0))
 def test_it_helps_the_motion(form: int, velocity: float) -> None:
     assert torque(velocity, share=1.2, form=form) * velocity >= 0.0

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.simulate.effects.warm_up import (
@@ -17,6 +17,7 @@ from friction_audit.simulate.effects.warm_up import (
 )
 from friction_audit.simulate.mechanics.records import pack
 
+unhurried = settings(deadline=None)  # the first call compiles
 FORMS = range(len(EFFECT.forms))
 warmths = st.floats(0.0, 10.0)
 
@@ -36,6 +37,7 @@ def test_self_heating_settles_where_heat_in_is_heat_out_and_cools_at_rest() -> N
 
 
 @pytest.mark.parametrize("form", FORMS)
+@unhurried
 @given(warmth=warmths, power=st.floats(0.0, 2.0), h=st.floats(0.0, 100.0))
 def test_two_half_steps_make_a_step(form: int, warmth: float, power: float, h: float) -> None:
     group = pack([WarmUp(reduction=0.5, form=form)])[0]
@@ -51,6 +53,7 @@ def test_a_warm_joint_has_lost_its_shares() -> None:
     assert coulomb_factor(group, 0.0) == viscous_factor(group, 0.0) == 1.0
 
 
+@unhurried
 @given(reduction=st.floats(0.0, 0.9), ratio=st.floats(0.0, 1.0), cold=warmths, warm=warmths)
 def test_friction_falls_with_warmth_and_stays_friction(
     reduction: float, ratio: float, cold: float, warm: float
