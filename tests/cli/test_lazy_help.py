@@ -38,7 +38,8 @@ print(*(name for name in {HEAVY!r} if name in sys.modules), file=sys.stderr)
 
 
 @pytest.mark.parametrize(
-    "words", ["--help", "estimate --help", "plot --help", "info --help", "convert --help", "estimate"]
+    "words",
+    ["--help", "estimate --help", "plot --help", "info --help", "convert --help", "simulate --help", "estimate"],
 )
 def test_nothing_heavy_is_loaded(words: str) -> None:
     done = subprocess.run([sys.executable, "-c", SCRIPT, *words.split()], capture_output=True, text=True, check=True)

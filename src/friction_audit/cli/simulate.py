@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from friction_audit.export import Writer
     from friction_audit.joint_log import JointLog
     from friction_audit.report.simulate_document import SimulatedLog
-    from friction_audit.simulate.scenarios import Scenario
+    from friction_audit.simulate.scenario import Scenario
 
 SIMULATION = "Simulation"
 
@@ -227,7 +227,7 @@ def _check_truth(truth: Path, out: Path) -> None:
 
 def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa: ANN401 - of any scenario
     """Return the scenario's settings, changed as asked for."""
-    from friction_audit.simulate.assign import assign_text
+    from friction_audit.simulate.assign import assign_texts
     from friction_audit.simulate.hide import hide
     from friction_audit.simulate.settings import IDEAL_SENSORS
 
@@ -235,9 +235,7 @@ def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa:
     settings = replace(scenario.settings, **{name: value for name, value in asked.items() if value is not None})
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
-    for entry in options.assignments or ():
-        settings = assign_text(settings, entry)
-    return hide(settings, options.effects or ())
+    return hide(assign_texts(settings, options.assignments or ()), options.effects or ())
 
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from friction_audit.simulate.effects.effect import Effect
-    from friction_audit.simulate.scenarios import Scenario
+    from friction_audit.simulate.scenario import Scenario
 
 SEVERAL_JOINTS = "; takes several joints"
 

@@ -4,15 +4,20 @@ Names, types and limits are those of the dataclasses themselves; nothing is writ
 """
 
 import difflib
-from collections.abc import Iterable, Iterator
-from dataclasses import fields, is_dataclass, replace
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import Field, fields, is_dataclass, replace
+from functools import partial
+from math import inf
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
-from friction_audit.simulate.plain_values import Reader, Value, reader_of, write_plain
+from friction_audit.simulate.kinds import can_be_made, kinds_of, name_of
+from friction_audit.simulate.plain_values import Value, reader_of, write_plain
 
 Settings = TypeVar("Settings")
+Change = Callable[[Any], Any]
+"""What is there -> what shall be there."""
 
 APART = ("hidden",)
 """Parts of the settings that have an option of their own."""
@@ -25,11 +30,11 @@ class PerJoint(NamedTuple):
 
 
 class _Leaf(NamedTuple):
-    """A setting: where it is, what it is, what reads it."""
+    """A setting: where it is, what it is, what text makes of it (ValueError: what was expected)."""
 
     path: tuple[str, ...]
     value: Value | PerJoint
-    read: Reader
+    read: Callable[[str], Change]
 
 
 def paths(settings: object) -> dict[str, Value | PerJoint]:
@@ -53,9 +58,10 @@ def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
     """Return the settings with several entries assigned, those last that the settings allow only after others.
 
     Raises:
-        UsageError: As ``assign_text`` does, for the first entry that never fits.
+        UsageError: As ``assign_text`` does, for the first entry that never fits, or if two entries contradict.
     """
-    waiting = list(entries)
+    given = tuple(entries)
+    waiting = list(given)
     while waiting:
         refused: dict[str, UsageError] = {}
         for entry in waiting:
@@ -66,6 +72,9 @@ def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
         if len(refused) == len(set(waiting)):
             raise refused[waiting[0]]
         waiting = list(refused)
+    undone = [entry for entry in given if assign_text(settings, entry) != settings]
+    if undone:
+        raise UsageError(f"--set {undone[0]}: is undone by another --set; leave one of them out")
     return settings
 
 
@@ -103,11 +112,11 @@ def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | N
             raise UsageError(f"{where}: is not set joint by joint; leave out {behind}")
         require_joints(joints, len(leaf.value.values), where)
     try:
-        value = leaf.read(text)
+        change = leaf.read(text)
     except ValueError as error:
         raise UsageError(f"{where}: expected {error}") from error
     try:
-        changed: Settings = _put(settings, leaf.path, value, joints)
+        changed: Settings = _put(settings, leaf.path, change, joints)
     except UsageError as error:
         raise UsageError(f"{where}: {error}") from error
     return changed
@@ -119,15 +128,44 @@ def _named(settings: object) -> dict[str, _Leaf]:
 
 def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
     hints = get_type_hints(type(node))
-    for name in (item.name for item in fields(node) if item.name not in APART):
-        value, read = getattr(node, name), reader_of(hints[name])
-        if is_dataclass(value):
-            below = _leaves(value)
-        elif _one_per_joint(value):
-            below = _side_by_side(value)
-        else:
-            below = iter(() if read is None else (_Leaf((), value, read),))
-        yield from (leaf._replace(path=(name, *leaf.path)) for leaf in below)
+    for item in fields(node):
+        if item.name not in APART:
+            below = _below(getattr(node, item.name), item, hints[item.name])
+            yield from (leaf._replace(path=(item.name, *leaf.path)) for leaf in below)
+
+
+def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
+    """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
+    kinds = kinds_of(hint)
+    if kinds:
+        yield _Leaf((), name_of(type(value)), partial(_turn_into, kinds))
+    if is_dataclass(value):
+        yield from _leaves(value)
+    elif _one_per_joint(value):
+        yield from _side_by_side(value)
+    elif not kinds:
+        read = reader_of(hint, endless=inf in (value, item.default))
+        if read is not None:
+            yield _Leaf((), value, lambda text: _always(read(text)))
+
+
+def _always(value: Value) -> Change:
+    return lambda _: value
+
+
+def _turn_into(kinds: dict[str, type], name: str) -> Change:
+    """Return what turns settings into another kind with its usual values, and leaves them if they are of that kind."""
+    if name not in kinds:
+        raise ValueError(f"one of {', '.join(kinds)}")
+
+    def change(old: object) -> object:
+        if isinstance(old, kinds[name]):
+            return old
+        if not can_be_made(kinds[name]):
+            raise UsageError(f"{name} has no usual values; a scenario must have it")
+        return kinds[name]()
+
+    return change
 
 
 def _one_per_joint(value: object) -> bool:
@@ -163,17 +201,16 @@ def _near(name: str, known: tuple[str, ...]) -> list[str]:
     return difflib.get_close_matches(name, known, n=3, cutoff=0.75) or by_end[:3]
 
 
-def _put(node: Any, path: tuple[str, ...], value: Value, joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
-    """Return a node with the value at a path below it replaced, for some joints or for all."""
+def _put(node: Any, path: tuple[str, ...], change: Change, joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
+    """Return a node with the value at a path below it changed, for some joints or for all."""
+    if not path:
+        return change(node)
     name, *rest = path
     old = getattr(node, name)
-    if not rest:
-        new: Any = value
-    elif isinstance(old, tuple):
+    put = partial(_put, path=tuple(rest), change=change)
+    if rest and isinstance(old, tuple):
         meant = range(1, len(old) + 1) if joints is None else joints
-        new = tuple(
-            _put(one, tuple(rest), value, None) if number in meant else one for number, one in enumerate(old, start=1)
-        )
+        new = tuple(put(one, joints=None) if number in meant else one for number, one in enumerate(old, start=1))
     else:
-        new = _put(old, tuple(rest), value, joints)
+        new = put(old, joints=joints)
     return replace(node, **{name: new})

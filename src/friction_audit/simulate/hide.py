@@ -2,13 +2,14 @@
 
 import difflib
 from collections.abc import Iterable
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
 from friction_audit.simulate.effects import EFFECTS
 from friction_audit.simulate.effects.effect import FORM, Effect
+from friction_audit.simulate.kinds import as_nested
 from friction_audit.simulate.scenarios import SCENARIOS
 
 Settings = TypeVar("Settings", bound=Any)
@@ -71,9 +72,7 @@ def hidden_effects(settings: Any) -> tuple[HiddenEffect, ...]:  # noqa: ANN401 -
 
 def settings_in_sight(settings: Any) -> dict[str, Any]:  # noqa: ANN401 - settings of any scenario
     """Return all settings but the hidden effects, nested as they are."""
-    shown = [item.name for item in fields(settings) if item.name != "hidden"]
-    everything = asdict(settings)
-    return {name: everything[name] for name in shown}
+    return {name: value for name, value in as_nested(settings).items() if name != "hidden"}
 
 
 def _tell(effect: Effect, group: object, joint: int) -> HiddenEffect:

@@ -5,17 +5,24 @@ from collections.abc import Callable
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
 
+from friction_audit.simulate.kinds import NOTHING
+
 Value = float | int | bool | str | tuple["Value", ...] | None
 Reader = Callable[[str], Value]
 """Text -> value; raises ValueError with what it expected."""
 
 TRUTHS = {"true": True, "false": False}
-NOTHING = "none"
 
 
-def reader_of(hint: Any) -> Reader | None:  # noqa: ANN401 - any annotation
-    """Return what reads a value of an annotated type, or None where text cannot give one."""
-    plain: dict[Any, Reader] = {float: _read_float, int: _read_int, bool: _read_bool, str: str}
+def reader_of(hint: Any, *, endless: bool = False) -> Reader | None:  # noqa: ANN401 - any annotation
+    """Return what reads a value of an annotated type, or None where text cannot give one.
+
+    Args:
+        hint: The annotation.
+        endless: True if the number may be infinite.
+    """
+    number = _read_limit if endless else _read_float
+    plain: dict[Any, Reader] = {float: number, int: _read_int, bool: _read_bool, str: str}
     if hint in plain:
         return plain[hint]
     origin, arguments = get_origin(hint), get_args(hint)
@@ -75,6 +82,10 @@ def _read_float(text: str) -> float:
     if not math.isfinite(value):
         raise ValueError("a number")
     return value
+
+
+def _read_limit(text: str) -> float:
+    return math.inf if text == "inf" else _read_float(text)
 
 
 def _read_int(text: str) -> int:

@@ -1,0 +1,56 @@
+"""How a command shows that it works."""
+
+import io
+import time
+
+import pytest
+
+from friction_audit.cli import console
+from friction_audit.cli.console import Voice
+
+
+class Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def watch(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """Put a terminal where errors go; in the test itself, for pytest puts its own there between its phases."""
+    terminal = Terminal()
+    monkeypatch.setattr("sys.stderr", terminal)
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    return terminal
+
+
+def work(voice: Voice) -> None:
+    with voice.progress("simulate") as report:
+        assert report is not None
+        time.sleep(0.05)
+        for share in (0.25, 0.5):
+            report(share)
+        time.sleep(0.15)
+
+
+def test_a_terminal_shows_the_share_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
+    work(Voice(quiet=False, verbose=False))
+    assert "simulate ..." in terminal.getvalue()
+    assert "50%" in terminal.getvalue()
+
+
+def test_short_work_shows_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    work(Voice(quiet=False, verbose=False))
+    assert "%" not in terminal.getvalue()
+
+
+def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    with Voice(quiet=True, verbose=False).progress("simulate") as report:
+        assert report is None
+    assert terminal.getvalue() == ""
+    monkeypatch.setattr("sys.stderr", io.StringIO())
+    with Voice(quiet=False, verbose=True).progress("simulate") as report:
+        assert report is None

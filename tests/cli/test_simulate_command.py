@@ -1,0 +1,231 @@
+"""Words -> a synthetic log and its truth, through ``main``."""
+
+import json
+import shlex
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, NoReturn
+
+import jsonschema
+import numpy as np
+import pytest
+
+from friction_audit.export import WRITERS, Writer
+from friction_audit.ingest import read_log
+from friction_audit.ingest.fingerprint import files_of, sha256_of
+from friction_audit.report.schemas import load_schema
+from friction_audit.simulate.assign import paths
+from friction_audit.simulate.effects import EFFECTS
+from friction_audit.simulate.scenario import Scenario
+from friction_audit.simulate.scenarios import SCENARIOS
+from tests.cli.conftest import Run
+
+ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
+SEVEN = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 7).name
+SHORT = ("--duration", "2", "-q")
+EACH_SCENARIO = pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
+EACH_WRITER = pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)
+
+
+def left(folder: Path) -> list[str]:
+    """Return everything in a folder, what is hidden too."""
+    return sorted(path.name for path in folder.iterdir())
+
+
+def truth_of(path: Path) -> Any:
+    document = json.loads(path.read_text())
+    jsonschema.validate(document, load_schema("truth"))
+    return document
+
+
+@EACH_SCENARIO
+def test_every_scenario_gives_a_log(scenario: Scenario, run: Run, tmp_path: Path) -> None:
+    answer = run("simulate", scenario.name, "-o", "run.parquet", "--duration", "3", "--json", "--truth", "t.json")
+    assert answer.code == 0
+    assert answer.err == ""
+    document, log = answer.document(), read_log(tmp_path / "run.parquet")
+    assert (document["scenario"], document["seed"]) == (scenario.name, 0)
+    assert document["output"] == {
+        "path": "run.parquet",
+        "sha256": sha256((tmp_path / "run.parquet").read_bytes()).hexdigest(),
+        "dialect": "parquet",
+        "joints": len(scenario.settings.joints),
+        "samples": len(log.t),
+        "rate_hz": pytest.approx(log.rate_hz),
+        "duration_s": pytest.approx(log.duration_s),
+    }
+    assert document["joint_names"] == list(log.joint_names)
+    assert document["settings"]["duration_s"] == 3.0
+    assert log.duration_s == pytest.approx(3.0, abs=0.1)
+    truth = truth_of(tmp_path / "t.json")
+    for key in ("scenario", "seed", "settings", "effects"):
+        assert truth[key] == document[key]
+    assert truth["log_sha256"] == document["output"]["sha256"]
+
+
+@EACH_WRITER
+def test_every_dialect_is_written_without_a_trace_of_the_truth(writer: Writer, run: Run, tmp_path: Path) -> None:
+    out = tmp_path / f"run{writer.suffix}"
+    effects = ("--effect", "stribeck", "--effect", "torque_bias@2")
+    assert run("simulate", SEVEN, "-o", out.name, "--dialect", writer.name, *SHORT, *effects).code == 0
+    traces = ("truth", "simulat", "scenario", "effect", "hidden", SEVEN, *(effect.name for effect in EFFECTS))
+    for file in files_of(out):
+        content = file.read_bytes().lower().replace(b"panda_joint", b"")
+        assert [trace for trace in traces if trace.lower().encode() in content] == [], file.name
+    log = read_log(out)
+    told = f"{log.joint_names} {log.source.topic} {log.source.channels}".lower().replace("panda_joint", "")
+    assert [trace for trace in traces if trace.lower() in told] == []
+
+
+@EACH_WRITER
+def test_same_seed_same_bytes(writer: Writer, run: Run, tmp_path: Path) -> None:
+    def written(folder: str, seed: int) -> str:
+        out = Path(folder) / f"run{writer.suffix}"
+        assert run("simulate", SEVEN, "-o", out, "--dialect", writer.name, *SHORT, "--seed", seed).code == 0
+        return sha256_of(tmp_path / out)
+
+    assert written("a", 3) == written("b", 3) != written("c", 4)
+
+
+def test_the_log_of_a_directory_holds_the_same_numbers(run: Run, tmp_path: Path) -> None:
+    for out, dialect in (("bag", "rosbag2-mcap"), ("run.parquet", "parquet")):
+        assert run("simulate", SEVEN, "-o", out, "--dialect", dialect, *SHORT).code == 0
+    assert np.array_equal(read_log(tmp_path / "bag").dq, read_log(tmp_path / "run.parquet").dq)
+
+
+def test_what_is_said(run: Run) -> None:
+    answer = run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", "--duration", "2")
+    assert (answer.code, answer.out, answer.err) == (0, "run.csv\nrun.json\n", "")
+
+
+def test_channels_without_a_place_are_named(run: Run) -> None:
+    answer = run("simulate", SEVEN, "-o", "run.mcap", "--duration", "2")
+    assert answer.out == "run.mcap\n"
+    assert "warning: run.mcap: the dialect mcap has no place for tau_J_d" in answer.err
+    document = run("simulate", SEVEN, "-o", "run.mcap", "--duration", "2", "--json", "--overwrite").document()
+    assert [warning["code"] for warning in document["warnings"]] == ["channels_left_out"]
+
+
+def test_settings_and_effects_are_what_was_asked_for(run: Run) -> None:
+    words = "--duration 2 --rate 500 --seed 9 --set joints.coulomb_nm=0.4@2,5 --effect stribeck:excess_nm=0.2@3 --json"
+    document = run("simulate", SEVEN, "-o", "run.parquet", *shlex.split(words)).document()
+    assert document["seed"] == 9
+    assert document["output"]["rate_hz"] == pytest.approx(500, rel=0.05)
+    coulomb = [joint["coulomb_nm"] for joint in document["settings"]["joints"]]
+    assert [number for number, value in enumerate(coulomb, start=1) if value == 0.4] == [2, 5]
+    assert document["effects"] == [
+        {
+            "joint": 3,
+            "name": "stribeck",
+            "form": "exponential",
+            "parameters": {"excess_nm": 0.2, "speed_rad_s": 0.1, "exponent": 2.0},
+        }
+    ]
+
+
+def test_ideal_sensors_and_one_of_their_faults(run: Run) -> None:
+    words = ("--duration", "2", "--ideal", "--set", "sensors.torque_noise_nm=0.1", "--json")
+    document = run("simulate", ONE, "-o", "run.parquet", *words).document()
+    (sensors,) = document["settings"]["sensors"]
+    assert sensors.pop("torque_noise_nm") == 0.1
+    assert {name: value for name, value in sensors.items() if value and name != "longest_loss"} == {}
+
+
+def test_an_older_file_stays(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "run.json").write_text("old")
+    words = ("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT)
+    answer = run(*words)
+    assert (answer.code, left(tmp_path)) == (2, ["run.json"])
+    assert "run.json: exists already" in answer.err
+    assert run(*words, "--overwrite").code == 0
+    assert truth_of(tmp_path / "run.json")["scenario"] == ONE
+
+
+def fail(kind: type[BaseException]) -> Any:
+    def raise_it(*_: object, **__: object) -> NoReturn:
+        raise kind("in the middle of it")
+
+    return raise_it
+
+
+@pytest.mark.parametrize(
+    "step", ["friction_audit.simulate.simulate", "friction_audit.report.truth_document.truth_document"]
+)
+def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(step, fail(KeyboardInterrupt))
+    assert run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT).code == 130
+    assert left(tmp_path) == []
+
+
+def test_a_log_whose_truth_cannot_be_written_is_not_left_alone(
+    run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("friction_audit.report.truth_document.truth_document", fail(OSError))
+    with pytest.raises(OSError, match="in the middle of it"):
+        run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT)
+    assert left(tmp_path) == []
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("", "error: SCENARIO: missing; expected one of"),
+        ("{one}x -o a.csv", "{one}x: no such scenario; expected one of"),
+        ("{one}", "error: --output: missing"),
+        ("{one} -o a.xyz", "ending .xyz"),
+        ("{one} -o a.csv --dialect mcap", "the dialect mcap writes .mcap"),
+        ("{one} -o a.csv --truth a.txt", "--truth a.txt: ending .txt: expected .json"),
+        ("{one} -o a --dialect rosbag2-mcap --truth a/a.json", "is the log a or lies in it"),
+        ("{one} -o a.csv --truth a.csv", "expected .json"),
+        ("{one} -o a.csv --truth a.csv/a.json", "is the log a.csv or lies in it"),
+        ("{one} -o file/a.csv", "cannot be written to"),
+        ("{one} -o a.csv --truth file/a.json", "cannot be written to"),
+        ("{one} -o a.csv --seed -1", "--seed"),
+        ("{one} -o a.csv --duration 0", "duration_s"),
+        ("{one} -o a.csv --duration inf", "inf: expected a number"),
+        ("{one} -o a.csv --rate=-5", "rate_hz"),
+        ("{one} -o a.csv --set duration=3", "did you mean duration_s"),
+        ("{one} -o a.csv --effect stribek", "did you mean stribeck"),
+        ("{one} -o a.csv --effect stribeck@2", "there is only joint 1"),
+        ("{one} -o a.mcap --duration 2", "needs tau_J (the log has"),
+        ("--list --json", "--json: the lists are for people"),
+    ],
+)
+def test_what_cannot_be_is_said_and_nothing_written(words: str, message: str, run: Run, tmp_path: Path) -> None:
+    (tmp_path / "file").touch()
+    answer = run("simulate", *words.format(one=ONE).split())
+    assert (answer.code, answer.out) == (2, "")
+    assert message.format(one=ONE) in answer.err
+    assert left(tmp_path) == ["file"]
+
+
+def test_scenarios_are_listed(run: Run) -> None:
+    lines = run("simulate", "--list").out.splitlines()
+    assert [line.split()[0] for line in lines] == [scenario.name for scenario in SCENARIOS]
+    assert all(scenario.summary in line for scenario, line in zip(SCENARIOS, lines, strict=True))
+
+
+@EACH_SCENARIO
+def test_settings_of_a_scenario_are_listed(scenario: Scenario, run: Run) -> None:
+    head, *lines = run("simulate", scenario.name, "--list").out.splitlines()
+    assert head.startswith(f"{scenario.name}: {scenario.summary}")
+    assert [line.split()[0] for line in lines] == list(paths(scenario.settings))
+
+
+def test_effects_are_listed_with_their_parameters(run: Run) -> None:
+    lines = run("simulate", "--list-effects").out.splitlines()
+    words = [line.split()[0] for line in lines]
+    for effect in EFFECTS:
+        assert effect.family in lines
+        assert f"{effect.name}:" in words
+        assert {parameter.name for parameter in effect.parameters} <= set(words)
+        assert all(form in " ".join(lines) for form in effect.forms)
+
+
+def test_options_come_from_a_file(run: Run, tmp_path: Path) -> None:
+    words = ("--duration", "2", "--effect", "stribeck@2", "--effect", "torque_bias", "--set", "joints.coulomb_nm=0.4@2")
+    dumped = run("simulate", SEVEN, "-o", "run.parquet", *words, "--dump-config").out
+    (tmp_path / "again.toml").write_text(dumped)
+    again = run("simulate", SEVEN, "--config", "again.toml", "--json").document()
+    given = run("simulate", SEVEN, "-o", "run.parquet", *words, "--json", "--overwrite").document()
+    assert again == given
