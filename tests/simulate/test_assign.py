@@ -113,6 +113,7 @@ def test_every_setting_is_listed_with_its_value() -> None:
         ("duration_s=5", "duration_s", 5.0),
         ("pause_s=0.1, 0.4", "hand.pause_s", (0.1, 0.4)),
         ("pose_rad=1,2", "hand.pose_rad", (1.0, 2.0)),
+        ("pose_rad=none", "hand.pose_rad", ()),
         ("strokes=7", "hand.strokes", 7),
         ("quiet=true", "hand.quiet", True),
         ("motion=strokes", "hand.motion", "strokes"),
@@ -152,6 +153,7 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
         ("quiet=yes", "expected true or false"),
         ("motion=jump", "expected one of sine, strokes"),
         ("pause_s=1", "expected 2 values separated by commas, found 1"),
+        ("pause_s=none", "expected 2 values separated by commas, found 1"),
         ("pause_s=1,x", "expected a number"),
         ("stiffness_nm_per_rad=-1", "--set hand.stiffness_nm_per_rad=-1: hand: .* expected more than zero"),
         ("joints.coulomb_nm=1@4", "no joint 4; expected joints from 1 to 3"),
@@ -202,6 +204,11 @@ def test_nested_settings_tell_what_kind_was_chosen() -> None:
 
 def test_joints_may_be_given_apart() -> None:
     assert assign(TREE, "joints.coulomb_nm", "1", (2,)).joints[1].coulomb_nm == 1.0
+
+
+def test_no_values_at_all_are_written_as_they_are_read() -> None:
+    changed = assign_text(TREE, "pose_rad=none")
+    assert write_value(paths(changed)["hand.pose_rad"]) == "none"
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))

@@ -46,12 +46,12 @@ def write_plain(value: Value) -> str:
             short = f"{value:g}"
             return short if float(short) == value else repr(value)
         case tuple():
-            return ",".join(map(write_plain, value))
+            return ",".join(map(write_plain, value)) or NOTHING
     return str(value)
 
 
 def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
-    """Return the reader of a tuple of numbers or words of one type: a fixed number of them, or any."""
+    """Return the reader of a tuple of numbers or words of one type: a fixed number of them, or any, even none."""
     kinds = set(arguments) - {Ellipsis}
     kind = kinds.pop() if len(kinds) == 1 else tuple
     item = None if kind is tuple or get_origin(kind) is tuple else reader_of(kind)
@@ -60,7 +60,7 @@ def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
     count = None if Ellipsis in arguments else len(arguments)
 
     def read(text: str) -> Value:
-        parts = text.split(",")
+        parts = [] if text == NOTHING and count is None else text.split(",")
         if count not in (None, len(parts)):
             raise ValueError(f"{count} values separated by commas, found {len(parts)}")
         return tuple(item(part.strip()) for part in parts)
