@@ -36,8 +36,8 @@ class BenchSettings:
         hidden: What is hidden in it.
         sensors: Its sensors and the recorder.
         operator: Who moves it.
-        driven: False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves the
-            link, nobody touches it, and friction is on the link's side.
+        driven: False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves
+            the link, nobody touches it, and friction is on the link's side.
         compensator: An active friction compensator whose torque is logged, or None.
         gravity_nm: Gravity torque of the load with the link level; the motor holds it. [N m]
         gravity_phase_rad: The gravity torque is that times sin(q + phase). [rad]
@@ -65,8 +65,8 @@ class BenchSettings:
         count_ticks(self.duration_s, self.rate_hz)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
             raise UsageError(
-                "simulation: a joint with a gravity load, or one that moves by itself, cannot log the interaction torque; "
-                "expected logs_sensor=true"
+                "simulation: a joint with a gravity load, or one that moves by itself, cannot log the interaction "
+                "torque; expected logs_sensor=true"
             )
         if self.driven and self.compensator is not None:
             raise UsageError(
@@ -103,15 +103,18 @@ def _channels(settings: BenchSettings, motion: Motion, mechanism: Mechanism) -> 
     return channels | ({"temperature": reading.temperatures(settings, motion)} if settings.logs_temperature else {})
 
 
-def move(settings: BenchSettings, streams: Streams, progress: Progress | None = None) -> Mechanism:
-    """Let the operator move the joint from rest at 0; return the mechanism with the truth written down."""
+def move(
+    settings: BenchSettings, streams: Streams, progress: Progress | None = None, *, start_rad: float = 0.0
+) -> Mechanism:
+    """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
     from friction_audit.simulate.mechanics.tick import run_bench
 
     ticks = count_ticks(settings.duration_s, settings.rate_hz)
     hand = settings.operator
     intended = intend(hand.motion, ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
-    push = hand.stiffness_nm_per_rad * intended.position + hand.damping_nms_per_rad * intended.velocity
-    mechanism = assemble(settings, ticks, np.zeros(1), streams)
+    place = start_rad + intended.position
+    push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
+    mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
     sign = -1.0 if settings.driven else 1.0
     gravity = np.array([sign * settings.gravity_nm, settings.gravity_phase_rad])

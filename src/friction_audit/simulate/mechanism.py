@@ -24,12 +24,29 @@ from friction_audit.simulate.streams import Streams
 class Settings(Protocol):
     """What the settings of every simulation have in common; the tuples have one entry per joint."""
 
-    joints: tuple[JointParameters, ...]
-    hidden: tuple[Hidden, ...]
-    sensors: tuple[Sensors, ...]
-    compensator: Compensator | None
-    duration_s: float
-    rate_hz: float
+    @property
+    def joints(self) -> tuple[JointParameters, ...]:
+        """Motors and friction."""
+
+    @property
+    def hidden(self) -> tuple[Hidden, ...]:
+        """What is hidden."""
+
+    @property
+    def sensors(self) -> tuple[Sensors, ...]:
+        """Sensors."""
+
+    @property
+    def compensator(self) -> Compensator | None:
+        """Runs in every joint."""
+
+    @property
+    def duration_s(self) -> float:
+        """Length of the recording. [s]"""
+
+    @property
+    def rate_hz(self) -> float:
+        """Rate at which states are kept. [Hz]"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -103,7 +120,7 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> 
         states=states,
         events=pad_events(drawn),
         body=make_body(*_sides(pairs), start),
-        loop=_loop(settings, ticks, streams),
+        loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
         traced=np.zeros((ticks + 1, n, len(TRACE) if learns else 0)),
@@ -121,7 +138,7 @@ def _sides(pairs: list[tuple[JointParameters, Hidden]]) -> tuple[np.ndarray[Any,
     return np.array(two), np.array(free)
 
 
-def _loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
+def make_loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
     """Draw the noise of the sensors and prepare the compensators."""
     t = np.arange(ticks + 1) / CONTROL_RATE_HZ
     torque, velocity = (np.empty((ticks + 1, len(settings.joints))) for _ in range(2))
