@@ -1,0 +1,34 @@
+"""The hand at the flange of an arm."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+from friction_audit.simulate.checks import require_within
+from friction_audit.simulate.motion import HandPath
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Hand:
+    """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
+
+    Attributes:
+        mass_kg: Mass of the hand. [kg]
+        stiffness_n_per_m: Spring between intended and actual place. [N/m]
+        damping_ns_per_m: Damper between them. [N s/m]
+        turning_stiffness_nm_per_rad: Spring between intended and actual orientation. [N m/rad]
+        turning_damping_nms_per_rad: Damper between them. [N m s/rad]
+        path: The intended path.
+    """
+
+    mass_kg: float = 1.0
+    stiffness_n_per_m: float = 1000.0
+    damping_ns_per_m: float = 120.0
+    turning_stiffness_nm_per_rad: float = 25.0
+    turning_damping_nms_per_rad: float = 3.0
+    path: HandPath = field(default_factory=HandPath)
+
+    def __post_init__(self) -> None:
+        """Check the signs; without springs and dampers the arm swings freely."""
+        springs = ("stiffness_n_per_m", "turning_stiffness_nm_per_rad")
+        dampers = ("damping_ns_per_m", "turning_damping_nms_per_rad")
+        require_within("hand", 0, inf, **{name: getattr(self, name) for name in ("mass_kg", *springs, *dampers)})

@@ -1,0 +1,136 @@
+"""One tick of a whole arm."""
+
+import math
+from typing import Any
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.replay.kernels import FIND, trace
+from friction_audit.simulate.mechanics.sensing import quantised
+from friction_audit.simulate.mechanics.tick import advance, control, evaluate, keep
+
+FILTERED_M_S, UNDER_WAY = range(2)
+CYCLE_STATE = 2
+"""What is remembered of the hand: its filtered speed, and whether a cycle is under way."""
+
+INITIATION_M_S, TERMINATION_M_S = 0.1, 0.025
+"""Hand speeds at which a cycle begins and ends. [m/s]"""
+
+CORNER_RAD_S = 2.0 * math.pi * 20.0
+"""Corner of the low-pass on the hand's speed. [rad/s]"""
+
+
+@compiled()
+def load_masses(body: Any, outer: Float, inner: Float) -> None:  # noqa: ANN401 - a Body
+    """Set the mass matrices of the two sides of the joints, shape (n, n) each."""
+    n = len(body.inner)
+    body.mass[:] = 0.0
+    for i in range(n):
+        for j in range(n):
+            body.mass[i, j] += outer[i, j]
+            body.mass[body.inner[i], body.inner[j]] += inner[i, j]
+            body.inner_mass[i, j] = inner[i, j]
+
+
+@compiled()
+def guide(  # noqa: PLR0913
+    body: Any,  # noqa: ANN401
+    mass: Float,
+    bias: Float,
+    jacobian: Float,
+    springs: Float,
+    dampers: Float,
+    pull: Float,
+    pull_rate: Float,
+    q: Float,
+    rotor: Float,
+    support: Float,
+) -> None:
+    """Let the hand pull at the arm: its springs and dampers seen from the joints, linear about the pose q.
+
+    Args:
+        body: Coordinates and matrices; changed.
+        mass: Mass matrix of the links, shape (n, n). [kg m^2]
+        bias: Coriolis and gravity torque, shape (n,). [N m]
+        jacobian: Of the flange in the world's axes, shape (6, n).
+        springs: Stiffness along the six directions, shape (6,).
+        dampers: Damping along them, shape (6,).
+        pull: Force and moment of a hand at rest in the pose, shape (6,). [N, N m]
+        pull_rate: Their rate of change as the intention moves on, shape (6,).
+        q: The pose, shape (n,). [rad]
+        rotor: Mass matrix of the motors, shape (n, n). [kg m^2]
+        support: Gravity compensation, shape (n,). [N m]
+    """
+    n = len(q)
+    load_masses(body, mass, rotor)
+    for i in range(n):
+        push, rate = -bias[i], 0.0
+        for a in range(6):
+            push += jacobian[a, i] * pull[a]
+            rate += jacobian[a, i] * pull_rate[a]
+        for j in range(n):
+            stiffness = damping = 0.0
+            for a in range(6):
+                stiffness += jacobian[a, i] * springs[a] * jacobian[a, j]
+                damping += jacobian[a, i] * dampers[a] * jacobian[a, j]
+            body.stiffness[i, j], body.drive_damping[i, j] = stiffness, damping
+            push += stiffness * q[j]
+        body.push[i], body.push_rate[i], body.support[i] = push, rate, support[i]
+
+
+@compiled()
+def hand_cut(body: Any, loop: Any, jacobian: Float, cycle: Float, k: int, dt: float) -> int:  # noqa: ANN401
+    """Return 1 if an energy cycle of the hand ends at this tick (paper, section V.B), else 0.
+
+    It ends when the hand has come to rest and every joint has moved; until then the cycle goes on.
+    """
+    square = 0.0
+    for a in range(3):
+        along = 0.0
+        for j in range(len(body.inner)):
+            velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+            along += jacobian[a, j] * velocity
+        square += along * along
+    cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (math.sqrt(square) - cycle[FILTERED_M_S])
+    if cycle[FILTERED_M_S] > INITIATION_M_S:
+        cycle[UNDER_WAY] = 1.0
+    if cycle[UNDER_WAY] == 0.0 or cycle[FILTERED_M_S] > TERMINATION_M_S:
+        return 0
+    for j in range(len(body.inner)):
+        if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
+            return 0
+    cycle[UNDER_WAY] = 0.0
+    return 1
+
+
+@compiled()
+def tick(  # noqa: PLR0913
+    joints: Any,  # noqa: ANN401
+    states: Any,  # noqa: ANN401
+    events: Float,
+    body: Any,  # noqa: ANN401
+    loop: Any,  # noqa: ANN401
+    clock: Any,  # noqa: ANN401
+    jacobian: Float,
+    cycle: Float,
+    told: bool,
+    k: int,
+    last: int,
+    out: Float,
+    traced: Float,
+) -> None:
+    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise."""
+    t, half = k * clock.dt, 0.5 * clock.dt
+    if k > 0:
+        advance(joints, states, events, body, clock, t - half, -half)
+    evaluate(joints, states, events, body, clock, t)
+    keep(states, body, out[k])
+    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if told else FIND
+    control(joints, states, body, loop, clock, k, cut)
+    if traced.shape[2] > 0:
+        for j in range(len(joints)):
+            trace(loop.memory[j], traced[k, j])
+    if k < last:
+        advance(joints, states, events, body, clock, t, 0.0)
