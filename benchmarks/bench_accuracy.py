@@ -8,7 +8,7 @@ Every recording lasts 120 s at 1 kHz, moved by hand with strokes of varied speed
 import argparse
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,13 +18,26 @@ from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.cycles.settings import CycleSettings
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.simulate.joint import simulate_joint
-from friction_audit.simulate.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, JointSettings, Operator
+from friction_audit.simulate import (
+    IDEAL_SENSORS,
+    PANDA_SENSORS,
+    BenchSettings,
+    Hidden,
+    JointParameters,
+    Operator,
+    simulate_bench,
+)
+from friction_audit.simulate.effects.gravity_error import GravityError
+from friction_audit.simulate.effects.torque_bias import TorqueBias
+from friction_audit.simulate.motion import StopAndGo
 
 TABLE_SEEDS = 50
 """The figures asked for are medians over this many seeds; the coverage uses all of them."""
 
-SLOW = Operator(speed_rad_s=0.15, speed_limits_rad_s=(0.06, 0.3), stroke_s=(1.5, 4.0), speed_spread=0.4)
+SLOW = StopAndGo(speed_rad_s=0.15, speed_limits_rad_s=(0.06, 0.3), stroke_s=(1.5, 4.0), speed_spread=0.4)
+WRONG = Hidden(torque_bias=TorqueBias(torque_nm=0.1), gravity_error=GravityError(torque_nm=0.2))
+HEAVY = JointParameters(inertia_kg_m2=1.0, coulomb_nm=0.15, viscous_nms_per_rad=0.04)
+DISTAL = BenchSettings(sensors=(PANDA_SENSORS[6],))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,27 +45,27 @@ class Case:
     """A kind of recording."""
 
     name: str
-    settings: JointSettings
+    settings: BenchSettings
     cycles: CycleSettings = field(default_factory=CycleSettings)
     target: str
 
 
 CASES = (
-    Case(name="joints 1-4", settings=JointSettings(), target="1 %, 5 %"),
+    Case(name="joints 1-4", settings=BenchSettings(), target="1 %, 5 %"),
     Case(
         name="joints 1-4, offset 0.1 N m and gravity error 0.2 N m hidden",
-        settings=JointSettings(torque_offset_nm=0.1, gravity_error_nm=0.2),
+        settings=BenchSettings(hidden=(WRONG,)),
         target="2 %, 10 %",
     ),
-    Case(name="joints 5-7", settings=JointSettings(sensors=PANDA_SENSORS[6]), target="1 %, 5 %"),
+    Case(name="joints 5-7", settings=DISTAL, target="1 %, 5 %"),
     Case(
         name="joints 1-4, half the friction, heavy",
-        settings=JointSettings(joint=JointParameters(inertia_kg_m2=1.0, coulomb_nm=0.15, viscous_nms_per_rad=0.04)),
+        settings=BenchSettings(joints=(HEAVY,)),
         target="",
     ),
     Case(
         name="joints 5-7, slow (peak 0.15 rad/s), automatic thresholds",
-        settings=JointSettings(sensors=PANDA_SENSORS[6], operator=SLOW),
+        settings=replace(DISTAL, operator=Operator(motion=SLOW)),
         cycles=CycleSettings(thresholds="auto"),
         target="",
     ),
@@ -62,7 +75,7 @@ CASES = (
 def estimate(case: Case, seed: int, friction: FrictionSettings | None = None) -> JointFriction:
     """Simulate one recording and estimate it."""
     settings = AuditSettings(cycles=case.cycles, friction=friction or FrictionSettings(compare=False))
-    return estimate_log(simulate_joint(case.settings, seed).log, settings).friction.joints[0]
+    return estimate_log(simulate_bench(case.settings, seed).log, settings).friction.joints[0]
 
 
 def covered(low: object, high: object, truth: float) -> float:
@@ -73,7 +86,7 @@ def covered(low: object, high: object, truth: float) -> float:
 def row(case: Case, joints: list[JointFriction]) -> str:
     """Summarise one case."""
     cells = [case.name, case.target]
-    truth = case.settings.joint
+    (truth,) = case.settings.joints
     for name, value in (("coulomb", truth.coulomb_nm), ("viscous", truth.viscous_nms_per_rad)):
         found = [getattr(joint, name) for joint in joints]
         error = [abs(c.value / value - 1) for c in found[:TABLE_SEEDS]]
@@ -95,7 +108,7 @@ def ideal() -> str:
     models = (("combined", 0.3, 0.07), ("coulomb", 0.3, 0.0), ("viscous", 0.0, 0.07))
     for model, coulomb, viscous in models:
         joint = JointParameters(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
-        case = Case(name="", settings=JointSettings(joint=joint, sensors=IDEAL_SENSORS), target="")
+        case = Case(name="", settings=BenchSettings(joints=(joint,), sensors=(IDEAL_SENSORS,)), target="")
         for seed in range(10):
             friction = FrictionSettings(estimator="paper", model=model, compare=False)
             found = estimate(case, seed, friction)

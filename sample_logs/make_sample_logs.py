@@ -13,22 +13,26 @@ from typing import Any
 
 from friction_audit.export import WRITERS, Writer, write_log
 from friction_audit.joint_log import JointLog
+from friction_audit.replay.compensator import FixedCompensation
 from friction_audit.simulate import (
     PANDA_SENSORS,
-    Compensation,
+    BenchSettings,
     HandGuidedPanda,
     JointParameters,
-    JointSettings,
     Operator,
+    simulate_bench,
     simulate_hand_guided_panda,
-    simulate_joint,
 )
+from friction_audit.simulate.motion import StopAndGo
 
 PANDA_JOINT_1 = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.26, viscous_nms_per_rad=0.09)
 PANDA_JOINT_7 = JointParameters(inertia_kg_m2=0.1, coulomb_nm=0.22, viscous_nms_per_rad=0.06)
 BENCH_JOINT = JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.40, viscous_nms_per_rad=0.12)
 BRISK = Operator(
-    inertia_kg_m2=0.1, stiffness_nm_per_rad=40.0, damping_nms_per_rad=4.0, stroke_s=(0.7, 1.2), pause_s=(0.1, 0.3)
+    inertia_kg_m2=0.1,
+    stiffness_nm_per_rad=40.0,
+    damping_nms_per_rad=4.0,
+    motion=StopAndGo(stroke_s=(0.7, 1.2), pause_s=(0.1, 0.3)),
 )
 THINNED = {"rosbag2-db3-franka-state": 4}
 """Dialects whose messages are large and not compressed; every so many samples are kept."""
@@ -57,13 +61,13 @@ class Sample:
 
 def make_samples() -> Iterator[Sample]:
     """Simulate every sample."""
-    first = JointSettings(joint=PANDA_JOINT_1, duration_s=30.0)
-    helper = Compensation(coulomb_nm=0.18, viscous_nms_per_rad=0.05)
-    helped = replace(first, compensation=helper, rate_hz=500.0)
-    bench = JointSettings(joint=BENCH_JOINT, sensors=PANDA_SENSORS[6], duration_s=30.0, rate_hz=250.0)
+    guided = HandGuidedPanda(joint=1, joints=(PANDA_JOINT_1,) * 7, duration_s=30.0)
+    helper = FixedCompensation(coulomb_nm=0.18, viscous_nms_per_rad=0.05)
+    helped = BenchSettings(joints=(PANDA_JOINT_1,), compensator=helper, duration_s=30.0, rate_hz=500.0)
+    bench = BenchSettings(joints=(BENCH_JOINT,), sensors=(PANDA_SENSORS[6],), duration_s=30.0, rate_hz=250.0)
     yield Sample(
         name="hand_guided.parquet",
-        log=simulate_hand_guided_panda(HandGuidedPanda(moved=first), seed=1).log,
+        log=simulate_hand_guided_panda(guided, seed=1).log,
         dialect="parquet",
         joint=1,
         friction=PANDA_JOINT_1,
@@ -71,7 +75,7 @@ def make_samples() -> Iterator[Sample]:
     )
     yield Sample(
         name="compensated.parquet",
-        log=simulate_joint(helped, seed=2).log,
+        log=simulate_bench(helped, seed=2).log,
         dialect="parquet",
         joint=1,
         friction=PANDA_JOINT_1,
@@ -79,7 +83,7 @@ def make_samples() -> Iterator[Sample]:
     )
     yield Sample(
         name="bench_rig.csv",
-        log=simulate_joint(bench, seed=3).log,
+        log=simulate_bench(bench, seed=3).log,
         dialect="csv",
         joint=1,
         friction=BENCH_JOINT,
@@ -90,9 +94,10 @@ def make_samples() -> Iterator[Sample]:
 
 def make_format_samples() -> Iterator[Sample]:
     """Write one short motion of joint 7 in every dialect, sampled at 105 Hz to keep the files small."""
-    settings = JointSettings(joint=PANDA_JOINT_7, operator=BRISK, duration_s=9.0, rate_hz=105.0)
     sensors = tuple(replace(s, clock_jitter_s=1e-4, stale=0.0, lost=0.005, longest_loss=1) for s in PANDA_SENSORS)
-    log = simulate_hand_guided_panda(HandGuidedPanda(joint=7, moved=settings, sensors=sensors), seed=4).log
+    joints = (PANDA_JOINT_7,) * 7
+    settings = HandGuidedPanda(joint=7, joints=joints, sensors=sensors, operator=BRISK, duration_s=9.0, rate_hz=105.0)
+    log = simulate_hand_guided_panda(settings, seed=4).log
     for writer in WRITERS:
         yield Sample(
             name=f"formats/{writer.name}{writer.suffix}",

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulate.sensors import draw_noise, quantise, sense_torque, sense_velocity
+from friction_audit.simulate.sensors import draw_noise
 from friction_audit.simulate.settings import IDEAL_SENSORS, PANDA_SENSORS, Sensors
 
 TICKS = 20_000
@@ -17,15 +17,6 @@ def rng(seed: int = 0) -> np.random.Generator:
 
 def autocorrelation(noise: np.ndarray, lag: int) -> float:
     return float(np.corrcoef(noise[lag:], noise[:-lag])[0, 1])
-
-
-def test_noise_drawn_before_the_motion_is_what_the_sensors_add() -> None:
-    truth, sensors = np.sin(np.arange(TICKS + 1) * 1e-3), PANDA_SENSORS[0]
-    noise, later = draw_noise(TICKS, 1000.0, sensors, rng(3)), rng(3)
-    velocity = sense_velocity(truth, sensors, later)
-    torque = sense_torque(truth, 1000.0, sensors, later)
-    assert_array_equal(quantise(truth + noise.velocity, sensors.velocity_step_rad_s), velocity)
-    assert_array_equal(quantise(truth + noise.torque, sensors.torque_step_nm), torque)
 
 
 def test_ideal_sensors_have_no_noise_but_draw_it() -> None:

@@ -73,22 +73,8 @@ def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[n
 
 def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> SensorNoise:
     """Draw the noise of one joint's sensors for ticks + 1 states; zeros where they are ideal."""
-    velocity = _velocity_noise(ticks + 1, sensors, rng)
+    velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
     return SensorNoise(torque=_torque_noise(ticks + 1, rate_hz, sensors, rng), velocity=velocity)
-
-
-def sense_torque(torque: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
-    """Return the torque as sensed at every tick: noise, then resolution."""
-    return quantise(torque + _torque_noise(len(torque), rate_hz, sensors, rng), sensors.torque_step_nm)
-
-
-def sense_velocity(dq: Float, sensors: Sensors, rng: np.random.Generator) -> Float:
-    """Return the velocity as sensed at every tick."""
-    return quantise(dq + _velocity_noise(len(dq), sensors, rng), sensors.velocity_step_rad_s)
-
-
-def _velocity_noise(samples: int, sensors: Sensors, rng: np.random.Generator) -> Float:
-    return sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, samples)
 
 
 def _torque_noise(samples: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
