@@ -71,13 +71,14 @@ def test_every_dialect_is_written_without_a_trace_of_the_truth(writer: Writer, r
     out = tmp_path / f"run{writer.suffix}"
     effects = ("--effect", "stribeck", "--effect", "torque_bias@2")
     assert run("simulate", SEVEN, "-o", out.name, "--dialect", writer.name, *SHORT, *effects).code == 0
-    traces = ("truth", "simulat", "scenario", "effect", "hidden", SEVEN, *(effect.name for effect in EFFECTS))
+    scenarios = [scenario.name for scenario in SCENARIOS if "-" in scenario.name]  # any log may say joint and panda
+    traces = ("truth", "simulat", "scenario", "effect", "hidden", *scenarios, *(effect.name for effect in EFFECTS))
     for file in files_of(out):
-        content = file.read_bytes().lower().replace(b"panda_joint", b"")
-        assert [trace for trace in traces if trace.lower().encode() in content] == [], file.name
+        content = file.read_bytes().lower()
+        assert [trace for trace in traces if trace.encode() in content] == [], file.name
     log = read_log(out)
-    told = f"{log.joint_names} {log.source.topic} {log.source.channels}".lower().replace("panda_joint", "")
-    assert [trace for trace in traces if trace.lower() in told] == []
+    told = f"{log.joint_names} {log.source.topic} {log.source.channels}".lower()
+    assert [trace for trace in traces if trace in told] == []
 
 
 @EACH_WRITER
@@ -151,7 +152,7 @@ def fail(kind: type[BaseException]) -> Any:
 
 
 @pytest.mark.parametrize(
-    "step", ["friction_audit.simulate.simulate", "friction_audit.report.truth_document.truth_document"]
+    "step", ["friction_audit.simulate.simulate.simulate", "friction_audit.report.truth_document.truth_document"]
 )
 def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(step, fail(KeyboardInterrupt))

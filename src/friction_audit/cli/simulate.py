@@ -25,9 +25,9 @@ SIMULATION = "Simulation"
 
 EXAMPLES = """Examples:
   friction-audit simulate --list
-  friction-audit simulate bench -o run.parquet --seed 7 --truth run.truth.json
-  friction-audit simulate bench -o run.mcap --effect stribeck:excess_nm=0.2 --effect time_delay
-  friction-audit simulate panda -o run.bag --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
+  friction-audit simulate joint -o run.parquet --seed 7 --truth run.truth.json
+  friction-audit simulate joint -o run.csv --effect stribeck:excess_nm=0.2 --effect time_delay
+  friction-audit simulate panda -o run.mcap --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
 
 
 def _finite(value: float | None) -> float | None:
@@ -161,7 +161,7 @@ class _Run:
     seed: int
 
     def simulate(self, path: Path, voice: Voice) -> "JointLog":
-        from friction_audit.simulate import simulate
+        from friction_audit.simulate.simulate import simulate
 
         with voice.progress(f"simulate {self.scenario.name}") as progress:
             return simulate(self.scenario.settings, self.seed, path=str(path), progress=progress).log
@@ -232,7 +232,8 @@ def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa:
     from friction_audit.simulate.settings import IDEAL_SENSORS
 
     asked = {"duration_s": options.duration, "rate_hz": options.rate}
-    settings = replace(scenario.settings, **{name: value for name, value in asked.items() if value is not None})
+    settings: Any = scenario.settings
+    settings = replace(settings, **{name: value for name, value in asked.items() if value is not None})
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
     return hide(assign_texts(settings, options.assignments or ()), options.effects or ())
