@@ -116,11 +116,10 @@ def move(
     push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
-    sign = -1.0 if settings.driven else 1.0
-    gravity = np.array([sign * settings.gravity_nm, settings.gravity_phase_rad])
+    gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
-        run_bench(*mechanism.arguments, push, gravity, first, last, mechanism.out, mechanism.traced)
+        run_bench(mechanism.parts, push, gravity, settings.driven, first, last, mechanism.out, mechanism.traced)
         if progress is not None:
             progress(last / (ticks + 1))
     return mechanism
@@ -129,7 +128,7 @@ def move(
 def _hold(mechanism: Mechanism, hand: Operator, rotor: Float) -> None:
     """Let the operator hold the outer side of the joint."""
     body = mechanism.body
-    body.inner_mass[:] = rotor
+    body.inner_mass[0, 0] = rotor[0, 0]
     body.mass[0, 0] += hand.inertia_kg_m2
     body.mass[body.inner[0], body.inner[0]] += rotor[0, 0]
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
@@ -138,9 +137,10 @@ def _hold(mechanism: Mechanism, hand: Operator, rotor: Float) -> None:
 def make_motion(mechanism: Mechanism, *, driven: bool) -> Motion:
     """Return the truth by its names."""
     row = np.swapaxes(mechanism.out, 0, 1)
+    ticks = np.arange(len(mechanism.out), dtype=np.float64)
     link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
     return Motion(
-        t=np.arange(len(mechanism.out)) * mechanism.clock.dt,
+        t=ticks * mechanism.clock.dt,
         q=row[link],
         dq=row[speed],
         inner_q=row[rows.INNER],

@@ -1,6 +1,5 @@
 """How long a recording is and how often its states are kept."""
 
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -37,4 +36,5 @@ def count_ticks(duration_s: float, rate_hz: float) -> int:
 def sampled_ticks(ticks: int, rate_hz: float) -> NDArray[np.int64]:
     """Return the ticks whose states are logged at a lower rate, the first one always."""
     samples = int(ticks * rate_hz / CONTROL_RATE_HZ + 1e-9)
-    return np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / rate_hz)).astype(np.int64)
+    ticks_of_samples: NDArray[np.int64] = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / rate_hz)).astype(np.int64)
+    return ticks_of_samples

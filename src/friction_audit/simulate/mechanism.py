@@ -15,7 +15,7 @@ from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.effects.inertial_coupling import coupled_mass
 from friction_audit.simulate.mechanics.body import Body, make_body
 from friction_audit.simulate.mechanics.records import STATE, pack, pad_events
-from friction_audit.simulate.mechanics.rows import ROWS, Clock, Loop
+from friction_audit.simulate.mechanics.rows import ROWS, Clock, Loop, Parts
 from friction_audit.simulate.sensors import draw_noise
 from friction_audit.simulate.settings import JointParameters, Sensors
 from friction_audit.simulate.streams import Streams
@@ -84,9 +84,9 @@ class Mechanism:
     traced: Float
 
     @property
-    def arguments(self) -> tuple[Any, ...]:
-        """The first arguments of the compiled loops."""
-        return (self.joints, self.states, self.events, self.body, self.loop, self.clock)
+    def parts(self) -> Parts:
+        """What the compiled loops work on."""
+        return Parts(self.joints, self.states, self.events, self.body, self.loop, self.clock)
 
 
 def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:

@@ -37,6 +37,7 @@ class RigidBody:
         self._frame = self._model.getFrameId(known.flange)
         self._load_flange(settings.carried_kg, held_kg)
         self._data = self._model.createData()
+        self._parts = mechanism.parts
         self._half = 0.5 * mechanism.clock.dt
         self._last = len(mechanism.out) - 1
         self._joints = len(settings.joints)
@@ -48,9 +49,9 @@ class RigidBody:
         self._model.appendBodyToJoint(flange.parentJoint, inertia, flange.placement)
 
     def predict(self, k: int) -> tuple[Float, Float]:
-        """Return position and velocity at tick k, half a tick after the state of the mechanism (except at the start)."""
+        """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
         body, n, ahead = self.mechanism.body, self._joints, self._half if k > 0 else 0.0
-        link = body.inner if self.settings.driven else slice(n)
+        link = body.inner[:n] if self.settings.driven else slice(n)
         y, v, a = body.y[link], body.v[link], body.a[link]
         return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
 
@@ -89,7 +90,9 @@ class GuidedArm(RigidBody):
 
         self._pin.framesForwardKinematics(self._model, self._data, np.array(self.settings.pose_rad))
         start = self._data.oMf[self._frame]
-        return start.translation + intended.position, Rotation.from_rotvec(intended.rotation).as_matrix() @ start.rotation
+        return start.translation + intended.position, Rotation.from_rotvec(
+            intended.rotation
+        ).as_matrix() @ start.rotation
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""
@@ -119,7 +122,14 @@ class GuidedArm(RigidBody):
         )
         told = self.settings.compensator is not None and self.settings.hand_cycles
         arm_tick.tick(
-            *self.mechanism.arguments, jacobian, self._cycle, told, k, self._last, self.mechanism.out, self.mechanism.traced
+            self._parts,
+            jacobian,
+            self._cycle,
+            told,
+            k,
+            self._last,
+            self.mechanism.out,
+            self.mechanism.traced,
         )
 
 
@@ -133,8 +143,8 @@ class ServoedArm(RigidBody):
         servo = settings.servo
         self._command = replace(command, position=command.position + np.array(settings.pose_rad))
         body = mechanism.body
-        np.fill_diagonal(body.stiffness, servo.stiffness_nm_per_rad)
-        np.fill_diagonal(body.drive_damping, servo.damping_nms_per_rad)
+        body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
+        body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
         self._jacobian, self._cycle = np.zeros((6, self._joints), order="F"), np.zeros(arm_tick.CYCLE_STATE)
 
     def tick(self, k: int, gravity: Float) -> None:
@@ -142,14 +152,14 @@ class ServoedArm(RigidBody):
         q, dq = self.predict(k)
         mass, bias = self.compute(q, dq)
         gravity[:] = self.support(q)
-        body, servo = self.mechanism.body, self.settings.servo
+        body, servo, n = self.mechanism.body, self.settings.servo, self._joints
         place, speed = self._command.position[k], self._command.velocity[k]
-        body.push[:] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
-        body.push_rate[:] = servo.stiffness_nm_per_rad * speed
-        body.support[:] = -bias
+        body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
+        body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
+        body.support[:n] = -bias
         arm_tick.load_masses(body, self.rotor, mass)
         arm_tick.tick(
-            *self.mechanism.arguments,
+            self._parts,
             self._jacobian,
             self._cycle,
             False,  # noqa: FBT003 - compiled code takes no keywords

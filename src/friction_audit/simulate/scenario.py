@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_audit.simulate.arm import ArmSettings
-from friction_audit.simulate.bench import BenchSettings
+from friction_audit.simulate.simulate import AnySettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -19,5 +18,5 @@ class Scenario:
 
     name: str
     summary: str
-    settings: BenchSettings | ArmSettings
+    settings: AnySettings
     figure: str | None = None

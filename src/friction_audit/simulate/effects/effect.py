@@ -95,7 +95,7 @@ class Effect:
 
     def is_hidden(self, group: object) -> bool:
         """Return True if a group of this effect does anything."""
-        return getattr(group, self.strength) != 0.0
+        return bool(getattr(group, self.strength) != 0.0)
 
     def values(self, group: Any) -> dict[str, float | str]:  # noqa: ANN401
         """Return the parameters of a group by name, the form as its word."""

@@ -1,14 +1,14 @@
 """Acceleration of coordinates that slide, stick or are free, with friction holding what it can."""
 
 import math
-from typing import Any
 
 from friction_audit.compiled import compiled
+from friction_audit.replay.records import Record
 from friction_audit.simulate.mechanics.body import FREE
 
 
 @compiled()
-def solve(body: Any, count: int) -> None:  # noqa: ANN401 - a Body
+def solve(body: Record, count: int) -> None:
     """Solve the first ``count`` equations, symmetric and positive definite, in place (Cholesky)."""
     system, right = body.system, body.right
     for i in range(count):
@@ -27,10 +27,10 @@ def solve(body: Any, count: int) -> None:  # noqa: ANN401 - a Body
 
 
 @compiled()
-def _move_the_active(body: Any, h: float) -> None:  # noqa: ANN401
+def _move_the_active(body: Record, h: float) -> None:
     """Give the coordinates that are not stuck their accelerations, damping taken at the middle of the step."""
     count = 0
-    for c in range(len(body.y)):
+    for c in range(body.count):
         body.a[c] = 0.0
         if body.mode[c] != 0.0:
             body.active[count] = c
@@ -39,7 +39,7 @@ def _move_the_active(body: Any, h: float) -> None:  # noqa: ANN401
         row = body.active[i]
         sign = 1.0 if body.mode[row] == FREE else body.mode[row]
         torque = body.force[row] - sign * body.level[row]
-        for c in range(len(body.y)):
+        for c in range(body.count):
             torque -= body.damping[row, c] * body.v[c]
         body.right[i] = torque
         for j in range(i + 1):
@@ -51,13 +51,13 @@ def _move_the_active(body: Any, h: float) -> None:  # noqa: ANN401
 
 
 @compiled()
-def _release(body: Any, h: float) -> bool:  # noqa: ANN401
+def _release(body: Record, h: float) -> bool:
     """Free the stuck coordinate that is pulled most beyond what friction can bear; return whether there is one."""
     worst, excess, way = -1, 0.0, 0.0
-    for c in range(len(body.y)):
+    for c in range(body.count):
         if body.mode[c] == 0.0:
             pull = body.force[c]
-            for k in range(len(body.y)):
+            for k in range(body.count):
                 pull -= body.mass[c, k] * body.a[k] + body.damping[c, k] * (body.v[k] + 0.5 * h * body.a[k])
             body.reaction[c] = pull
             over = max(pull - body.hold[c, 1], -pull - body.hold[c, 0])
@@ -71,13 +71,13 @@ def _release(body: Any, h: float) -> bool:  # noqa: ANN401
 
 
 @compiled()
-def accelerate(body: Any, h: float) -> None:  # noqa: ANN401
+def accelerate(body: Record, h: float) -> None:
     """Set ``a`` for a step of length h, ``mode`` where a stuck coordinate breaks away, ``reaction`` where it does not.
 
     With h = 0 the accelerations are those of the instant.
     """
     _move_the_active(body, h)
-    for _ in range(len(body.y)):
+    for _ in range(body.count):
         if not _release(body, h):
             break
         _move_the_active(body, h)

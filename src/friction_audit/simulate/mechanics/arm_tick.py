@@ -1,13 +1,11 @@
 """One tick of a whole arm."""
 
 import math
-from typing import Any
-
-import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.replay.kernels import FIND, trace
+from friction_audit.replay.records import Record
 from friction_audit.simulate.mechanics.sensing import quantised
 from friction_audit.simulate.mechanics.tick import advance, control, evaluate, keep
 
@@ -23,9 +21,9 @@ CORNER_RAD_S = 2.0 * math.pi * 20.0
 
 
 @compiled()
-def load_masses(body: Any, outer: Float, inner: Float) -> None:  # noqa: ANN401 - a Body
+def load_masses(body: Record, outer: Float, inner: Float) -> None:
     """Set the mass matrices of the two sides of the joints, shape (n, n) each."""
-    n = len(body.inner)
+    n = body.joints
     body.mass[:] = 0.0
     for i in range(n):
         for j in range(n):
@@ -36,7 +34,7 @@ def load_masses(body: Any, outer: Float, inner: Float) -> None:  # noqa: ANN401 
 
 @compiled()
 def guide(  # noqa: PLR0913
-    body: Any,  # noqa: ANN401
+    body: Record,
     mass: Float,
     bias: Float,
     jacobian: Float,
@@ -81,7 +79,7 @@ def guide(  # noqa: PLR0913
 
 
 @compiled()
-def hand_cut(body: Any, loop: Any, jacobian: Float, cycle: Float, k: int, dt: float) -> int:  # noqa: ANN401
+def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, dt: float) -> int:
     """Return 1 if an energy cycle of the hand ends at this tick (paper, section V.B), else 0.
 
     It ends when the hand has come to rest and every joint has moved; until then the cycle goes on.
@@ -89,7 +87,7 @@ def hand_cut(body: Any, loop: Any, jacobian: Float, cycle: Float, k: int, dt: fl
     square = 0.0
     for a in range(3):
         along = 0.0
-        for j in range(len(body.inner)):
+        for j in range(body.joints):
             velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
             along += jacobian[a, j] * velocity
         square += along * along
@@ -98,7 +96,7 @@ def hand_cut(body: Any, loop: Any, jacobian: Float, cycle: Float, k: int, dt: fl
         cycle[UNDER_WAY] = 1.0
     if cycle[UNDER_WAY] == 0.0 or cycle[FILTERED_M_S] > TERMINATION_M_S:
         return 0
-    for j in range(len(body.inner)):
+    for j in range(body.joints):
         if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
             return 0
     cycle[UNDER_WAY] = 0.0
@@ -106,22 +104,22 @@ def hand_cut(body: Any, loop: Any, jacobian: Float, cycle: Float, k: int, dt: fl
 
 
 @compiled()
-def tick(  # noqa: PLR0913
-    joints: Any,  # noqa: ANN401
-    states: Any,  # noqa: ANN401
-    events: Float,
-    body: Any,  # noqa: ANN401
-    loop: Any,  # noqa: ANN401
-    clock: Any,  # noqa: ANN401
-    jacobian: Float,
-    cycle: Float,
-    told: bool,
-    k: int,
-    last: int,
-    out: Float,
-    traced: Float,
+def tick(
+    parts: Record, jacobian: Float, cycle: Float, told: bool, k: int, last: int, out: Float, traced: Float
 ) -> None:
-    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise."""
+    """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
+
+    Args:
+        parts: What moves, a ``rows.Parts``; changed.
+        jacobian: Of the flange in the world's axes, shape (6, n).
+        cycle: What is remembered of the hand, shape (CYCLE_STATE,); changed.
+        told: If True the hand ends the cycles of all joints, else each joint its own.
+        k: The tick.
+        last: The last tick of the recording.
+        out: Receives the truth, shape (ticks + 1, ROWS, n).
+        traced: Receives what the compensators knew, shape (ticks + 1, n, columns), or no columns at all.
+    """
+    joints, states, events, body, loop, clock = parts
     t, half = k * clock.dt, 0.5 * clock.dt
     if k > 0:
         advance(joints, states, events, body, clock, t - half, -half)

@@ -5,75 +5,65 @@ moved by hand the motor and the link, of a robot that moves by itself the link a
 sides by the same angle; an elastic one, or one with backlash, has a coordinate for each.
 """
 
-from typing import NamedTuple
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 
+MOST = 14
+"""So many coordinates there can be: two for each of seven joints."""
+
 FREE = 2.0
 """Mode of a coordinate that nothing holds; the others are -1, 0 and 1: sliding, stuck, sliding."""
 
 
-class Body(NamedTuple):
-    """State and matrices of c coordinates (of n joints), all changed in place.
+BODY = np.dtype(
+    [
+        ("joints", "i8"),  # n
+        ("count", "i8"),  # c, coordinates
+        ("inner", "i8", (MOST,)),  # coordinate of each joint's inner side, (n,)
+        ("joint", "i8", (MOST,)),  # joint whose inner side a coordinate is, or -1, (c,)
+        ("y", "f8", (MOST,)),  # positions, (c,) [rad]
+        ("v", "f8", (MOST,)),  # velocities, (c,) [rad/s]
+        ("a", "f8", (MOST,)),  # accelerations of the latest step, (c,) [rad/s^2]
+        ("mode", "f8", (MOST,)),  # sliding direction, 0: stuck, or FREE, (c,)
+        (
+            "level",
+            "f8",
+            (MOST,),
+        ),  # friction against sliding, less its viscous part; if FREE the signed torque, (c,) [N m]
+        ("hold", "f8", (MOST, 2)),  # friction that a stuck coordinate can bear, downwards and upwards, (c, 2) [N m]
+        ("slip", "f8", (MOST, 2)),  # its friction just after it broke away, (c, 2) [N m]
+        ("reaction", "f8", (MOST,)),  # what holds a stuck coordinate at present, (c,) [N m]
+        ("force", "f8", (MOST,)),  # all other torques, at the middle of the step, (c,) [N m]
+        ("mass", "f8", (MOST, MOST)),  # mass matrix, (c, c) [kg m^2]
+        ("damping", "f8", (MOST, MOST)),  # damping matrix of the step, (c, c) [N m s/rad]
+        ("inner_mass", "f8", (MOST, MOST)),  # mass matrix behind the sensors, (n, n) [kg m^2]
+        ("stiffness", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m/rad]
+        ("drive_damping", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m s/rad]
+        ("push", "f8", (MOST,)),  # torque of the drive with all coordinates at zero, (n,) [N m]
+        ("push_rate", "f8", (MOST,)),  # its rate of change, (n,) [N m/s]
+        ("support", "f8", (MOST,)),  # on the inner sides, held from tick to tick, as gravity compensation, (n,) [N m]
+        ("behind", "f8", (MOST,)),  # all torques behind the sensors but friction and inertia, (n,) [N m]
+        ("viscous", "f8", (MOST,)),  # viscous coefficients of the step, (n,) [N m s/rad]
+        ("port", "f8", (MOST,)),  # torque through the sensor, from the outer side to the inner one, (n,) [N m]
+        ("friction", "f8", (MOST,)),  # friction torque, (n,) [N m]
+        ("system", "f8", (MOST, MOST)),  # scratch: matrix of the linear equations, (c, c)
+        ("right", "f8", (MOST,)),  # scratch: their right-hand side, (c,)
+        ("active", "i8", (MOST,)),  # scratch: the coordinates that are not stuck, (c,)
+    ],
+    align=True,
+)
+"""State and matrices of c coordinates of n joints, in the first places of arrays that have room for MOST.
 
-    Coordinates 0 to n - 1 are the outer sides; the inner side of joint j is coordinate ``inner[j]``.
-    """
+Coordinates 0 to n - 1 are the outer sides; the inner side of joint j is coordinate ``inner[j]``. A record rather than a
+tuple of arrays: compiled functions pass it on as one pointer.
+"""
 
-    inner: NDArray[np.int64]
-    """Coordinate of each joint's inner side, shape (n,)."""
-    joint: NDArray[np.int64]
-    """Joint whose inner side a coordinate is, or -1, shape (c,)."""
-    y: Float
-    """Positions. [rad]"""
-    v: Float
-    """Velocities. [rad/s]"""
-    a: Float
-    """Accelerations of the latest step. [rad/s^2]"""
-    mode: Float
-    """Sliding direction, 0: stuck, or FREE."""
-    level: Float
-    """Friction that opposes sliding, its viscous part aside; of a free coordinate the signed torque. [N m]"""
-    hold: Float
-    """Friction that a stuck coordinate can bear, downwards and upwards, shape (c, 2). [N m]"""
-    slip: Float
-    """Friction of a stuck coordinate just after it broke away, downwards and upwards, shape (c, 2). [N m]"""
-    reaction: Float
-    """What holds a stuck coordinate at present. [N m]"""
-    force: Float
-    """All other torques, at the middle of the step. [N m]"""
-    mass: Float
-    """Mass matrix, shape (c, c). [kg m^2]"""
-    damping: Float
-    """Damping matrix of the step, shape (c, c). [N m s/rad]"""
-    inner_mass: Float
-    """Mass matrix behind the sensors, shape (n, n). [kg m^2]"""
-    stiffness: Float
-    """Of what drives the outer sides, shape (n, n). [N m/rad]"""
-    drive_damping: Float
-    """Of what drives the outer sides, shape (n, n). [N m s/rad]"""
-    push: Float
-    """Torque of the drive on the outer sides with all coordinates at zero, shape (n,). [N m]"""
-    push_rate: Float
-    """Its rate of change, shape (n,). [N m/s]"""
-    support: Float
-    """Torque on the inner sides that is held from tick to tick, such as gravity compensation, shape (n,). [N m]"""
-    behind: Float
-    """All torques behind the sensors except friction and inertia, shape (n,). [N m]"""
-    viscous: Float
-    """Viscous coefficients of the step, shape (n,). [N m s/rad]"""
-    port: Float
-    """Torque that the outer side exerts on the inner side, through the sensor, shape (n,). [N m]"""
-    friction: Float
-    """Friction torque of each joint, shape (n,). [N m]"""
-    system: Float
-    """Scratch: matrix of the linear equations, shape (c, c)."""
-    right: Float
-    """Scratch: their right-hand side, shape (c,)."""
-    active: NDArray[np.int64]
-    """Scratch: the coordinates that are not stuck, shape (c,)."""
+Body: TypeAlias = Any
+"""A record of type BODY."""
 
 
 def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Body:
@@ -86,27 +76,13 @@ def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: F
     """
     n, extra = len(two_sided), np.flatnonzero(two_sided)
     c = n + len(extra)
-    inner = np.arange(n)
-    inner[extra] = n + np.arange(len(extra))
-    joint = np.full(c, -1)
-    joint[inner] = np.arange(n)
-    mode = np.full(c, FREE)
-    mode[inner[~free]] = 0.0
-    y = np.concatenate([position, position[extra]])
-    vectors = {name: np.zeros(c) for name in ("v", "a", "level", "reaction", "force", "right")}
-    matrices = {name: np.zeros((c, c)) for name in ("mass", "damping", "system")}
-    drive = {name: np.zeros((n, n)) for name in ("inner_mass", "stiffness", "drive_damping")}
-    torques = {name: np.zeros(n) for name in ("push", "push_rate", "support", "behind", "viscous", "port", "friction")}
-    levels = {name: np.zeros((c, 2)) for name in ("hold", "slip")}
-    return Body(
-        inner=inner,
-        joint=joint,
-        y=y,
-        mode=mode,
-        active=np.zeros(c, np.int64),
-        **levels,
-        **vectors,
-        **matrices,
-        **drive,
-        **torques,
-    )
+    body = np.zeros(1, BODY).view(np.recarray)[0]
+    body.joints, body.count = n, c
+    body.inner[:n] = np.arange(n)
+    body.inner[extra] = n + np.arange(len(extra))
+    body.joint[:] = -1
+    body.joint[body.inner[:n]] = np.arange(n)
+    body.mode[:] = FREE
+    body.mode[body.inner[:n][~free]] = 0.0
+    body.y[:c] = np.concatenate([position, position[extra]])
+    return body

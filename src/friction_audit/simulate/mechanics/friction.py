@@ -1,9 +1,8 @@
 """Everything behind the torque sensor of one joint: what slides, what holds, what else pulls."""
 
-from typing import Any
-
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.records import Record
 from friction_audit.simulate.effects import (
     asymmetric_coulomb,
     asymmetric_viscous,
@@ -22,7 +21,7 @@ from friction_audit.simulate.effects import (
 
 
 @compiled()
-def viscous_now(joint: Any, state: Any, t: float, duration: float) -> float:  # noqa: ANN401 - records of numbers
+def viscous_now(joint: Record, state: Record, t: float, duration: float) -> float:
     """Return the viscous coefficient at a time. [N m s/rad]"""
     hidden, coefficient = joint.hidden, joint.viscous_nms_per_rad
     if hidden.warm_up.reduction != 0.0:
@@ -33,7 +32,7 @@ def viscous_now(joint: Any, state: Any, t: float, duration: float) -> float:  # 
 
 
 @compiled()
-def coulomb_factor(joint: Any, state: Any, q: float, t: float, duration: float) -> float:  # noqa: ANN401
+def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: float) -> float:
     """Return what place, warmth and time make of the Coulomb level."""
     hidden, factor = joint.hidden, 1.0
     if hidden.position_dependent_friction.share != 0.0:
@@ -47,8 +46,8 @@ def coulomb_factor(joint: Any, state: Any, q: float, t: float, duration: float) 
 
 @compiled()
 def sliding_level(
-    joint: Any,  # noqa: ANN401
-    state: Any,  # noqa: ANN401
+    joint: Record,
+    state: Record,
     q: float,
     speed: float,
     sign: float,
@@ -73,14 +72,17 @@ def sliding_level(
     level += asymmetric_coulomb.extra_nm(hidden.asymmetric_coulomb, sign)
     level += asymmetric_viscous.extra_nm(hidden.asymmetric_viscous, sign, seen)
     if lagging:
-        level += viscous_now(joint, state, t, duration) * seen
-    return max(0.0, level)
+        return max(0.0, float(level + viscous_now(joint, state, t, duration) * seen))
+    if level < 0.0:
+        # What asymmetric viscous friction takes off in one direction is taken off the linear viscous part.
+        level = max(level, -viscous_now(joint, state, t, duration) * speed)
+    return float(level)
 
 
 @compiled()
 def holding_level(
-    joint: Any,
-    state: Any,
+    joint: Record,
+    state: Record,
     q: float,
     sign: float,
     t: float,
@@ -93,7 +95,7 @@ def holding_level(
 
 
 @compiled()
-def other_torque(joint: Any, state: Any, events: Float, q: float, dq: float, t: float) -> float:  # noqa: ANN401
+def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return what pulls at the joint behind the sensor besides friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
     torque = state.compensation_nm + state.unlogged_nm

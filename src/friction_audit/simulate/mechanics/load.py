@@ -1,9 +1,8 @@
 """Put the torques of an instant on the coordinates."""
 
-from typing import Any
-
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.records import Record
 from friction_audit.simulate.effects import backlash, joint_elasticity, presliding
 from friction_audit.simulate.mechanics.body import FREE
 from friction_audit.simulate.mechanics.friction import holding_level, other_torque, sliding_level, viscous_now
@@ -13,12 +12,12 @@ LEAST_LEVEL_NM = 1e-9
 
 
 @compiled()
-def load_drive(body: Any, since: float, ahead: float) -> None:  # noqa: ANN401 - a Body
+def load_drive(body: Record, since: float, ahead: float) -> None:
     """Set torques and damping of the drive for an instant ``since`` its tick, ``ahead`` of the present positions."""
-    n = len(body.inner)
-    for i in range(len(body.y)):
+    n = body.joints
+    for i in range(body.count):
         body.force[i] = 0.0
-        for k in range(len(body.y)):
+        for k in range(body.count):
             body.damping[i, k] = 0.0
     for i in range(n):
         torque = body.push[i] + since * body.push_rate[i]
@@ -30,10 +29,10 @@ def load_drive(body: Any, since: float, ahead: float) -> None:  # noqa: ANN401 -
 
 @compiled()
 def load_joint(
-    joint: Any,
-    state: Any,
+    joint: Record,
+    state: Record,
     events: Float,
-    body: Any,
+    body: Record,
     j: int,
     ahead: float,
     t: float,
@@ -54,9 +53,9 @@ def load_joint(
 
 @compiled()
 def load_friction(
-    joint: Any,
-    state: Any,
-    body: Any,
+    joint: Record,
+    state: Record,
+    body: Record,
     j: int,
     ahead: float,
     t: float,
@@ -80,7 +79,7 @@ def load_friction(
 
 
 @compiled()
-def _load_transmission(joint: Any, body: Any, j: int, ahead: float) -> None:  # noqa: ANN401
+def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> None:
     """Add the spring and the damper, or the flanks, between the two sides of a joint."""
     c = body.inner[j]
     stretch = body.y[c] + ahead * body.v[c] - body.y[j] - ahead * body.v[j]
@@ -98,7 +97,7 @@ def _load_transmission(joint: Any, body: Any, j: int, ahead: float) -> None:  # 
 
 
 @compiled()
-def _transmitted(joint: Any, engaged: float, ringing: float) -> tuple[float, float]:  # noqa: ANN401
+def _transmitted(joint: Record, engaged: float, ringing: float) -> tuple[float, float]:
     """Return spring torque and damping of a transmission twisted beyond its play."""
     elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
     if elastic.compliance_rad_per_nm != 0.0:

@@ -36,7 +36,11 @@ def record_type(group: type[Any]) -> np.dtype[Any]:
 
 
 def _field_type(hint: Any) -> Any:  # noqa: ANN401 - a type
-    return record_type(hint) if is_dataclass(hint) else {float: "f8", int: "i8", bool: "?"}[hint]
+    return (
+        record_type(hint)
+        if isinstance(hint, type) and is_dataclass(hint)
+        else {float: "f8", int: "i8", bool: "?"}[hint]
+    )
 
 
 def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:

@@ -55,3 +55,20 @@ class Loop(NamedTuple):
     velocity_noise: Float
     torque_step: Float
     velocity_step: Float
+
+
+class Parts(NamedTuple):
+    """What the loops work on, all of it changed in place but the joints and the clock."""
+
+    joints: Any
+    """Records of the joints, shape (n,)."""
+    states: Any
+    """What they remember, shape (n,)."""
+    events: Float
+    """Contact events, shape (n, m, 3)."""
+    body: Any
+    """Coordinates and matrices."""
+    loop: Loop
+    """The compensators and what they see."""
+    clock: Clock
+    """The controller's clock."""

@@ -1,9 +1,8 @@
 """One step in time: forces at its middle, sliding and sticking inside it, friction's own states along with it."""
 
-from typing import Any
-
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.records import Record
 from friction_audit.simulate.effects import frictional_lag, presliding
 from friction_audit.simulate.mechanics.accelerate import accelerate
 from friction_audit.simulate.mechanics.body import FREE
@@ -16,10 +15,10 @@ EVENTS = 32
 
 
 @compiled()
-def _first_stop(body: Any, h: float) -> tuple[int, float]:  # noqa: ANN401 - a Body
+def _first_stop(body: Record, h: float) -> tuple[int, float]:
     """Return the sliding coordinate that stops first within a step, or -1, and the share of the step."""
     first, share = -1, 1.0
-    for c in range(len(body.y)):
+    for c in range(body.count):
         mode = body.mode[c]
         after = body.v[c] + h * body.a[c]
         if abs(mode) == 1.0 and after * mode < 0.0:
@@ -30,7 +29,7 @@ def _first_stop(body: Any, h: float) -> tuple[int, float]:  # noqa: ANN401 - a B
 
 
 @compiled()
-def _stop_time(body: Any, c: int, h: float, share: float) -> float:  # noqa: ANN401
+def _stop_time(body: Record, c: int, h: float, share: float) -> float:
     """Return the time within the step at which a coordinate stops; damping makes its acceleration depend on it."""
     time = share * h
     for _ in range(ROOT_ITERATIONS):
@@ -42,7 +41,7 @@ def _stop_time(body: Any, c: int, h: float, share: float) -> float:  # noqa: ANN
 
 
 @compiled()
-def _take(state: Any, body: Any, c: int, way: float, h: float) -> None:  # noqa: ANN401
+def _take(state: Record, body: Record, c: int, way: float, h: float) -> None:
     """Count the work of friction over a piece of the way, and the time at rest."""
     if body.mode[c] == 0.0:
         state.rest_s += h
@@ -53,11 +52,11 @@ def _take(state: Any, body: Any, c: int, way: float, h: float) -> None:  # noqa:
 
 
 @compiled()
-def _drift(states: Any, body: Any, h: float) -> None:  # noqa: ANN401
+def _drift(states: Record, body: Record, h: float) -> None:
     """Move on by h with the accelerations found."""
     if h <= 0.0:
         return
-    for c in range(len(body.y)):
+    for c in range(body.count):
         after = body.v[c] + h * body.a[c]
         way = 0.5 * h * (body.v[c] + after)
         if body.joint[c] >= 0:
@@ -67,7 +66,7 @@ def _drift(states: Any, body: Any, h: float) -> None:  # noqa: ANN401
 
 
 @compiled()
-def _remember(joint: Any, state: Any, body: Any, j: int, t: float, h: float, duration: float) -> None:  # noqa: ANN401
+def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: float, duration: float) -> None:
     """Let the bristles of a joint follow its motion for a time h."""
     q, dq = body.y[body.inner[j]], body.v[body.inner[j]]
     if joint.hidden.presliding.displacement_rad != 0.0:
@@ -78,10 +77,10 @@ def _remember(joint: Any, state: Any, body: Any, j: int, t: float, h: float, dur
 
 @compiled()
 def slide(
-    joints: Any,
-    states: Any,
+    joints: Record,
+    states: Record,
     events: Float,
-    body: Any,
+    body: Record,
     since: float,
     t: float,
     h: float,

@@ -1,13 +1,12 @@
 """One tick of the controller's clock: move, read the sensors, compensate, move on."""
 
-from typing import Any
-
 import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.kernels import FIND, trace
 from friction_audit.replay.kernels import step as compensate
-from friction_audit.replay.kernels import trace
+from friction_audit.replay.records import Record
 from friction_audit.simulate.effects import unlogged_compensation, warm_up
 from friction_audit.simulate.mechanics.accelerate import accelerate
 from friction_audit.simulate.mechanics.body import FREE
@@ -33,11 +32,11 @@ from friction_audit.simulate.mechanics.step import slide
 
 @compiled()
 def advance(
-    joints: Any,
-    states: Any,
+    joints: Record,
+    states: Record,
     events: Float,
-    body: Any,
-    clock: Any,
+    body: Record,
+    clock: Record,
     t: float,
     since: float,
 ) -> None:
@@ -48,7 +47,7 @@ def advance(
 
 
 @compiled()
-def evaluate(joints: Any, states: Any, events: Float, body: Any, clock: Any, t: float) -> None:  # noqa: ANN401
+def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
     """Find accelerations, friction and the torques at the sensors at an instant."""
     load_drive(body, 0.0, 0.0)
     for j in range(len(joints)):
@@ -68,7 +67,7 @@ def evaluate(joints: Any, states: Any, events: Float, body: Any, clock: Any, t: 
 
 
 @compiled()
-def keep(states: Any, body: Any, out: Float) -> None:  # noqa: ANN401
+def keep(states: Record, body: Record, out: Float) -> None:
     """Write the truth of an instant into ``out``, shape (ROWS, n)."""
     for j in range(len(states)):
         c = body.inner[j]
@@ -81,7 +80,7 @@ def keep(states: Any, body: Any, out: Float) -> None:  # noqa: ANN401
 
 
 @compiled()
-def control(joints: Any, states: Any, body: Any, loop: Any, clock: Any, k: int, cut: int) -> None:  # noqa: ANN401
+def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
     """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
     for j in range(len(joints)):
         state, hidden = states[j], joints[j].hidden
@@ -97,48 +96,35 @@ def control(joints: Any, states: Any, body: Any, loop: Any, clock: Any, k: int, 
 
 
 @compiled()
-def run_bench(  # noqa: PLR0913
-    joints: Any,  # noqa: ANN401
-    states: Any,  # noqa: ANN401
-    events: Float,
-    body: Any,  # noqa: ANN401
-    loop: Any,  # noqa: ANN401
-    clock: Any,  # noqa: ANN401
-    push: Float,
-    gravity: Float,
-    first: int,
-    last: int,
-    out: Float,
-    traced: Float,
+def run_bench(
+    parts: Record, push: Float, gravity: Float, driven: bool, first: int, last: int, out: Float, traced: Float
 ) -> None:
     """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
 
     Args:
-        joints: Record of the joint, shape (1,).
-        states: What it remembers, shape (1,); changed.
-        events: Contact events, shape (1, m, 3).
-        body: Coordinates and matrices; changed.
-        loop: The compensator in the loop.
-        clock: The controller's clock.
+        parts: What moves, a ``rows.Parts`` of one joint; changed.
         push: Torque of the drive with the joint at zero, at every tick, shape (ticks + 1,). [N m]
         gravity: Amplitude [N m] and phase [rad] of the load's gravity torque, held by the motor.
+        driven: If True the load is on the inner side, else on the outer one.
         first: First tick.
         last: Tick to end before.
         out: Receives the truth, shape (ticks + 1, ROWS, 1).
         traced: Receives what the compensator knew, shape (ticks + 1, 1, columns), or no columns at all.
     """
-    half = 0.5 * clock.dt
+    joints, states, events, body, loop, clock = parts
+    half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
     for k in range(first, last):
         t = k * clock.dt
-        place = body.y[0] + (half * body.v[0] if k > 0 else 0.0)
+        place = body.y[link] + (half * body.v[link] if k > 0 else 0.0)
         weight = gravity[0] * np.sin(place + gravity[1])
-        body.push[0], body.support[0] = push[k] - weight, weight
+        body.support[0] = -weight if driven else weight
+        body.push[0] = push[k] - body.support[0]
         if k > 0:
             body.push_rate[0] = (push[k] - push[k - 1]) / clock.dt
             advance(joints, states, events, body, clock, t - half, -half)
         evaluate(joints, states, events, body, clock, t)
         keep(states, body, out[k])
-        control(joints, states, body, loop, clock, k, -1)
+        control(joints, states, body, loop, clock, k, FIND)
         if traced.shape[2] > 0:
             trace(loop.memory[0], traced[k, 0])
         if k + 1 < len(push):
