@@ -93,10 +93,12 @@ def make_samples() -> Iterator[Sample]:
 
 
 def make_format_samples() -> Iterator[Sample]:
-    """Write one short motion of joint 7 in every dialect, sampled at 105 Hz to keep the files small."""
+    """Write one short motion of joint 7 in every dialect, sampled at 111 Hz to keep the files small."""
     sensors = tuple(replace(s, clock_jitter_s=1e-4, stale=0.0, lost=0.005, longest_loss=1) for s in PANDA_SENSORS)
     joints = (PANDA_JOINT_7,) * 7
-    settings = HandGuidedPanda(joint=7, joints=joints, sensors=sensors, operator=BRISK, duration_s=9.0, rate_hz=105.0)
+    settings = HandGuidedPanda(
+        joint=7, joints=joints, sensors=sensors, operator=BRISK, duration_s=9.0, rate_hz=1000.0 / 9.0
+    )
     log = simulate_hand_guided_panda(settings, seed=4).log
     for writer in WRITERS:
         yield Sample(
