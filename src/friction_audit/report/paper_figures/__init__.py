@@ -1,0 +1,1 @@
+"""Courses of joints -> figures in the layout of the paper's."""
