@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
-from friction_audit.simulate.assign import PerJoint, assign, assign_text, assign_texts, paths, write_value
+from friction_audit.simulate.assign import Kind, PerJoint, assign, assign_text, assign_texts, paths, write_value
 from friction_audit.simulate.kinds import as_nested
 from friction_audit.simulate.scenario import Scenario
 from friction_audit.simulate.scenarios import SCENARIOS
@@ -95,11 +95,11 @@ def test_every_setting_is_listed_with_its_value() -> None:
         "hand.quiet": False,
         "hand.motion": "sine",
         "hand.label": "hand",
-        "compensator": "compensator",
+        "compensator": Kind("compensator", ("none",)),
         "compensator.coulomb_nm": 0.2,
         "compensator.limit_nm": None,
         "compensator.longest_s": inf,
-        "path": "slow_sweep",
+        "path": Kind("slow_sweep", ("sine",)),
         "path.speed_rad_s": 0.1,
         "duration_s": 60.0,
     }
@@ -122,7 +122,6 @@ def test_every_setting_is_listed_with_its_value() -> None:
         ("limit_nm=none", "compensator.limit_nm", None),
         ("longest_s=inf", "compensator.longest_s", inf),
         ("longest_s=3", "compensator.longest_s", 3.0),
-        ("path=slow_sweep", "path", "slow_sweep"),
         ("joints.coulomb_nm=0.4", "joints.coulomb_nm", PerJoint((0.4, 0.4, 0.4))),
         ("joints.coulomb_nm=0.4@1,3", "joints.coulomb_nm", PerJoint((0.4, 0.3, 0.4))),
         ("viscous_nms_per_rad=0@2-3", "joints.viscous_nms_per_rad", PerJoint((0.07, 0.0, 0.0))),
@@ -140,6 +139,8 @@ def test_one_value_changes_and_no_other(entry: str, path: str, value: object) ->
     [
         ("coulomb_nm=1", "stands for 2 settings; expected one of joints.coulomb_nm, compensator.coulomb_nm"),
         ("hand.stifness_nm_per_rad=1", r"no such setting; did you mean hand\.stiffness_nm_per_rad"),
+        ("hand.stifness=1", r"did you mean hand\.stiffness_nm_per_rad\?$"),
+        ("pauze_s=1", r"did you mean hand\.pause_s\?$"),
         ("viscous_nms=1", r"no such setting; did you mean joints\.viscous_nms_per_rad"),
         ("colour=1", "no such setting; --list"),
         ("hidden.coulomb_nm=1", "no such setting"),
@@ -187,6 +188,7 @@ def test_entries_that_contradict_each_other_are_refused() -> None:
 
 
 def test_another_kind_has_settings_of_its_own() -> None:
+    assert assign_text(TREE, "path=slow_sweep") == TREE
     assert assign_text(TREE, "path=sine").path == Sine()
     for entries in (["path=sine", "amplitude_rad=0.7"], ["amplitude_rad=0.7", "path=sine"]):
         assert assign_texts(TREE, entries).path == Sine(0.7)

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from friction_audit.simulate.assign import Setting
     from friction_audit.simulate.effects.effect import Effect
     from friction_audit.simulate.scenario import Scenario
 
@@ -20,9 +21,9 @@ def scenario_lines() -> list[str]:
 
 def setting_lines(scenario: "Scenario") -> list[str]:
     """Return what a scenario is, and a line per setting with its value, as ``--set`` takes them."""
-    from friction_audit.simulate.assign import paths, write_value
+    from friction_audit.simulate.assign import paths
 
-    values = {path: write_value(value) for path, value in paths(scenario.settings).items()}
+    values = {path: _value(value) for path, value in paths(scenario.settings).items()}
     width = max(map(len, values))
     return [f"{scenario.name}: {_about(scenario)}", *(f"  {path:<{width}}  {value}" for path, value in values.items())]
 
@@ -37,6 +38,13 @@ def effect_lines() -> list[str]:
         for family in families
         for line in (family, *_indented(line for e in EFFECTS if e.family == family for line in _effect(e)))
     ]
+
+
+def _value(value: "Setting") -> str:
+    from friction_audit.simulate.assign import Kind, write_value
+
+    others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
+    return write_value(value) + others
 
 
 def _about(scenario: "Scenario") -> str:

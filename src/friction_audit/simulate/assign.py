@@ -3,9 +3,9 @@
 Names, types and limits are those of the dataclasses themselves; nothing is written down a second time.
 """
 
-import difflib
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import Field, fields, is_dataclass, replace
+from difflib import SequenceMatcher
 from functools import partial
 from math import inf
 from typing import Any, NamedTuple, TypeVar, get_type_hints
@@ -23,27 +23,45 @@ APART = ("hidden",)
 """Parts of the settings that have an option of their own."""
 
 
+LIKE = 0.7
+"""Names more alike than this may have been meant for each other."""
+
+TIE = 0.01
+
+
 class PerJoint(NamedTuple):
     """A setting that every joint has for itself: one value per joint."""
 
     values: tuple[Value, ...]
 
 
+class Kind(NamedTuple):
+    """A setting that is of one kind and could be of another: its kind, and the others."""
+
+    name: str
+    others: tuple[str, ...]
+
+
+Setting = Value | PerJoint | Kind
+
+
 class _Leaf(NamedTuple):
     """A setting: where it is, what it is, what text makes of it (ValueError: what was expected)."""
 
     path: tuple[str, ...]
-    value: Value | PerJoint
+    value: Setting
     read: Callable[[str], Change]
 
 
-def paths(settings: object) -> dict[str, Value | PerJoint]:
+def paths(settings: object) -> dict[str, Setting]:
     """Return every setting that can be assigned, by its dotted path, in the order of declaration."""
     return {name: leaf.value for name, leaf in _named(settings).items()}
 
 
-def write_value(value: Value | PerJoint) -> str:
+def write_value(value: Setting) -> str:
     """Return a value as ``assign`` reads it; different ones of the joints side by side, their joints behind ``@``."""
+    if isinstance(value, Kind):
+        return value.name
     if not isinstance(value, PerJoint):
         return write_plain(value)
     joints: dict[str, list[int]] = {}
@@ -138,7 +156,8 @@ def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa:
     """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
     kinds = kinds_of(hint)
     if kinds:
-        yield _Leaf((), name_of(type(value)), partial(_turn_into, kinds))
+        others = tuple(name for name, kind in kinds.items() if can_be_made(kind) and not isinstance(value, kind))
+        yield _Leaf((), Kind(name_of(type(value)), others), partial(_turn_into, kinds))
     if is_dataclass(value):
         yield from _leaves(value)
     elif _one_per_joint(value):
@@ -194,11 +213,17 @@ def _find(name: str, known: tuple[str, ...]) -> str:
 
 
 def _near(name: str, known: tuple[str, ...]) -> list[str]:
-    """Return the paths that a name may have meant: by the whole path, else by its end."""
-    end = name.rpartition(".")[2]
-    ends = difflib.get_close_matches(end, [path.rpartition(".")[2] for path in known], n=2)
-    by_end = [path for path in known if path.rpartition(".")[2] in ends]
-    return difflib.get_close_matches(name, known, n=3, cutoff=0.75) or by_end[:3]
+    """Return the paths that a name may have meant, the likeliest first."""
+    likeness = {path: _likeness(name, path) for path in known}
+    near = sorted((path for path in known if likeness[path] >= LIKE), key=lambda path: -likeness[path])
+    return near[:3]
+
+
+def _likeness(name: str, path: str) -> float:
+    """Return how alike the ends of two paths are, 0 to 1, with or without a unit; a common beginning breaks ties."""
+    (place, _, end), (its_place, _, its_end) = name.rpartition("."), path.rpartition(".")
+    ends = max(SequenceMatcher(None, end, other).ratio() for other in (its_end, its_end[: len(end)]))
+    return ends + TIE * SequenceMatcher(None, place, its_place).ratio() if ends >= LIKE else 0.0
 
 
 def _put(node: Any, path: tuple[str, ...], change: Change, joints: tuple[int, ...] | None) -> Any:  # noqa: ANN401
