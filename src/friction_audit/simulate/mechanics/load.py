@@ -88,6 +88,9 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
         return
     ringing = body.mass[c, c] * body.mass[j, j] / (body.mass[c, c] + body.mass[j, j])
     torque, damping = _transmitted(joint, engaged, ringing)
+    closing = body.v[c] + ahead * body.a[c] - body.v[j] - ahead * body.a[j]
+    if joint.hidden.backlash.gap_rad != 0.0 and (torque + damping * closing) * engaged < 0.0:
+        return  # Flanks that part push no more, and they never pull.
     body.force[c] -= torque
     body.force[j] += torque
     body.damping[c, c] += damping
