@@ -116,6 +116,8 @@ def slide(
         body.v[c], body.mode[c] = 0.0, 0.0
         load_friction(joints[body.joint[c]], states[body.joint[c]], body, body.joint[c], 0.0, t + h, duration)
         left -= time
+    else:
+        accelerate(body, left)
     _drift(states, body, left)
     for j in range(len(joints)):
         _remember(joints[j], states[j], body, j, t + h, 0.5 * h, duration)
