@@ -9,7 +9,7 @@ import numpy as np
 
 from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.simulate import IDEAL_SENSORS, BenchSettings, JointParameters, simulate_bench
+from friction_audit.simulate import IDEAL_SENSORS, BenchSettings, JointParameters, simulate
 
 COULOMB_NM, VISCOUS_NMS_PER_RAD = JointParameters().coulomb_nm, JointParameters().viscous_nms_per_rad
 CLOSE = 0.001
@@ -19,7 +19,7 @@ def regression(duration_s: float, seeds: int) -> str:
     """Say how often the intervals of the torque regression hold the truth."""
     held = []
     for seed in range(seeds):
-        log = simulate_bench(BenchSettings(duration_s=duration_s), seed).log
+        log = simulate(BenchSettings(duration_s=duration_s), seed).log
         found = estimate_log(log, AuditSettings()).friction.joints[0].regression
         if found is not None:
             pairs = ((found.coulomb, COULOMB_NM), (found.viscous, VISCOUS_NMS_PER_RAD))
@@ -33,7 +33,7 @@ def points_of_the_paper(recordings: int) -> str:
     friction = FrictionSettings(estimator="paper", compare=False)
     errors = []
     for seed in range(recordings):
-        log = simulate_bench(BenchSettings(sensors=(IDEAL_SENSORS,)), seed).log
+        log = simulate(BenchSettings(sensors=(IDEAL_SENSORS,)), seed).log
         history = estimate_log(log, AuditSettings(friction=friction)).friction.joints[0].history
         pairs = ((history.coulomb_nm, COULOMB_NM), (history.viscous_nms_per_rad, VISCOUS_NMS_PER_RAD))
         errors.append(np.abs([value / truth - 1 for value, truth in pairs]))

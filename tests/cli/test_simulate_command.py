@@ -152,7 +152,7 @@ def fail(kind: type[BaseException]) -> Any:
 
 
 @pytest.mark.parametrize(
-    "step", ["friction_audit.simulate.simulate.simulate", "friction_audit.report.truth_document.truth_document"]
+    "step", ["friction_audit.simulate.dispatch.simulate", "friction_audit.report.truth_document.truth_document"]
 )
 def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(step, fail(KeyboardInterrupt))

@@ -5,7 +5,7 @@ from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.friction.huber import huber_weights
 from friction_audit.friction.torque_regression import _slope
 from friction_audit.joint_log import Float
-from friction_audit.simulate import BenchSettings, simulate_bench
+from friction_audit.simulate import BenchSettings, simulate
 
 TRUTH = np.array([0.2, 0.05, 0.1])
 ROUNDS_WITH_THE_START = 10
@@ -46,7 +46,7 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say() -> None:
     settings = BenchSettings(duration_s=40.0)
     held = []
     for seed in range(40):
-        found = estimate_log(simulate_bench(settings, seed).log, AuditSettings()).friction.joints[0].regression
+        found = estimate_log(simulate(settings, seed).log, AuditSettings()).friction.joints[0].regression
         assert found is not None
         for value, truth in ((found.coulomb, 0.30), (found.viscous, 0.07)):
             held.append(value.low <= truth <= value.high)

@@ -12,6 +12,7 @@ from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulate import reading
 from friction_audit.simulate.bench import BenchSettings, Progress, make_motion, make_traces, move
 from friction_audit.simulate.clock import count_ticks
+from friction_audit.simulate.effects import EFFECTS
 from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.mechanics.rows import Loop
 from friction_audit.simulate.mechanism import Mechanism, make_loop
@@ -22,6 +23,11 @@ from friction_audit.simulate.simulation import Motion, Simulation, Truth
 from friction_audit.simulate.streams import Streams, make_streams
 
 JOINTS = 7
+
+FELT_AT_REST = ("torque_bias", "torque_drift", "gravity_error", "torque_crosstalk")
+"""Effects that show themselves in a joint that stands still."""
+
+INERTIAL_COUPLING = "inertial_coupling"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -62,6 +68,18 @@ class HandGuidedPanda:
                 f"Panda: joint {self.joint}, {found}: expected a joint from 1 to {JOINTS} and {JOINTS} of each"
             )
         count_ticks(self.duration_s, self.rate_hz)
+        self._refuse_what_cannot_be_felt()
+
+    def _refuse_what_cannot_be_felt(self) -> None:
+        """Refuse effects that do nothing in a joint at rest, lest the truth tells of them."""
+        for number, hidden in enumerate(self.hidden, start=1):
+            found = [effect.name for effect in EFFECTS if effect.is_hidden(getattr(hidden, effect.name))]
+            idle = [name for name in found if number != self.joint and name not in FELT_AT_REST]
+            if idle or INERTIAL_COUPLING in found:
+                raise UsageError(
+                    f"Panda: {', '.join(idle or [INERTIAL_COUPLING])} in joint {number}: does nothing where only joint "
+                    f"{self.joint} moves; put effects behind @{self.joint}, or let all joints move (scenario panda)"
+                )
 
 
 def simulate_hand_guided_panda(

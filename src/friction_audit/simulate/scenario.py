@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from friction_audit.simulate.simulate import AnySettings
+from friction_audit.simulate.dispatch import AnySettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
