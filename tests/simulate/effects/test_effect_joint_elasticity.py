@@ -4,6 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from friction_audit.errors import UsageError
 from friction_audit.simulate.effects.joint_elasticity import (
     EFFECT,
     HARDENING,
@@ -52,3 +53,8 @@ def test_rigid_joint_has_no_spring(form: int) -> None:
     record = pack([JointElasticity(form=form)])[0]
     assert torque_nm(record, 1e-3) == 0.0
     assert damping_nms_per_rad(record, 0.3) == 0.0
+
+
+def test_a_gear_too_stiff_to_be_simulated_is_refused() -> None:
+    with pytest.raises(UsageError, match="compliance_rad_per_nm 1e-09: expected 0, a rigid joint, or at least 1e-05"):
+        JointElasticity(compliance_rad_per_nm=1e-9)

@@ -66,7 +66,7 @@ EFFECT = Effect(
             name="contact_compliance_rad_per_nm",
             usual=1e-4,
             meaning="twist per torque of the flanks in contact [rad/(N m)]",
-            low=1e-6,
+            low=1e-5,
             high=1e-2,
         ),
         Parameter(name="contact_damping_ratio", usual=0.2, meaning="damping ratio of the contact", high=2.0),

@@ -5,9 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from friction_audit.compiled import compiled
+from friction_audit.errors import UsageError
 from friction_audit.simulate.effects.effect import Effect, Parameter
 
 LINEAR, HARDENING = range(2)
+
+LEAST_COMPLIANCE = 1e-5
+"""A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]"""
 
 KNEE_NM = 1.0
 """Torque around which a strain-wave gear turns from soft to stiff. [N m]"""
@@ -24,11 +28,22 @@ class JointElasticity:
         compliance_rad_per_nm: Twist per torque; of the hardening form far from zero torque. [rad/(N m)]
         damping_ratio: Of the ringing.
         form: Index into the forms of the effect.
+
+    Raises:
+        UsageError: If the joint is neither rigid nor soft enough.
     """
 
     compliance_rad_per_nm: float = 0.0
     damping_ratio: float = 0.03
     form: int = LINEAR
+
+    def __post_init__(self) -> None:
+        """Check the compliance."""
+        if 0.0 < self.compliance_rad_per_nm < LEAST_COMPLIANCE:
+            raise UsageError(
+                f"joint_elasticity: compliance_rad_per_nm {self.compliance_rad_per_nm:g}: expected 0, a rigid joint, "
+                f"or at least {LEAST_COMPLIANCE:g}"
+            )
 
 
 @compiled()
