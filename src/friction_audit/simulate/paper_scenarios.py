@@ -4,6 +4,9 @@ The paper's simulations (Figs 3, 6, 7, 9) give friction in Ns/mm and name neithe
 (Figs 8, 10 to 13) were made on a Panda. Here every joint turns, in SI units.
 """
 
+from dataclasses import replace
+from math import inf
+
 from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.simulate.arm import ArmSettings
 from friction_audit.simulate.bench import BenchSettings
@@ -126,6 +129,12 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
         name="fig10",
         summary="one joint of a Panda moved by a person, combined friction compensated from two cycles",
         settings=_experiment(_COMBINED_OF_TWO),
+        figure="10",
+    ),
+    Scenario(
+        name="fig10-unguarded",
+        summary="the same, also from two cycles that are too alike to tell the coefficients apart",
+        settings=_experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
         figure="10",
     ),
     Scenario(
