@@ -25,7 +25,7 @@ from friction_audit.simulate import (
     Hidden,
     JointParameters,
     Operator,
-    simulate_bench,
+    simulate,
 )
 from friction_audit.simulate.effects.gravity_error import GravityError
 from friction_audit.simulate.effects.torque_bias import TorqueBias
@@ -75,7 +75,7 @@ CASES = (
 def estimate(case: Case, seed: int, friction: FrictionSettings | None = None) -> JointFriction:
     """Simulate one recording and estimate it."""
     settings = AuditSettings(cycles=case.cycles, friction=friction or FrictionSettings(compare=False))
-    return estimate_log(simulate_bench(case.settings, seed).log, settings).friction.joints[0]
+    return estimate_log(simulate(case.settings, seed).log, settings).friction.joints[0]
 
 
 def covered(low: object, high: object, truth: float) -> float:

@@ -20,8 +20,7 @@ from friction_audit.simulate import (
     HandGuidedPanda,
     JointParameters,
     Operator,
-    simulate_bench,
-    simulate_hand_guided_panda,
+    simulate,
 )
 from friction_audit.simulate.motion import StopAndGo
 
@@ -67,7 +66,7 @@ def make_samples() -> Iterator[Sample]:
     bench = BenchSettings(joints=(BENCH_JOINT,), sensors=(PANDA_SENSORS[6],), duration_s=30.0, rate_hz=250.0)
     yield Sample(
         name="hand_guided.parquet",
-        log=simulate_hand_guided_panda(guided, seed=1).log,
+        log=simulate(guided, seed=1).log,
         dialect="parquet",
         joint=1,
         friction=PANDA_JOINT_1,
@@ -75,7 +74,7 @@ def make_samples() -> Iterator[Sample]:
     )
     yield Sample(
         name="compensated.parquet",
-        log=simulate_bench(helped, seed=2).log,
+        log=simulate(helped, seed=2).log,
         dialect="parquet",
         joint=1,
         friction=PANDA_JOINT_1,
@@ -83,7 +82,7 @@ def make_samples() -> Iterator[Sample]:
     )
     yield Sample(
         name="bench_rig.csv",
-        log=simulate_bench(bench, seed=3).log,
+        log=simulate(bench, seed=3).log,
         dialect="csv",
         joint=1,
         friction=BENCH_JOINT,
@@ -99,7 +98,7 @@ def make_format_samples() -> Iterator[Sample]:
     settings = HandGuidedPanda(
         joint=7, joints=joints, sensors=sensors, operator=BRISK, duration_s=9.0, rate_hz=1000.0 / 9.0
     )
-    log = simulate_hand_guided_panda(settings, seed=4).log
+    log = simulate(settings, seed=4).log
     for writer in WRITERS:
         yield Sample(
             name=f"formats/{writer.name}{writer.suffix}",

@@ -18,7 +18,7 @@ from friction_audit.simulate import (
     Operator,
     Sensors,
     Simulation,
-    simulate_bench,
+    simulate,
 )
 from friction_audit.simulate.effects.gravity_error import GravityError
 from friction_audit.simulate.effects.torque_bias import TorqueBias
@@ -44,7 +44,7 @@ def work(simulation: Simulation) -> float:
 @pytest.mark.parametrize("settings", [IDEAL, HELPED], ids=["free", "compensated"])
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings, seed: int) -> None:
-    simulation = simulate_bench(settings, seed)
+    simulation = simulate(settings, seed)
     dq, friction = only(simulation.log.dq), settings.joints[0]
     expected = np.trapezoid(friction.coulomb_nm * np.abs(dq) + friction.viscous_nms_per_rad * dq**2, simulation.log.t)
     taken = simulation.truth.motion.dissipated_j[-1, 0]
@@ -53,7 +53,7 @@ def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings, se
 
 
 def test_energy_balance_holds_at_every_sample() -> None:
-    simulation = simulate_bench(IDEAL, 3)
+    simulation = simulate(IDEAL, 3)
     motion, inertia = simulation.truth.motion, IDEAL.joints[0].inertia_kg_m2
     power = only(motion.interaction_nm * motion.dq)
     net = np.concatenate(([0.0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(motion.t))))
@@ -61,7 +61,7 @@ def test_energy_balance_holds_at_every_sample() -> None:
 
 
 def test_every_stroke_of_the_ideal_log_gives_the_coefficients() -> None:
-    log = simulate_bench(IDEAL, 4).log
+    log = simulate(IDEAL, 4).log
     assert log.tau_interaction is not None
     dq, power = only(log.dq), only(log.tau_interaction * log.dq)
     starts = np.flatnonzero(np.diff((dq != 0).astype(int)) == 1)
@@ -75,7 +75,7 @@ def test_every_stroke_of_the_ideal_log_gives_the_coefficients() -> None:
 
 
 def test_equation_of_motion_holds_at_every_tick() -> None:
-    motion = simulate_bench(HELPED, 5).truth.motion
+    motion = simulate(HELPED, 5).truth.motion
     net = motion.interaction_nm + motion.compensation_nm - motion.friction_nm
     assert_allclose(HELPED.joints[0].inertia_kg_m2 * motion.inner_ddq, net, atol=1e-12)
     moving = motion.dq != 0
@@ -84,7 +84,7 @@ def test_equation_of_motion_holds_at_every_tick() -> None:
 
 
 def test_friction_holds_the_joint_still_within_the_coulomb_level() -> None:
-    motion = simulate_bench(IDEAL, 6).truth.motion
+    motion = simulate(IDEAL, 6).truth.motion
     still = only(motion.dq) == 0
     assert 0.05 < still.mean() < 0.5
     assert np.abs(motion.friction_nm[still]).max() <= 0.30 + 1e-12
@@ -92,7 +92,7 @@ def test_friction_holds_the_joint_still_within_the_coulomb_level() -> None:
 
 
 def test_position_is_the_integral_of_velocity() -> None:
-    motion = simulate_bench(IDEAL, 7).truth.motion
+    motion = simulate(IDEAL, 7).truth.motion
     dq = only(motion.dq)
     path = np.concatenate(([0.0], np.cumsum((dq[1:] + dq[:-1]) / 2 * np.diff(motion.t))))
     assert_allclose(only(motion.q), path, atol=1e-5)
@@ -100,13 +100,13 @@ def test_position_is_the_integral_of_velocity() -> None:
 
 def test_frictionless_joint_dissipates_nothing() -> None:
     free = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-    simulation = simulate_bench(replace(IDEAL, joints=(free,)), 8)
+    simulation = simulate(replace(IDEAL, joints=(free,)), 8)
     assert simulation.truth.motion.dissipated_j[-1, 0] == 0.0
     assert_allclose(work(simulation), 0.2 * simulation.log.dq[-1, 0] ** 2 / 2, atol=3e-5)
 
 
 def test_same_seed_same_log_to_the_bit() -> None:
-    one, two, other = (simulate_bench(SHORT, seed).log for seed in (9, 9, 10))
+    one, two, other = (simulate(SHORT, seed).log for seed in (9, 9, 10))
     assert_array_equal(one.t, two.t)
     for name, channel in one.channels().items():
         assert_array_equal(channel, two.channels()[name])
@@ -115,20 +115,20 @@ def test_same_seed_same_log_to_the_bit() -> None:
 
 
 def test_sensors_do_not_change_the_motion() -> None:
-    ideal, noisy = simulate_bench(IDEAL, 11), simulate_bench(SHORT, 11)
+    ideal, noisy = simulate(IDEAL, 11), simulate(SHORT, 11)
     assert_array_equal(ideal.truth.motion.q, noisy.truth.motion.q)
     assert_array_equal(ideal.log.q, ideal.truth.motion.q)
 
 
 def test_source_does_not_tell_the_truth() -> None:
-    source = simulate_bench(SHORT, 12, path="bench.csv").log.source
+    source = simulate(SHORT, 12, path="bench.csv").log.source
     assert (source.path, source.format, source.robot) == ("bench.csv", "simulation", "unknown")
     assert not source.findings
     assert "0.3" not in repr(replace(source, sha256=""))
 
 
 def test_panda_sensors_have_the_measured_statistics() -> None:
-    simulation = simulate_bench(BenchSettings(duration_s=60.0), 13)
+    simulation = simulate(BenchSettings(duration_s=60.0), 13)
     log, motion = simulation.log, simulation.truth.motion
     spacing = np.diff(log.t)
     assert_allclose(spacing.mean(), 1.02e-3, rtol=0.01)
@@ -147,7 +147,7 @@ def test_panda_sensors_have_the_measured_statistics() -> None:
 
 def test_torque_noise_is_correlated() -> None:
     sensors = Sensors(torque_noise_nm=0.05, torque_correlation_s=0.01)
-    simulation = simulate_bench(replace(SHORT, sensors=(sensors,)), 14)
+    simulation = simulate(replace(SHORT, sensors=(sensors,)), 14)
     assert simulation.log.tau_interaction is not None
     noise = only(simulation.log.tau_interaction - simulation.truth.motion.interaction_nm)
     assert_allclose(np.corrcoef(noise[10:], noise[:-10])[0, 1], np.exp(-1), atol=0.08)
@@ -155,8 +155,8 @@ def test_torque_noise_is_correlated() -> None:
 
 def test_log_at_a_lower_rate_is_the_same_recording_thinned() -> None:
     sensors = (Sensors(torque_noise_nm=0.05, torque_correlation_s=0.01, velocity_noise_rad_s=0.003),)
-    full = simulate_bench(replace(SHORT, sensors=sensors), 15).log
-    thin = simulate_bench(replace(SHORT, sensors=sensors, rate_hz=250.0), 15).log
+    full = simulate(replace(SHORT, sensors=sensors), 15).log
+    thin = simulate(replace(SHORT, sensors=sensors, rate_hz=250.0), 15).log
     assert_allclose(thin.t, full.t[::4], atol=1e-12)
     for name, channel in thin.channels().items():
         assert_array_equal(channel, full.channels()[name][::4])
@@ -164,15 +164,15 @@ def test_log_at_a_lower_rate_is_the_same_recording_thinned() -> None:
 
 def test_hidden_errors_are_added_to_the_measured_torque() -> None:
     wrong = Hidden(torque_bias=TorqueBias(torque_nm=0.1), gravity_error=GravityError(torque_nm=0.2))
-    hidden = simulate_bench(replace(IDEAL, hidden=(wrong,)), 15).log
-    clean = simulate_bench(IDEAL, 15).log
+    hidden = simulate(replace(IDEAL, hidden=(wrong,)), 15).log
+    clean = simulate(IDEAL, 15).log
     assert hidden.tau_interaction is not None
     assert clean.tau_interaction is not None
     assert_allclose(hidden.tau_interaction - clean.tau_interaction, 0.1 + 0.2 * np.sin(clean.q), atol=1e-12)
 
 
 def test_fixed_compensator_is_silent_in_its_dead_band_and_eases_the_hand() -> None:
-    helped, alone = simulate_bench(HELPED, 16), simulate_bench(IDEAL, 16)
+    helped, alone = simulate(HELPED, 16), simulate(IDEAL, 16)
     log = helped.log
     assert log.tau_compensation is not None
     # It was set at the tick before, from what was read there, and has been in force since.
@@ -185,21 +185,21 @@ def test_fixed_compensator_is_silent_in_its_dead_band_and_eases_the_hand() -> No
 
 
 def test_learning_compensator_logs_its_passivity_controller_and_tells_what_it_knew() -> None:
-    simulation = simulate_bench(replace(IDEAL, compensator=EnergyCompensator()), 16)
+    simulation = simulate(replace(IDEAL, compensator=EnergyCompensator()), 16)
     log, known = simulation.log, simulation.truth.compensators
     assert log.tau_compensation is not None
     assert log.tau_passivity is not None
     assert np.abs(log.tau_compensation).max() > 0.2
     assert {trace.shape for trace in known.values()} == {log.dq.shape}
-    assert not simulate_bench(HELPED, 16).truth.compensators
+    assert not simulate(HELPED, 16).truth.compensators
 
 
 @pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
 def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven: bool) -> None:
     loaded = replace(IDEAL, driven=driven, gravity_nm=5.0, gravity_phase_rad=0.3, logs_sensor=True)
-    simulation = simulate_bench(loaded, 17)
+    simulation = simulate(loaded, 17)
     log, motion = simulation.log, simulation.truth.motion
-    alone = simulate_bench(replace(loaded, gravity_nm=0.0), 17).truth.motion
+    alone = simulate(replace(loaded, gravity_nm=0.0), 17).truth.motion
     assert log.tau_J is not None
     assert log.gravity is not None
     assert_allclose(motion.dq, alone.dq, atol=1e-9)
@@ -209,14 +209,14 @@ def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven:
 
 def test_progress_rises_to_the_end() -> None:
     told: list[float] = []
-    simulate_bench(replace(IDEAL, duration_s=45.0), 18, progress=told.append)
+    simulate(replace(IDEAL, duration_s=45.0), 18, progress=told.append)
     assert len(told) > 1
     assert told == sorted(told)
     assert told[-1] == 1.0
 
 
 def test_time_too_short_for_a_stroke_is_a_log_at_rest() -> None:
-    log = simulate_bench(BenchSettings(duration_s=1.0, sensors=(IDEAL_SENSORS,)), 17).log
+    log = simulate(BenchSettings(duration_s=1.0, sensors=(IDEAL_SENSORS,)), 17).log
     assert len(log.t) == 1001
     assert_array_equal(log.dq, 0.0)
 
@@ -244,7 +244,7 @@ def test_settings_out_of_range_are_refused(make: Callable[[], object], words: st
 
 def test_any_motion_can_be_intended() -> None:
     swing = replace(IDEAL, operator=Operator(motion=Sinusoid()))
-    assert np.ptp(simulate_bench(swing, 19).log.q) > 0.2
+    assert np.ptp(simulate(swing, 19).log.q) > 0.2
 
 
 def test_distal_joints_are_quieter() -> None:
