@@ -24,7 +24,7 @@ from friction_audit.simulate.settings import IDEAL_SENSORS
 from tests.cli.conftest import Run
 
 ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
-SEVEN = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 7).name
+SEVEN = next(scenario for scenario in SCENARIOS if len(scenario.settings.moving) == 7).name
 SHORT = ("--duration", "0.6", "-q")
 EACH_SCENARIO = pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)
 EACH_WRITER = pytest.mark.parametrize("writer", WRITERS, ids=lambda writer: writer.name)

@@ -10,7 +10,8 @@ from friction_audit.simulate.hide import HiddenEffect, hidden_effects, hide, set
 from friction_audit.simulate.scenarios import SCENARIOS
 
 ONE = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.hidden) == 1)
-SEVEN = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.hidden) == 7)
+SEVEN = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.moving) == 7)
+ONE_OF_SEVEN = next(scenario.settings for scenario in SCENARIOS if scenario.name == "panda-joint")
 EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
 
 
@@ -41,6 +42,16 @@ def test_several_effects_and_one_effect_in_several_ways() -> None:
     hidden = hide(SEVEN, ["stribeck:excess_nm=0.2@2", "time_delay", "stribeck@3"]).hidden
     assert [groups.stribeck.excess_nm for groups in hidden[:3]] == [SEVEN.hidden[0].stribeck.excess_nm, 0.2, 0.15]
     assert all(groups.time_delay.delay_s > 0 for groups in hidden)
+
+
+def test_without_joints_an_effect_goes_where_there_is_motion() -> None:
+    assert [one.joint for one in hidden_effects(hide(ONE_OF_SEVEN, ["stribeck"]))] == [1]
+
+
+@pytest.mark.parametrize("entry", ["stribeck@2", "inertial_coupling"])
+def test_what_a_joint_at_rest_cannot_show_is_refused(entry: str) -> None:
+    with pytest.raises(UsageError, match="does nothing where only joint 1 moves"):
+        hide(ONE_OF_SEVEN, [entry])
 
 
 def test_nothing_else_changes() -> None:

@@ -65,7 +65,7 @@ class SimulationOptions:
         typer.Option(
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
-            help="Hide an effect, in all joints or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
+            help="Hide an effect, in all joints that move or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
             rich_help_panel=SIMULATION,
         ),
     ] = None

@@ -100,6 +100,11 @@ class ArmSettings:
         if self.driven and self.compensator is not None:
             raise UsageError("arm: a friction compensator takes a hand that guides the arm; expected driven=false")
 
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
+
 
 def simulate_arm(
     settings: ArmSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None

@@ -73,6 +73,11 @@ class BenchSettings:
                 "simulation: a friction compensator takes a hand that moves the joint; expected driven=false"
             )
 
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return (1,)
+
 
 def simulate_bench(
     settings: BenchSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None

@@ -37,7 +37,8 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
 
     Args:
         settings: Of a scenario; ``hidden`` holds one record per joint, with one group per effect.
-        entries: ``"stribeck"``, ``"stribeck:excess_nm=0.2,form=lorentzian"``, ``"stribeck@2,5"``; all joints without @.
+        entries: ``"stribeck"``, ``"stribeck:excess_nm=0.2,form=lorentzian"``, ``"stribeck@2,5"``; without @ all
+            joints that move.
 
     Raises:
         UsageError: If an effect, a parameter or a joint is not there, or an effect comes twice in one joint.
@@ -48,7 +49,7 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         effect, given, joints = _parse(entry, where)
         if effect.needs_neighbours and len(hidden) == 1:
             raise UsageError(f"{where}: takes an arm of several joints; {_scenarios_with_neighbours()}")
-        meant = tuple(range(1, len(hidden) + 1)) if joints is None else joints
+        meant = settings.moving if joints is None else joints
         require_joints(meant, len(hidden), where)
         again = [joint for joint in meant if (effect.name, joint) in taken]
         if again:

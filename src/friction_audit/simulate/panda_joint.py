@@ -81,6 +81,11 @@ class HandGuidedPanda:
                     f"{self.joint} moves; put effects behind @{self.joint}, or let all joints move (scenario panda)"
                 )
 
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return (self.joint,)
+
 
 def simulate_hand_guided_panda(
     settings: HandGuidedPanda, seed: int, *, path: str = "simulation", progress: Progress | None = None
