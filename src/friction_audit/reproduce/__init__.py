@@ -8,6 +8,7 @@ from friction_audit.reproduce.fig8 import FIGURE_8
 from friction_audit.reproduce.fig9 import FIGURE_9
 from friction_audit.reproduce.fig10 import FIGURE_10
 from friction_audit.reproduce.fig11 import FIGURE_11
+from friction_audit.reproduce.fig12 import FIGURE_12
 from friction_audit.reproduce.reproduction import Reproduction, Simulations
 from friction_audit.reproduce.run import simulate_figures
 
@@ -19,6 +20,7 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     FIGURE_9,
     FIGURE_10,
     FIGURE_11,
+    FIGURE_12,
 )
 """The figures, in the paper's order."""
 

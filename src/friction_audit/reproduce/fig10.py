@@ -9,7 +9,7 @@ from friction_audit.report.paper_figures.course import Course
 from friction_audit.reproduce.claim import Claim
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.many import each, share, spread
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
+from friction_audit.reproduce.reproduction import MANY, Reproduction, Simulations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -77,7 +77,7 @@ FIGURE_10 = Reproduction(
     figure="10",
     title="One joint moved by a person, combined friction compensated from two cycles",
     scenarios=("fig10", "fig10-unguarded"),
-    repeated=True,
+    most_seeds=MANY,
     check=check,
     draw=draw,
 )

@@ -78,7 +78,7 @@ FIGURE_6 = Reproduction(
     figure="6",
     title="Viscous friction that doubles at 6 s, compensated by its estimate",
     scenarios=("fig6",),
-    repeated=False,
+    most_seeds=1,
     check=check,
     draw=draw,
 )

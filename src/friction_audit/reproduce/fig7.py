@@ -50,8 +50,8 @@ def _stays_above(guarded: Simulation) -> tuple[Claim, ...]:
             ours=f"lowest {lowest:.1e} J (tolerance {-tolerance:.1e} J)",
             value=lowest,
             holds=lowest >= -tolerance,
-            note="a deficit is seen a tick late and paid within the next: the tolerance is the largest power of a tick, "
-            "over the share of the inertia that is the hand's, on which the controller can draw",
+            note="a deficit is seen a tick late and paid within the next: the tolerance is the largest power of a "
+            "tick, over the share of the inertia that is the hand's, on which the controller can draw",
         ),
         Claim(
             figure="7b",
@@ -60,8 +60,8 @@ def _stays_above(guarded: Simulation) -> tuple[Claim, ...]:
             ours=f"acts in cycle {', '.join(map(str, cycles))}",
             value=float(cycles[0]) if len(cycles) else np.nan,
             holds=list(cycles) == [FOURTH],
-            note="cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther when "
-            "it is aided, uses the reserve up just before cycle 3 ends",
+            note="cycles 2 and 3 inject what cycle 1 dissipated, all but exactly: a softer hand, which moves farther "
+            "when it is aided, uses the reserve up just before cycle 3 ends",
         ),
     )
 
@@ -89,7 +89,7 @@ def _returns(guarded: Simulation) -> tuple[Claim, ...]:
             ours=f"up to {highest:.1f} N m s/rad, dissipates {taken:.2f} of what cycle 1 dissipated",
             value=highest,
             holds=0.0 < highest <= cap and taken > 0.0,
-            note=f"(22) divides by the squared velocity: no damping below 0.01 rad/s, and never above {cap:g} N m s/rad",
+            note=f"(22) divides by the squared velocity: none below 0.01 rad/s, and never above {cap:g} N m s/rad",
         ),
         Claim(
             figure="7c",
@@ -114,7 +114,7 @@ FIGURE_7 = Reproduction(
     figure="7",
     title="Viscous friction compensated by half as much again, without and with the passivity controller",
     scenarios=("fig7-unprotected", "fig7"),
-    repeated=False,
+    most_seeds=1,
     check=check,
     draw=draw,
 )

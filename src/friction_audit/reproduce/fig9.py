@@ -76,7 +76,8 @@ def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
             figure="9",
             claim="perfectly compensated, no plateau is left",
             paper="solid line, no number",
-            ours=f"{relative(left)} of it (bound {relative(PLATEAU_BOUND)}); a period costs {relative(abs(cost))} of the energy",
+            ours=f"{relative(left)} of it (bound {relative(PLATEAU_BOUND)}); "
+            f"a period costs {relative(abs(cost))} of the energy",
             value=left,
             holds=left < PLATEAU_BOUND,
         ),
@@ -87,14 +88,17 @@ def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
             ours=f"within {relative(roundness)} of one with these half axes (bound {relative(ELLIPSE_BOUND)})",
             value=roundness,
             holds=roundness < ELLIPSE_BOUND,
+            note="while the joint moves; at each turn it rests for a tick, in which the sign of its velocity is zero "
+            "and the compensator silent",
         ),
     )
 
 
 def _off_ellipse(course: Course) -> float:
-    """Return the largest distance from the ellipse with the same half axes, over these: 0 is an ellipse."""
-    dq = course.dq / np.abs(course.dq).max()
-    torque = course.interaction_nm / np.abs(course.interaction_nm).max()
+    """Return the largest distance of the moving joint from the ellipse with the same half axes, over these."""
+    moving = course.dq != 0.0
+    dq, torque = course.dq[moving], course.interaction_nm[moving]
+    dq, torque = dq / np.abs(dq).max(), torque / np.abs(torque).max()
     return float(np.abs(np.hypot(dq, torque) - 1.0).max())
 
 
@@ -110,7 +114,7 @@ FIGURE_9 = Reproduction(
     figure="9",
     title="Interaction torque over velocity: combined friction, and the same perfectly compensated",
     scenarios=("fig9-friction", "fig9-compensated"),
-    repeated=False,
+    most_seeds=1,
     check=check,
     draw=draw,
 )

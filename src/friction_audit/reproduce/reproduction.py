@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 Simulations = Mapping[str, tuple[Simulation, ...]]
 """By name of the scenario, one simulation per seed."""
 
+MANY = 1000
+"""As many seeds as are asked for."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Reproduction:
@@ -22,7 +25,7 @@ class Reproduction:
         figure: Its number.
         title: What it shows.
         scenarios: Names of the scenarios that it needs.
-        repeated: True: a person moves the joint, and the claims are about many such persons; False: nothing is random.
+        most_seeds: Most seeds that make sense: 1 where nothing is drawn at random, few where a simulation takes long.
         check: Simulations -> claims.
         draw: Simulations -> figure, of the first seed.
     """
@@ -30,6 +33,6 @@ class Reproduction:
     figure: str
     title: str
     scenarios: tuple[str, ...]
-    repeated: bool
+    most_seeds: int
     check: Callable[[Simulations], tuple[Claim, ...]]
     draw: "Callable[[Simulations], Figure]"

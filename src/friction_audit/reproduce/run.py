@@ -3,7 +3,8 @@
 from collections.abc import Callable, Sequence
 
 from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.simulate import SCENARIOS, Scenario, Simulation, simulate
+from friction_audit.simulate import Scenario, Simulation, simulate
+from friction_audit.simulate.paper_scenarios import PAPER_SCENARIOS
 
 Progress = Callable[[float], None]
 """Told the share that is done, 0 to 1."""
@@ -32,5 +33,5 @@ def simulate_figures(
 
 def _count(reproductions: Sequence[Reproduction], seeds: int) -> list[tuple[Scenario, int]]:
     """Return the scenarios that are needed, each with its number of seeds."""
-    repeated = {name: each.repeated for each in reproductions for name in each.scenarios}
-    return [(scenario, seeds if repeated[scenario.name] else 1) for scenario in SCENARIOS if scenario.name in repeated]
+    most = {name: min(seeds, each.most_seeds) for each in reproductions for name in each.scenarios}
+    return [(scenario, most[scenario.name]) for scenario in PAPER_SCENARIOS if scenario.name in most]

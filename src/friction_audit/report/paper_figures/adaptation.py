@@ -19,7 +19,7 @@ def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
         figure = new_figure(COLUMN_IN, 3.0)
         above, below = figure.subplots(2, 1, sharex=True)
         handles = draw_energy(above, course, "(a)")
-        label = "Viscous [N m s/rad]"
+        label = "Viscous\n[N m s/rad]"
         true = below.plot(
             *thin_extremes(course.t, viscous_nms_per_rad, DRAWN), color=FITTED, ls=(0, (4, 1.5)), label="true friction"
         )

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
-from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, FILTERED, figure_style
+from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, FILTERED, FITTED, figure_style
 from friction_audit.report.paper_figures.course import Course
 from friction_audit.report.paper_figures.panels import (
     draw_energy,
@@ -38,6 +38,8 @@ def draw_compensated(course: Course) -> "Figure":
         figure = new_figure(COLUMN_IN, 5.2)
         panels = figure.subplots(5, 1)
         handles = _draw_signals(panels[0], panels[1], course) + draw_energy(panels[2], course, "(b)")
+        second = float(course.ends_j[1])
+        handles.append(panels[2].axhline(second, color=FITTED, lw=0.7, ls=(0, (4, 1.5)), label="$E^2_{cyclic}$"))
         draw_steps(panels[3], course, ("viscous_nms_per_rad", "Viscous\n[N m s/rad]", FILTERED), "(c)")
         draw_steps(panels[4], course, ("coulomb_nm", "Coulomb\n[N m]", DISSIPATED), "")
         _share_time(panels)

@@ -18,7 +18,7 @@ def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         handles = draw_energy(top, bare, "(a) without passivity controller")
         draw_energy(middle, guarded, "(b) with it")
-        damping = ("damping_nms_per_rad", "Damping [N m s/rad]", FITTED)
+        damping = ("damping_nms_per_rad", "Damping\n[N m s/rad]", FITTED)
         draw_steps(bottom, guarded, damping, "(c) adaptive damping")
         bottom.set_xlabel("Time [s]")
         add_legend(figure, handles)

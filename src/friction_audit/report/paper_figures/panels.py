@@ -57,9 +57,8 @@ def draw_raw_and_filtered(axes: "Axes", course: Course, name: str) -> "list[Arti
 
 def draw_loop(axes: "Axes", course: Course, title: str) -> "list[Artist]":
     """Draw interaction torque against velocity, as measured and filtered; return the legend's entries."""
-    raw = axes.plot(
-        course.dq, course.interaction_nm, ".", ms=1.0, mew=0, color=RAW, label="raw", rasterized=True, zorder=1
-    )
+    axes.plot(course.dq, course.interaction_nm, ".", ms=1.0, mew=0, color=RAW, rasterized=True, zorder=1)
+    raw = axes.plot([], [], ".", color=RAW, label="raw")
     thin = every_nth(len(course.t), DRAWN)
     dq, torque = (smooth(course.t, signal)[thin] for signal in (course.dq, course.interaction_nm))
     curve = axes.plot(dq, torque, color=FILTERED, lw=0.6, label="filtered (10 Hz)", zorder=2)

@@ -1,0 +1,100 @@
+"""Fig. 12: seven joints, cycles from the speed of the hand, all coefficients updated at once."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.reproduce.claim import Claim
+from friction_audit.reproduce.course import make_course
+from friction_audit.reproduce.many import share, spread
+from friction_audit.reproduce.reproduction import Reproduction, Simulations
+from friction_audit.simulate import Simulation
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+SECOND = 1
+"""Row of the second cycle."""
+SLOPE_BOUND = 0.1
+"""Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising."""
+
+
+def check(simulations: Simulations) -> tuple[Claim, ...]:
+    """Check that the cycles of all joints end at once, and what the energies do after the second."""
+    arms = simulations["fig12"]
+    alone = np.array([ends_alone(arm) for arm in arms])
+    slopes = np.array([slope_ratios(cyclic_energies(arm)) for arm in arms])
+    sums = np.array(
+        [slope_ratios((t, energies.sum(axis=1, keepdims=True)))[0] for t, energies in map(cyclic_energies, arms)]
+    )
+    joint = int(np.argmax(slopes.max(axis=0)))
+    stopped = slopes < SLOPE_BOUND
+    return (
+        Claim(
+            figure="12",
+            claim="the coefficients of all joints are updated at the same instants",
+            paper="synchronously",
+            ours=f"{int(alone.sum())} cycles end in some joints only",
+            value=float(alone.sum()),
+            holds=not alone.any(),
+        ),
+        Claim(
+            figure="12b",
+            claim="after two cycles the net energy of the arm stops rising",
+            paper="cyclic energies stop increasing",
+            ours=f"slope over that of the first two cycles, all joints together: {spread(sums, '')}; "
+            f"below {SLOPE_BOUND:g} in {share(sums < SLOPE_BOUND)}",
+            value=float(sums.max()),
+            holds=bool((sums < SLOPE_BOUND).all()),
+        ),
+        Claim(
+            figure="12b",
+            claim="and so does that of every single joint",
+            paper="cyclic energies of the joints stop increasing",
+            ours=f"{int(stopped.sum())} of {stopped.size} joints; worst {slopes.max():.2f}, joint {joint + 1}",
+            value=float(slopes.max()),
+            holds=bool(stopped.all()),
+            note="joints exchange energy through the masses that they carry: one joint's energy is not its friction "
+            "alone, and what two cycles say of it scatters",
+        ),
+    )
+
+
+def ends_alone(simulation: Simulation) -> int:
+    """Return the number of instants at which some joints ended a cycle and others did not."""
+    ended = np.diff(simulation.truth.compensators["cycle"], axis=0) != 0
+    return int((ended.any(axis=1) & ~ended.all(axis=1)).sum())
+
+
+def cyclic_energies(simulation: Simulation) -> tuple[Float, Float]:
+    """Return when cycles end, shape (m,) [s], and the net energies of the joints then, shape (m, j) [J]."""
+    traces = simulation.truth.compensators
+    ends = np.flatnonzero(np.diff(traces["cycle"][:, 0])) + 1
+    return simulation.truth.motion.t[ends], traces["energy_j"][ends]
+
+
+def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
+    """Return the slope of the cyclic energies from the second on, over that up to it, shape (j,)."""
+    t, energies = cyclic
+    before = energies[SECOND] / t[SECOND]
+    after = np.polyfit(t[SECOND:], energies[SECOND:], 1)[0]
+    return np.asarray(after / before)
+
+
+def draw(simulations: Simulations) -> "Figure":
+    """Draw signals, energies and coefficients, a row for every joint."""
+    from friction_audit.report.paper_figures.whole_arm import draw_whole_arm
+
+    arm = simulations["fig12"][0]
+    return draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])
+
+
+FIGURE_12 = Reproduction(
+    figure="12",
+    title="A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
+    scenarios=("fig12",),
+    most_seeds=5,
+    check=check,
+    draw=draw,
+)
