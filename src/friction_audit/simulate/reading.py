@@ -8,7 +8,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.replay.compensator import EnergyCompensator
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, sampled_ticks
 from friction_audit.simulate.effects import gravity_error, time_delay, torque_crosstalk, torque_ripple, warm_up
-from friction_audit.simulate.effects.time_delay import TORQUE_LATE
+from friction_audit.simulate.effects.time_delay import TORQUE_LATE, VELOCITY_LATE
 from friction_audit.simulate.mechanics.rows import Loop
 from friction_audit.simulate.mechanism import Settings
 from friction_audit.simulate.sensors import low_pass, quantise, record
@@ -28,19 +28,26 @@ TEMPERATURE_STEP_C = 0.1
 """Resolution of ``temperature`` as logged."""
 
 
-def sense(settings: Settings, motion: Motion, loop: Loop) -> dict[str, Float]:
+def sense(settings: Settings, motion: Motion, loop: Loop, error: Float) -> dict[str, Float]:
     """Return position, velocity and the interaction torque less its support, as read at every tick, shape (n + 1, j).
 
     The compensator in the loop saw the same numbers, where no effect of the reading itself is hidden.
+
+    Args:
+        settings: Sensors and what is hidden.
+        motion: The truth.
+        loop: The noise.
+        error: What else is in the torque before it is rounded, shape (n + 1, j). [N m]
     """
     port = _late(settings, motion.port_nm, TORQUE_LATE)
     port = torque_crosstalk.mixed([inside.torque_crosstalk for inside in settings.hidden], port)
     ripple = _per_joint(settings, lambda j: torque_ripple.reading_nm(settings.hidden[j].torque_ripple, motion.q[:, j]))
-    torque = port + ripple + loop.torque_noise
-    velocity = _late(settings, motion.dq, 1 - TORQUE_LATE) + loop.velocity_noise
+    torque = port + ripple + loop.torque_noise + error
+    place = _late(settings, motion.q, VELOCITY_LATE)
+    velocity = _late(settings, motion.dq, VELOCITY_LATE) + loop.velocity_noise
     sensors = settings.sensors
     return {
-        "q": _per_joint(settings, lambda j: quantise(motion.q[:, j], sensors[j].position_step_rad)),
+        "q": _per_joint(settings, lambda j: quantise(place[:, j], sensors[j].position_step_rad)),
         "dq": _per_joint(settings, lambda j: quantise(velocity[:, j], sensors[j].velocity_step_rad_s)),
         "port": _per_joint(settings, lambda j: quantise(torque[:, j], sensors[j].torque_step_nm)),
     }
@@ -68,9 +75,8 @@ def wrong_gravity(settings: Settings, gravity: Float, q: Float) -> Float:
 
 def bench_channels(settings: Settings, motion: Motion, loop: Loop) -> dict[str, Float]:
     """Return the channels of a rig that logs the interaction torque itself."""
-    read = sense(settings, motion, loop)
-    error = wrong_gravity(settings, np.zeros_like(motion.q), motion.q)
-    channels = {"q": read["q"], "dq": read["dq"], "tau_interaction": read["port"] + error}
+    read = sense(settings, motion, loop, wrong_gravity(settings, np.zeros_like(motion.q), motion.q))
+    channels = {"q": read["q"], "dq": read["dq"], "tau_interaction": read["port"]}
     return channels | _compensator_channels(settings, motion)
 
 
@@ -84,7 +90,7 @@ def arm_channels(settings: Settings, motion: Motion, loop: Loop, gravity: Float,
         gravity: Gravity torque at every tick, shape (n + 1, j). [N m]
         driven: True if the robot moves by itself: friction is then on the link's side of the sensor.
     """
-    read = sense(settings, motion, loop)
+    read = sense(settings, motion, loop, np.zeros_like(motion.q))
     tau_J = read["port"] if driven else -read["port"]
     logged = wrong_gravity(settings, gravity, motion.q)
     external = _per_joint(settings, lambda j: low_pass((tau_J - logged)[:, j], EXTERNAL_CUTOFF_HZ, CONTROL_RATE_HZ))
