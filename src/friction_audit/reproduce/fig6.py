@@ -38,7 +38,7 @@ def check(simulations: Simulations) -> tuple[Claim, ...]:
             figure="6",
             claim="no net dissipation in cycles 2 and 3",
             paper="does not occur",
-            ours=f"energy within {relative(idle)} of that of cycle 1 (bound {relative(BOUND)})",
+            ours=f"its energy differs by {relative(idle)} from that of cycle 1 (bound {relative(BOUND)})",
             value=idle,
             holds=idle < BOUND,
         ),

