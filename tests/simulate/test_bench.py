@@ -49,7 +49,7 @@ def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings, se
     expected = np.trapezoid(friction.coulomb_nm * np.abs(dq) + friction.viscous_nms_per_rad * dq**2, simulation.log.t)
     taken = simulation.truth.motion.dissipated_j[-1, 0]
     assert_allclose(taken, expected, rtol=2e-6)
-    assert_allclose(work(simulation), taken, rtol=2e-5)
+    assert_allclose(work(simulation), taken, rtol=1e-6)
 
 
 def test_energy_balance_holds_at_every_sample() -> None:

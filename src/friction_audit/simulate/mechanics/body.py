@@ -45,6 +45,7 @@ BODY = np.dtype(
         ("drive_damping", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m s/rad]
         ("push", "f8", (MOST,)),  # torque of the drive with all coordinates at zero, (n,) [N m]
         ("push_rate", "f8", (MOST,)),  # its rate of change, (n,) [N m/s]
+        ("push_bend", "f8", (MOST,)),  # the rate of change of that, (n,) [N m/s^2]
         ("support", "f8", (MOST,)),  # on the inner sides, held from tick to tick, as gravity compensation, (n,) [N m]
         ("behind", "f8", (MOST,)),  # all torques behind the sensors but friction and inertia, (n,) [N m]
         ("viscous", "f8", (MOST,)),  # viscous coefficients of the step, (n,) [N m s/rad]

@@ -20,7 +20,7 @@ def load_drive(body: Record, since: float, ahead: float) -> None:
         for k in range(body.count):
             body.damping[i, k] = 0.0
     for i in range(n):
-        torque = body.push[i] + since * body.push_rate[i]
+        torque = body.push[i] + since * (body.push_rate[i] + 0.5 * since * body.push_bend[i])
         for k in range(n):
             torque -= body.stiffness[i, k] * (body.y[k] + ahead * body.v[k])
             body.damping[i, k] = body.drive_damping[i, k]

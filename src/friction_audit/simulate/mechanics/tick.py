@@ -119,8 +119,10 @@ def run_bench(
         weight = gravity[0] * np.sin(place + gravity[1])
         body.support[0] = -weight if driven else weight
         body.push[0] = push[k] - body.support[0]
+        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
+        body.push_rate[0] = 0.5 * (before + after) / clock.dt
+        body.push_bend[0] = (after - before) / clock.dt**2
         if k > 0:
-            body.push_rate[0] = (push[k] - push[k - 1]) / clock.dt
             advance(joints, states, events, body, clock, t - half, -half)
         evaluate(joints, states, events, body, clock, t)
         keep(states, body, out[k])
@@ -128,5 +130,4 @@ def run_bench(
         if traced.shape[2] > 0:
             trace(loop.memory[0], traced[k, 0])
         if k + 1 < len(push):
-            body.push_rate[0] = (push[k + 1] - push[k]) / clock.dt
             advance(joints, states, events, body, clock, t, 0.0)
