@@ -13,11 +13,26 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.compensators import (
+    disturbance_observer,
+    energy,
+    fixed,
+    lugre,
+    sigmoid,
+    torque_regulation,
+)
+from friction_audit.replay.compensators.kind import (
+    DISTURBANCE_OBSERVER,
+    ENERGY,
+    FIXED,
+    LUGRE,
+    SIGMOID,
+    TORQUE_REGULATION,
+)
+from friction_audit.replay.divergence import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, beyond
 from friction_audit.replay.records import (
     COULOMB,
-    ENERGY,
     ESTIMATED,
-    FIXED,
     GAP,
     NET,
     NOT_MOVED,
@@ -46,10 +61,14 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
         cut: FIND, or 1 if a cycle ends at this tick and 0 if not, as told from outside.
 
     Returns:
-        Torque u of compensation and passivity controller, for the coming tick. [N m]
+        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged
+        (``divergence``), 0 for good.
     """
+    if memory.unstable == 1 or beyond(dq, SPEED_BOUND_RAD_S) or beyond(interaction_nm, TORQUE_BOUND_NM):
+        return float(give_up(memory))
     if memory.ticks > 0:
         add_up(settings, memory, dq, interaction_nm, dt)
+    advance(settings, memory, dq, interaction_nm, dt)
     memory.ticks += 1
     memory.dq = dq
     memory.interaction_nm = interaction_nm
@@ -58,7 +77,32 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
         close_cycle(settings, memory)
     choose(settings, memory)
     observe(settings, memory)
-    return float(command(settings, memory, dq))
+    u = command(settings, memory, dq)
+    if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
+        memory.ticks -= 1
+        return float(give_up(memory))
+    return float(u)
+
+
+@compiled()
+def give_up(memory: Record) -> float:
+    """Remember at which tick the loop diverged; from then on, no torque."""
+    if memory.unstable == 0:
+        memory.unstable, memory.unstable_tick = 1, memory.ticks
+    memory.ticks += 1
+    memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.damping_nms_per_rad = 0.0
+    return 0.0
+
+
+@compiled()
+def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
+    """Advance what the law remembers over the interval since the previous tick."""
+    if settings.kind == LUGRE and memory.ticks > 0:
+        lugre.advance(settings.lugre, memory, dq, dt)
+    elif settings.kind == DISTURBANCE_OBSERVER and memory.ticks > 0:
+        disturbance_observer.advance(settings.disturbance_observer, memory, dq, interaction_nm, dt)
+    elif settings.kind == TORQUE_REGULATION:
+        torque_regulation.advance(settings.torque_regulation, memory, interaction_nm, dt)
 
 
 @compiled()
@@ -172,7 +216,7 @@ def choose(settings: Record, memory: Record) -> None:
             coulomb = settings.factor * applicable(memory.estimated_coulomb_nm)
             viscous = settings.factor * applicable(memory.estimated_viscous_nms_per_rad)
     memory.coulomb_nm, memory.viscous_nms_per_rad = coulomb, viscous
-    if coulomb != 0.0 or viscous != 0.0:
+    if coulomb != 0.0 or viscous != 0.0 or settings.kind > ENERGY:
         memory.active = 1
 
 
@@ -183,23 +227,21 @@ def applicable(coefficient: float) -> float:
 
 
 @compiled()
-def compensation(settings: Record, memory: Record, dq: float) -> float:
-    """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
+def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
+    """Return the torque that the law of the compensator asks for. [N m]"""
     if settings.kind == FIXED:
-        share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
-        return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
+        return float(fixed.torque_nm(settings, memory, dq))
     if settings.kind == ENERGY:
-        return float(memory.coulomb_nm * soft_sign(settings, dq) + memory.viscous_nms_per_rad * dq)
+        return float(energy.torque_nm(settings, memory, dq))
+    if settings.kind == SIGMOID:
+        return float(sigmoid.torque_nm(settings.sigmoid, dq))
+    if settings.kind == LUGRE:
+        return float(lugre.torque_nm(settings.lugre, memory, dq))
+    if settings.kind == DISTURBANCE_OBSERVER:
+        return float(disturbance_observer.torque_nm(settings.disturbance_observer, memory, dq))
+    if settings.kind == TORQUE_REGULATION:
+        return float(torque_regulation.torque_nm(settings.torque_regulation, memory))
     return 0.0
-
-
-@compiled()
-def soft_sign(settings: Record, dq: float) -> float:
-    """Return the sign of the velocity, 0 in the dead-band, with a ramp between."""
-    beyond = abs(dq) - settings.dead_band_rad_s
-    if beyond <= 0.0:
-        return 0.0
-    return math.copysign(1.0 if beyond >= settings.ramp_rad_s else beyond / settings.ramp_rad_s, dq)
 
 
 @compiled()
@@ -229,7 +271,9 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     change = settings.max_torque_rate_nm_s * settings.period_s
     low = max(-settings.max_torque_nm, memory.u_nm - change)
     high = min(settings.max_torque_nm, memory.u_nm + change)
-    aid = min(max(compensation(settings, memory, dq), low), high)
+    wanted = compensation(settings, memory, dq)
+    aid = min(max(wanted, low), high)
+    count_reversals(memory, aid - memory.compensation_nm, aid != wanted)
     u = min(max(aid - damping(settings, memory, dq) * dq, low), high)
     memory.u_nm, memory.compensation_nm, memory.passivity_nm = u, aid, u - aid
     memory.damping_nms_per_rad = (aid - u) / dq if u != aid else 0.0
@@ -238,6 +282,14 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     served = (aid - u) * dq * settings.period_s
     memory.unserved_j = max(0.0, -memory.observed_energy_j - served) if settings.passivity == 1 else 0.0
     return float(u)
+
+
+@compiled()
+def count_reversals(memory: Record, change_nm: float, limited: bool) -> None:
+    """Count the ticks in a row at which the torque, at a limit, has turned back."""
+    turned = change_nm * memory.last_change_nm < 0.0
+    memory.reversals = memory.reversals + 1 if limited and turned else 0
+    memory.last_change_nm = change_nm
 
 
 @compiled()
@@ -260,6 +312,8 @@ def trace(memory: Record, row: Float) -> None:
     row[14] = memory.acted
     row[15] = memory.status
     row[16] = memory.refused
+    row[17] = memory.unstable
+    row[18] = memory.observed_friction_nm
 
 
 @compiled()

@@ -1,6 +1,7 @@
 """Settings and memory of the compensators as numpy records, which compiled code reads by field name."""
 
 from collections.abc import Sequence
+from dataclasses import fields
 from math import inf, nan
 from typing import Any, TypeAlias
 
@@ -8,20 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
-from friction_audit.replay.compensator import (
-    LONGEST_WINDOW,
-    MODELS,
+from friction_audit.replay.compensators import (
+    COMPENSATORS,
     Coefficients,
     Compensator,
     EnergyCompensator,
     FixedCompensation,
+    Guard,
+    kind_of,
 )
+from friction_audit.replay.compensators.energy import LONGEST_WINDOW, MODELS
 
 Record: TypeAlias = Any
 """One element of an array of SETTINGS or MEMORY."""
-
-NONE, FIXED, ENERGY = range(3)
-"""Values of ``kind``."""
 
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))
 """Values of ``model``."""
@@ -61,8 +61,10 @@ SETTINGS = np.dtype(
         ("max_damping_nms_per_rad", "f8"),
         ("max_torque_nm", "f8"),
         ("max_torque_rate_nm_s", "f8"),
+        *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
     ]
 )
+"""What every compensator is told, and one group for each kind that is told more."""
 
 TRACE = (
     "u_nm",
@@ -82,6 +84,8 @@ TRACE = (
     "acted",
     "status",
     "refused",
+    "unstable",
+    "observed_friction_nm",
 )
 """What ``kernels.trace`` writes, in this order: fields of MEMORY."""
 
@@ -116,6 +120,13 @@ MEMORY = np.dtype(
         ("active_energy_j", "f8"),
         ("dissipated_j", "f8"),
         ("unserved_j", "f8"),
+        ("bristle_rad", "f8"),
+        ("observed_friction_nm", "f8"),
+        ("filtered_interaction_nm", "f8"),
+        ("unstable", "i8"),
+        ("unstable_tick", "i8"),
+        ("reversals", "i8"),
+        ("last_change_nm", "f8"),
         ("rows", "f8", (LONGEST_WINDOW, 3)),
     ]
 )
@@ -126,7 +137,9 @@ acted, without the reserve that friction built up before. ``dissipated_j``: take
 ``unserved_j``: deficit that the command of this tick leaves to the next. ``cycle``: cycles completed. ``acted``: 1 if
 the passivity controller has acted in the present cycle. ``status``, ``refused``: what came of the last cycle, and how
 many gave no estimate for another reason than their number. Estimates are NaN until there is one and may be negative;
-the estimates applied (``coulomb_nm``, ``viscous_nms_per_rad``) are not.
+the estimates applied (``coulomb_nm``, ``viscous_nms_per_rad``) are not. ``observed_friction_nm``: of a disturbance
+observer. ``unstable``: 1 once the loop has diverged, from ``unstable_tick`` (-1 before) on; the torque is then 0 for
+good, and nothing is added up any more.
 """
 
 
@@ -151,11 +164,22 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         for name, value in _observer(energy).items():
             record[name] = value
         record["period_s"] = 1.0 / rate
-        record["kind"] = _kind(compensator)
-        if isinstance(compensator, FixedCompensation):
-            for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s"):
-                record[name] = getattr(compensator, name)
+        _pack_law(record, compensator)
     return records
+
+
+def _pack_law(record: Record, compensator: Compensator | None) -> None:
+    kind = kind_of(compensator)
+    record["kind"] = kind.code
+    if isinstance(compensator, FixedCompensation):
+        for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s"):
+            record[name] = getattr(compensator, name)
+    if kind.group is not None:
+        for name in kind.group.names or ():
+            record[kind.name][name] = getattr(compensator, name)
+        guard = getattr(compensator, "guard", Guard())
+        for item in fields(guard):
+            record[item.name] = getattr(guard, item.name)
 
 
 def fresh_memory(joints: int) -> NDArray[np.void]:
@@ -163,13 +187,8 @@ def fresh_memory(joints: int) -> NDArray[np.void]:
     memory = np.zeros(joints, MEMORY)
     memory["estimated_coulomb_nm"] = nan
     memory["estimated_viscous_nms_per_rad"] = nan
+    memory["unstable_tick"] = -1
     return memory
-
-
-def _kind(compensator: Compensator | None) -> int:
-    if compensator is None:
-        return NONE
-    return FIXED if isinstance(compensator, FixedCompensation) else ENERGY
 
 
 def _observer(compensator: EnergyCompensator) -> dict[str, float]:

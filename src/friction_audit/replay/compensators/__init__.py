@@ -1,0 +1,69 @@
+"""The compensators there are: one file each, with what it may be told and its compiled law."""
+
+from friction_audit.replay.compensators import (
+    disturbance_observer,
+    energy,
+    fixed,
+    lugre,
+    none,
+    sigmoid,
+    torque_regulation,
+)
+from friction_audit.replay.compensators.disturbance_observer import DisturbanceObserver
+from friction_audit.replay.compensators.energy import Coefficients, EnergyCompensator
+from friction_audit.replay.compensators.fixed import FixedCompensation
+from friction_audit.replay.compensators.guard import Guard
+from friction_audit.replay.compensators.kind import CompensatorKind
+from friction_audit.replay.compensators.lugre import LugreCompensation
+from friction_audit.replay.compensators.sigmoid import SigmoidCompensation
+from friction_audit.replay.compensators.torque_regulation import TorqueRegulation
+
+__all__ = [
+    "COMPENSATORS",
+    "Coefficients",
+    "Compensator",
+    "CompensatorKind",
+    "DisturbanceObserver",
+    "EnergyCompensator",
+    "FixedCompensation",
+    "Guard",
+    "LugreCompensation",
+    "SigmoidCompensation",
+    "TorqueRegulation",
+    "guards",
+    "kind_of",
+]
+
+COMPENSATORS: tuple[CompensatorKind, ...] = (
+    none.COMPENSATOR,
+    fixed.COMPENSATOR,
+    energy.COMPENSATOR,
+    sigmoid.COMPENSATOR,
+    lugre.COMPENSATOR,
+    disturbance_observer.COMPENSATOR,
+    torque_regulation.COMPENSATOR,
+)
+"""In the order of the documentation."""
+
+Compensator = (
+    FixedCompensation
+    | EnergyCompensator
+    | SigmoidCompensation
+    | LugreCompensation
+    | DisturbanceObserver
+    | TorqueRegulation
+)
+"""What runs on one joint; None where nothing does."""
+
+
+def kind_of(compensator: Compensator | None) -> CompensatorKind:
+    """Return the kind of a compensator."""
+    return next(kind for kind in COMPENSATORS if isinstance(compensator, kind.settings))
+
+
+def guards(compensator: Compensator | None) -> bool:
+    """Return True if a passivity controller acts."""
+    if isinstance(compensator, EnergyCompensator):
+        return compensator.passivity
+    guard = getattr(compensator, "guard", None)
+    return isinstance(guard, Guard) and guard.passivity
