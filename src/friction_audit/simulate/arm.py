@@ -139,6 +139,7 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
 
     Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
     """
+    from friction_audit.simulate.mechanics.rest import settle
     from friction_audit.simulate.rigid_body import GuidedArm, ServoedArm
 
     ticks = count_ticks(settings.duration_s, settings.rate_hz)
@@ -152,6 +153,7 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
     else:
         intended = plan_hand(settings.hand.path, ticks, mechanism.clock.dt, streams.person)
         drive = GuidedArm(settings, known, mechanism, rotor, intended)
+    settle(mechanism.joints, mechanism.body, drive.load(np.array(settings.pose_rad)))
     for k in range(ticks + 1):
         drive.tick(k, gravity[k])
         if progress is not None and k % CHUNK_TICKS == 0:

@@ -112,6 +112,7 @@ def move(
     settings: BenchSettings, streams: Streams, progress: Progress | None = None, *, start_rad: float = 0.0
 ) -> Mechanism:
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
+    from friction_audit.simulate.mechanics.rest import settle
     from friction_audit.simulate.mechanics.tick import run_bench
 
     ticks = count_ticks(settings.duration_s, settings.rate_hz)
@@ -122,6 +123,8 @@ def move(
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
     _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
+    weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
+    settle(mechanism.joints, mechanism.body, np.array([-weight if settings.driven else weight]))
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
         run_bench(mechanism.parts, push, gravity, settings.driven, first, last, mechanism.out, mechanism.traced)

@@ -62,6 +62,10 @@ class RigidBody:
         held: Float = self._pin.computeGeneralizedGravity(self._known, self._known_data, q)
         return held
 
+    def load(self, q: Float) -> Float:
+        """Return what the inner sides bear at rest, the motors gravity compensation or the links their weight."""
+        return -self.compute(q, np.zeros(self._joints))[1] if self.settings.driven else self.support(q)
+
     def compute(self, q: Float, dq: Float) -> tuple[Float, Float]:
         """Return mass matrix and Coriolis plus gravity torque of the true arm."""
         self._pin.computeAllTerms(self._model, self._data, q, dq)
