@@ -58,7 +58,7 @@ def test_seed_decides() -> None:
 
 def test_every_direction_is_moved_and_turned() -> None:
     hand = plan_hand(HandPath(), 60_000, DT, _rng(5))
-    assert (np.ptp(hand.position, axis=0) > 0.15).all()
+    assert (np.ptp(hand.position, axis=0) > 0.12).all()
     assert (np.ptp(hand.rotation, axis=0) > 0.5).all()
     speed = np.linalg.norm(hand.velocity, axis=1)
     assert 0.5 < (speed > 0).mean() < 0.9
@@ -67,16 +67,19 @@ def test_every_direction_is_moved_and_turned() -> None:
 @given(
     seed=st.integers(0, 2**32 - 1),
     reach=st.floats(0.01, 0.5),
+    sideways=st.floats(0.5, 3.0),
     rotation=st.floats(0.0, 3.0),
     fastest=st.floats(0.1, 2.0),
     turning=st.floats(0.1, 3.0),
 )
 @settings(max_examples=30, deadline=None)
-def test_bounds_hold(seed: int, reach: float, rotation: float, fastest: float, turning: float) -> None:
-    path = HandPath(reach_m=reach, rotation_rad=rotation, speed_m_s=(0.1, fastest), turning_rad_s=turning)
+def test_bounds_hold(seed: int, reach: float, sideways: float, rotation: float, fastest: float, turning: float) -> None:
+    path = HandPath(
+        reach_m=reach, sideways=sideways, rotation_rad=rotation, speed_m_s=(0.1, fastest), turning_rad_s=turning
+    )
     hand = plan_hand(path, 5000, 4e-3, _rng(seed))
     for signal, bound in (
-        (hand.position, reach),
+        (hand.position / (1.0, sideways, 1.0), reach),
         (hand.rotation, rotation),
         (hand.velocity, fastest),
         (hand.angular, turning),

@@ -21,8 +21,12 @@ SMALL_RAD = 1e-3
 class HandPath:
     """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
 
+    A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
+    of a Panda that starts in its ready pose, the first one the least, and keep its limits.
+
     Attributes:
         reach_m: Radius of the ball of positions around the start. [m]
+        sideways: The ball is so many times as wide along y, to the sides.
         rotation_rad: Radius of the ball of rotation vectors around the start orientation. [rad]
         stroke_s: Shortest and longest duration of a stroke, where neither the speed nor the reach cuts it. [s]
         speed_m_s: Slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it. [m/s]
@@ -33,7 +37,8 @@ class HandPath:
         UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
     """
 
-    reach_m: float = 0.15
+    reach_m: float = 0.12
+    sideways: float = 2.5
     rotation_rad: float = 0.6
     stroke_s: tuple[float, float] = (0.9, 1.8)
     speed_m_s: tuple[float, float] = (0.15, 0.6)
@@ -42,7 +47,7 @@ class HandPath:
 
     def __post_init__(self) -> None:
         """Check signs, the order of the pairs and the rotation."""
-        require_positive(WHERE, reach_m=self.reach_m, turning_rad_s=self.turning_rad_s)
+        require_positive(WHERE, reach_m=self.reach_m, sideways=self.sideways, turning_rad_s=self.turning_rad_s)
         require_positive(WHERE, shortest_stroke_s=self.stroke_s[0], slowest_m_s=self.speed_m_s[0])
         require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
         require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
@@ -132,7 +137,7 @@ def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> t
 def _draw_via(settings: HandPath, place: Float, rng: np.random.Generator) -> Float:
     """Draw a via point, shape (6,) [m, rad], at least half the reach away from the place."""
     while True:
-        position = settings.reach_m * _draw_in_ball(rng)
+        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
         if np.linalg.norm(position - place) >= settings.reach_m / 2:
             return np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng)))
 
