@@ -5,6 +5,7 @@ from friction_audit.simulate.bench import BenchSettings
 from friction_audit.simulate.motion import Commanded, Sinusoid, SlowSweep
 from friction_audit.simulate.operator import Operator
 from friction_audit.simulate.panda_joint import HandGuidedPanda
+from friction_audit.simulate.paper_scenarios import PAPER_SCENARIOS
 from friction_audit.simulate.scenario import Scenario
 
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
@@ -53,5 +54,5 @@ _PANDA = (
     ),
 )
 
-SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA)
+SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
 """All scenarios, in the order of the help text."""
