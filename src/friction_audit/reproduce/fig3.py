@@ -23,7 +23,7 @@ def check(simulations: Simulations) -> tuple[Claim, ...]:
     course, kinetic, dissipated = _energies(simulations)
     closure = float(np.abs(course.energy_j - kinetic - dissipated).max() / dissipated[-1])
     falls = float(np.diff(dissipated).min())
-    rises, error = _minima(course.energy_j, dissipated)
+    rises, error = minima(course.energy_j, dissipated)
     return (
         Claim(
             figure="3",
@@ -62,7 +62,7 @@ def _energies(simulations: Simulations) -> tuple[Course, Float, Float]:
     return make_course(simulation, zero_crossings=True), kinetic, truth.motion.dissipated_j[:, 0]
 
 
-def _minima(energy: Float, dissipated: Float) -> tuple[int, float]:
+def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
     """Return how many minima rise over the one before, the start included, and the largest relative difference."""
     inner = energy[1:-1]
     minima = np.flatnonzero((inner < energy[:-2]) & (inner <= energy[2:])) + 1

@@ -69,7 +69,7 @@ def _plateaus(raw: Simulation) -> Claim:
 def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
     before, after = last_period(raw), last_period(aided)
     left = abs(plateau_nm(after)) / plateau_nm(before)
-    roundness = _off_ellipse(after)
+    roundness = off_ellipse(after)
     cost = float((after.energy_j[-1] - after.energy_j[0]) / (before.energy_j[-1] - before.energy_j[0]))
     return (
         Claim(
@@ -94,7 +94,7 @@ def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
     )
 
 
-def _off_ellipse(course: Course) -> float:
+def off_ellipse(course: Course) -> float:
     """Return the largest distance of the moving joint from the ellipse with the same half axes, over these."""
     direction = np.sign(course.dq)
     moving = (direction != 0.0) & (np.diff(direction, prepend=direction[0]) == 0.0)

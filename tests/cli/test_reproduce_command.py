@@ -1,0 +1,67 @@
+"""Figures of the paper through ``main``."""
+
+from pathlib import Path
+
+import pytest
+
+from friction_audit.cli.reproduce import PAPER_FIGURES
+from friction_audit.reproduce import REPRODUCTIONS
+from tests.cli.conftest import Run
+
+
+def test_the_figures_of_the_help_text_are_those_there_are() -> None:
+    assert tuple(one.figure for one in REPRODUCTIONS) == PAPER_FIGURES
+
+
+def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
+    answer = run("reproduce", "--figures", "3,6", "-o", "out", "-q")
+    assert (answer.code, answer.err) == (0, "")
+    assert "6 of 6 claims hold" in answer.out
+    assert answer.out.endswith("out/fig3.png\nout/fig6.png\n")
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig3.png", "fig6.png"]
+
+
+def test_document(run: Run, tmp_path: Path) -> None:
+    answer = run("reproduce", "--figures", "7", "--format", "svg", "--seeds", "2", "--json")
+    document = answer.document()
+    assert document["seeds"] == 2
+    assert [claim["figure"] for claim in document["claims"]] == ["7a", "7b", "7b", "7c", "7c"]
+    assert all(claim["holds"] for claim in document["claims"])
+    assert [figure["path"] for figure in document["figures"]] == ["reproduced/fig7.svg"]
+    assert (tmp_path / "reproduced" / "fig7.svg").read_text().startswith("<?xml")
+
+
+def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.reproduce.fig6.BOUND", 0.0)
+    answer = run("reproduce", "--figures", "6", "-q")
+    assert answer.code == 0
+    assert "0 of 3 claims hold" in answer.out
+    assert "NO" in answer.out
+    assert "6: cycle 4 dissipates" in answer.out
+
+
+def test_older_figures_are_refused_before_anything_is_simulated(run: Run, tmp_path: Path) -> None:
+    older = tmp_path / "reproduced" / "fig6.png"
+    older.parent.mkdir()
+    older.write_bytes(b"older")
+    answer = run("reproduce", "--figures", "6")
+    assert answer.code == 2
+    assert "exists already" in answer.err
+    assert older.read_bytes() == b"older"
+    assert run("reproduce", "--figures", "6", "--overwrite", "-q").code == 0
+    assert older.read_bytes() != b"older"
+
+
+@pytest.mark.parametrize(
+    ("words", "message"), [(("--figures", "13"), "13: expected one of 3, 6, 7"), (("--seeds", "0"), "--seeds")]
+)
+def test_wrong_usage(words: tuple[str, str], message: str, run: Run) -> None:
+    answer = run("reproduce", *words)
+    assert answer.code == 2
+    assert message in answer.err
+
+
+def test_the_same_figure_has_the_same_bytes(run: Run, tmp_path: Path) -> None:
+    for folder in ("one", "two"):
+        assert run("reproduce", "--figures", "9", "-o", folder, "--format", "pdf", "-q").code == 0
+    assert (tmp_path / "one" / "fig9.pdf").read_bytes() == (tmp_path / "two" / "fig9.pdf").read_bytes()
