@@ -5,6 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.replay.compensator import Compensator, EnergyCompensator
 from friction_audit.replay.records import TRACE, fresh_memory
@@ -90,9 +91,19 @@ class Mechanism:
 
 
 def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
-    """Return the mass matrix of the motors behind the sensors, with what is hidden in it, shape (n, n). [kg m^2]"""
+    """Return the mass matrix of the motors behind the sensors, with what is hidden in it, shape (n, n). [kg m^2]
+
+    Raises:
+        UsageError: If an inertia error leaves a joint no inertia.
+    """
     pairs = zip(joints, hidden, strict=True)
     inertias = np.array([joint.inertia_kg_m2 + inside.inertia_error.extra_kg_m2 for joint, inside in pairs])
+    for number, inertia in enumerate(inertias, start=1):
+        if not inertia > 0.0:
+            raise UsageError(
+                f"inertia_error: extra_kg_m2 leaves joint {number} an inertia of {inertia:g} kg m^2: expected more "
+                "than zero"
+            )
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 

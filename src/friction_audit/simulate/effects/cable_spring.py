@@ -53,7 +53,7 @@ EFFECT = Effect(
     group=CableSpring,
     strength="stiffness_nm_per_rad",
     parameters=(
-        Parameter(name="stiffness_nm_per_rad", usual=0.4, meaning="stiffness where it pulls [N m/rad]"),
+        Parameter(name="stiffness_nm_per_rad", usual=0.4, meaning="stiffness where it pulls [N m/rad]", high=2e3),
         Parameter(name="centre_rad", usual=0.0, meaning="position where it does not pull [rad]", low=-math.inf),
         Parameter(name="free_rad", usual=0.3, meaning="free play of a slack cable or a tether [rad]"),
     ),

@@ -79,9 +79,9 @@ EFFECT = Effect(
     group=JointLimitStop,
     strength="stiffness_nm_per_rad",
     parameters=(
-        Parameter(name="stiffness_nm_per_rad", usual=20.0, meaning="stiffness of the walls [N m/rad]"),
+        Parameter(name="stiffness_nm_per_rad", usual=20.0, meaning="stiffness of the walls [N m/rad]", high=2e3),
         Parameter(name="at_rad", usual=0.8, meaning="where they stand, on both sides of the start pose [rad]"),
-        Parameter(name="damping_s", usual=0.02, meaning="damping relative to the stiffness [s]"),
+        Parameter(name="damping_s", usual=0.02, meaning="damping relative to the stiffness [s]", high=0.2),
     ),
     forms=("spring_damper", "quadratic", "exponential"),
 )
