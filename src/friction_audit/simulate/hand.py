@@ -11,6 +11,9 @@ from friction_audit.simulate.motion import HandPath
 class Hand:
     """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
 
+    The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
+    rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
+
     Attributes:
         mass_kg: Mass of the hand. [kg]
         stiffness_n_per_m: Spring between intended and actual place. [N/m]
@@ -21,10 +24,10 @@ class Hand:
     """
 
     mass_kg: float = 1.0
-    stiffness_n_per_m: float = 1000.0
-    damping_ns_per_m: float = 120.0
+    stiffness_n_per_m: float = 1500.0
+    damping_ns_per_m: float = 250.0
     turning_stiffness_nm_per_rad: float = 25.0
-    turning_damping_nms_per_rad: float = 3.0
+    turning_damping_nms_per_rad: float = 5.0
     path: HandPath = field(default_factory=HandPath)
 
     def __post_init__(self) -> None:

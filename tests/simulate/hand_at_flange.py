@@ -1,0 +1,60 @@
+"""The hand's spring and damper at the flange of an arm, written once more, from poses and the intended path."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pinocchio as pin
+from scipy.spatial.transform import Rotation
+
+from friction_audit.joint_log import Float
+from friction_audit.robot import load_arm
+from friction_audit.simulate import ArmSettings, Motion
+from friction_audit.simulate.motion import plan_hand
+from friction_audit.simulate.motion.hand_path import HandMotion
+from friction_audit.simulate.streams import make_streams
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Pull:
+    """What the hand does; n ticks.
+
+    Attributes:
+        torque_nm: Torque at the joints, shape (n, 7). [N m]
+        power_w: Power into the arm and the hand's own mass, shape (n,). [W]
+        off_m: Distance of the flange from the intended place, shape (n,). [m]
+        turned_rad: Angle between intended and actual orientation, shape (n,). [rad]
+    """
+
+    torque_nm: Float
+    power_w: Float
+    off_m: Float
+    turned_rad: Float
+
+
+def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
+    """Return the path that the hand means to take."""
+    return plan_hand(settings.hand.path, ticks, 1e-3, make_streams(seed, 7).person)
+
+
+def pull(settings: ArmSettings, seed: int, motion: Motion) -> Pull:
+    """Return what the hand does along a motion."""
+    arm, hand = load_arm(), settings.hand
+    model, data = arm.model, arm.model.createData()
+    frame = model.getFrameId(arm.flange)
+    path = intended(settings, seed, len(motion.t) - 1)
+    pin.framesForwardKinematics(model, data, motion.q[0])
+    place, upright = data.oMf[frame].translation.copy(), Rotation.from_matrix(data.oMf[frame].rotation)
+    rows = []
+    for k, (q, dq) in enumerate(zip(motion.q, motion.dq, strict=True)):
+        jacobian = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        flange, twist = data.oMf[frame], jacobian @ dq
+        off = place + path.position[k] - flange.translation
+        turn = Rotation.from_rotvec(path.rotation[k]) * upright * Rotation.from_matrix(flange.rotation).inv()
+        force = hand.stiffness_n_per_m * off + hand.damping_ns_per_m * (path.velocity[k] - twist[:3])
+        force[2] += hand.mass_kg * 9.81
+        moment = hand.turning_stiffness_nm_per_rad * turn.as_rotvec()
+        moment += hand.turning_damping_nms_per_rad * (path.angular[k] - twist[3:])
+        wrench = np.concatenate((force, moment))
+        rows.append(np.concatenate((jacobian.T @ wrench, [wrench @ twist, np.linalg.norm(off), turn.magnitude()])))
+    table = np.array(rows)
+    return Pull(torque_nm=table[:, :7], power_w=table[:, 7], off_m=table[:, 8], turned_rad=table[:, 9])
