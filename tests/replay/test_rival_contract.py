@@ -1,6 +1,7 @@
 """What every compensator keeps to, over the tuple of them."""
 
 from dataclasses import fields, replace
+from pathlib import Path
 from types import NoneType
 from typing import Any
 
@@ -149,3 +150,10 @@ def test_every_group_has_its_place_in_the_records() -> None:
     for kind in COMPENSATORS:
         assert (kind.group is not None) == (kind.name in (SETTINGS.names or ()))
         assert kind.settings is NoneType or kind.settings.__doc__
+
+
+def test_every_kind_has_its_section_in_the_documentation() -> None:
+    page = Path(__file__).parents[2] / "docs" / "compensators.md"
+    headings = [line.removeprefix("## ") for line in page.read_text().splitlines() if line.startswith("## ")]
+    names = [kind.name for kind in COMPENSATORS]
+    assert headings[: len(names)] == names
