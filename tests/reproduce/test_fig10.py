@@ -13,6 +13,10 @@ def test_without_compensation_the_energy_rises(claims: Check) -> None:
     claim = claims("8")["without compensation the net energy oscillates but increases"]
     assert claim.value > 0.0
     assert claim.holds
+    for simulation in simulated("8")["fig8"]:
+        course = make_course(simulation)
+        assert len(course.ends_j) > 10
+        assert course.energy_j[-1] > 5.0 * course.ends_j[1]
 
 
 def test_the_peak_without_compensation_is_that_of_the_paper(claims: Check) -> None:

@@ -57,8 +57,8 @@ def _known(simulation: Simulation, joint: int) -> dict[str, Float]:
 
 
 def _observed(t: Float, dq: Float, torque: Float, *, zero_crossings: bool) -> dict[str, Float]:
-    """Return what a compensator would have seen in signals that it has no part in: energy and cycles."""
-    observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False)
+    """Return what a compensator that does nothing would have seen: energy and cycles."""
+    observer = EnergyCompensator(zero_crossings=zero_crossings, passivity=False, factor=0.0)
     traces = run(observer, t, dq, torque)
     nothing = np.zeros_like(t)
     idle = dict.fromkeys(("coulomb_nm", "viscous_nms_per_rad", "damping_nms_per_rad"), nothing)

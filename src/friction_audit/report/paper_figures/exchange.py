@@ -33,7 +33,12 @@ def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Fig
             handles += axes.plot(*thin_extremes(course.t, energy, DRAWN), color=colour, ls=dashes, label=label)
         for number, (end_s, end_j) in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
             axes.annotate(
-                rf"$E^{number}_{{cyclic}}$", (end_s, end_j), (2, -9), textcoords="offset points", fontsize=6.5
+                rf"$E^{number}_{{cyclic}}$",
+                (end_s, end_j),
+                (3, -10),
+                textcoords="offset points",
+                fontsize=6.5,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
             )
         axes.set_xlabel("Time [s]")
         add_legend(figure, handles)
