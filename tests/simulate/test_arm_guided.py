@@ -52,7 +52,7 @@ def test_hand_follows_its_path(guided: Simulation) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
-    motion = simulate(replace(GUIDED, duration_s=4.0), seed).truth.motion
+    motion = simulate(replace(GUIDED, duration_s=3.0), seed).truth.motion
     assert (motion.q > LOWEST_RAD + 0.1).all()
     assert (motion.q < HIGHEST_RAD - 0.1).all()
     assert (np.abs(motion.dq) < 0.95 * FASTEST_RAD_S).all()
