@@ -12,6 +12,9 @@ from friction_audit.interaction import extract_interaction
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
+from friction_audit.replay.replay import replay
+from friction_audit.replay.result import Replay
+from friction_audit.replay.settings import ReplaySettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,3 +62,29 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     cycles = segment_cycles(interaction, settings.cycles)
     friction = estimate_friction(interaction, cycles, settings.friction)
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LogReplay:
+    """The result of ``replay``: what a compensator would have done, and the estimate beside it."""
+
+    estimate: Estimate
+    replay: Replay
+    settings: ReplaySettings
+
+
+def replay_log(log: JointLog, settings: AuditSettings, replay_settings: ReplaySettings) -> LogReplay:
+    """Run a friction compensator on the joints of a log, as a controller would have.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    return replay_estimate(estimate_log(log, settings), replay_settings)
+
+
+def replay_estimate(estimate: Estimate, settings: ReplaySettings) -> LogReplay:
+    """Run a friction compensator on the joints of a log that was estimated before."""
+    robot = estimate.log.source.robot
+    found = replay(estimate.interaction, estimate.cycles, estimate.friction, settings, robot=robot)
+    return LogReplay(estimate=estimate, replay=found, settings=settings)

@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from friction_audit.audit import Estimate
+from friction_audit.audit import Estimate, LogReplay
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import JointLog
 
@@ -35,4 +35,11 @@ def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the coefficients, each once."""
     friction = tuple(Notice(found.code, found.joint, found.message) for found in estimate.friction.warnings)
     every = log_notices(estimate.log) + interaction_notices(estimate.interaction) + friction
+    return tuple(dict.fromkeys(every))
+
+
+def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the replay, each once; not what only concerns the estimate."""
+    own = tuple(Notice(one.code, one.joint, one.message) for one in found.replay.warnings)
+    every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + own
     return tuple(dict.fromkeys(every))

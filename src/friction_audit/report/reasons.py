@@ -1,12 +1,13 @@
-"""Why joints have no estimate, in as few sentences as there are reasons."""
+"""Why joints have no result, in as few sentences as there are reasons."""
 
 from collections.abc import Iterable
 
 from friction_audit.friction.history import JointFriction
+from friction_audit.replay.result import JointReplay
 
 
-def reason_lines(joints: Iterable[JointFriction]) -> list[str]:
-    """Return one line per reason, led by the joints that it holds for; none for joints with an estimate."""
+def reason_lines(joints: Iterable[JointFriction | JointReplay]) -> list[str]:
+    """Return one line per reason, led by the joints that it holds for; none for joints with a result."""
     reasons: dict[str, list[int]] = {}
     for joint in joints:
         if joint.reason:

@@ -1,0 +1,150 @@
+"""``friction-audit replay``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.options import (
+    OUTPUT,
+    AuditOptions,
+    CycleOptions,
+    EstimateOptions,
+    GeneralOptions,
+    LogPath,
+    OutputOptions,
+    ReadingOptions,
+    SelectionOptions,
+    TorqueOptions,
+)
+from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
+from friction_audit.cli.settings import audit_settings, read_options
+from friction_audit.errors import AnalysisError
+
+if TYPE_CHECKING:
+    from friction_audit.audit import LogReplay
+
+EXAMPLES = """Examples:
+  friction-audit replay run.mcap
+  friction-audit replay run.csv --model coulomb --window 4 -o results
+  friction-audit replay run.parquet --factor 1.5 --no-passivity
+  friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json"""
+
+DOCUMENT = "replay.json"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LogOptions:
+    """What every command that goes from a log to its cycles understands."""
+
+    selection: SelectionOptions
+    reading: ReadingOptions
+    torque: TorqueOptions
+    cycles: CycleOptions
+    output: OutputOptions
+    general: GeneralOptions
+
+    @property
+    def audit(self) -> AuditOptions:
+        """The options of the whole chain; the estimate that runs beside a replay is the default one."""
+        return AuditOptions(
+            selection=self.selection,
+            reading=self.reading,
+            torque=self.torque,
+            cycles=self.cycles,
+            estimate=EstimateOptions(),
+            output=self.output,
+            general=self.general,
+        )
+
+
+def command(
+    context: typer.Context,
+    log: LogPath,
+    options: ReplayOptions,
+    shared: LogOptions,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help=f"Also write {DOCUMENT} there.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+) -> None:
+    """Show what a friction compensator with a passivity controller would have done."""
+    if shared.general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    settings = replay_settings(options, shared.cycles)
+    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
+    if folder is not None:
+        chain.check_outputs([folder / DOCUMENT], overwrite=output.overwrite)
+    with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
+        recorded = chain.read(log, reading, voice)
+    estimate = chain.estimate(recorded, audit, voice)
+    with voice.step("replay"):
+        from friction_audit.audit import replay_estimate
+
+        found = replay_estimate(estimate, settings)
+    if not output.json:
+        _warn(found, voice)
+    _require_a_joint(found)
+    text = _document(found, chain.reading_settings(reading))
+    if folder is not None:
+        _write(text, folder / DOCUMENT, overwrite=output.overwrite)
+    _print(found, text, json=output.json)
+    chain.exit_if_damaged(recorded)
+
+
+def _warn(found: "LogReplay", voice: Voice) -> None:
+    from friction_audit.report.notices import replay_notices
+
+    voice.warn(str(notice) for notice in replay_notices(found) if notice.code != TABLED)
+
+
+TABLED = "not_replayed"
+"""Code of the caution that the table shows as well."""
+
+
+def _require_a_joint(found: "LogReplay") -> None:
+    """Refuse a result without any joint.
+
+    Raises:
+        AnalysisError: With the reason of each joint.
+    """
+    from friction_audit.report.reasons import reason_lines
+
+    if all(joint.reason for joint in found.replay.joints):
+        lines = "".join(f"\n  {line}" for line in reason_lines(found.replay.joints))
+        raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be replayed:{lines}")
+
+
+def _document(found: "LogReplay", reading: dict[str, object]) -> str:
+    from friction_audit.report.document import write_document
+    from friction_audit.report.replay_document import replay_document
+
+    return write_document(replay_document(found, reading))
+
+
+def _write(text: str, path: Path, *, overwrite: bool) -> None:
+    from friction_audit.whole_file import whole_file
+
+    with whole_file(path, overwrite=overwrite) as draft:
+        draft.write_text(text, encoding="utf-8")
+
+
+def _print(found: "LogReplay", document: str, *, json: bool) -> None:
+    if json:
+        typer.echo(document, nl=False)
+    else:
+        from friction_audit.report.replay_table import replay_table
+
+        print_rich(replay_table(found))

@@ -1,0 +1,160 @@
+"""Options of ``replay`` -> its settings."""
+
+from dataclasses import dataclass
+from math import isfinite
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import choices
+from friction_audit.cli.options import CycleOptions
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.replay.compensators import Coefficients, EnergyCompensator
+    from friction_audit.replay.settings import ReplaySettings
+
+REPLAY = "Replay"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ReplayOptions:
+    """What would have run, and what is assumed of the person."""
+
+    assume: Annotated[
+        str,
+        typer.Option(
+            metavar=choices.metavar(choices.ASSUMPTIONS),
+            callback=choices.one_of(choices.ASSUMPTIONS),
+            help="What would have stayed as recorded.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = "same-motion"
+    model: Annotated[
+        str | None,
+        typer.Option(
+            metavar=choices.metavar(choices.MODELS),
+            callback=lambda name: name if name is None else choices.one_of(choices.MODELS)(name),
+            help="Friction model of the compensator. Default: combined.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    window: Annotated[
+        int | None,
+        typer.Option(metavar="K", help="Cycles per estimate. Default: the paper's, 2 (or 1).", rich_help_panel=REPLAY),
+    ] = None
+    factor: Annotated[
+        float,
+        typer.Option(metavar="FACTOR", help="Apply so many times the estimate.", rich_help_panel=REPLAY),
+    ] = 1.0
+    fixed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="coulomb=NM,viscous=NMS",
+            help="Apply these coefficients throughout [N m, N m s/rad], whatever the estimate says.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    no_passivity: Annotated[
+        bool, typer.Option("--no-passivity", help="Without the passivity controller.", rich_help_panel=REPLAY)
+    ] = False
+    max_damping: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NMS", help="Largest damping it injects [N m s/rad]. Default: 50.", rich_help_panel=REPLAY
+        ),
+    ] = None
+    max_torque: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NM",
+            help="Largest torque of the compensator [N m]. Default: what the joints of a Panda bear, else no limit.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    max_rate: Annotated[
+        float | None,
+        typer.Option(
+            metavar="NM/S",
+            help="Fastest change of it [N m/s]. Default: 1000 for a Panda, else no limit.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    operator: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MASS,DAMPING,STIFFNESS",
+            help="With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad].",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+
+    def __post_init__(self) -> None:
+        """Refuse options that contradict each other, before any log is read."""
+        idle = (
+            ("--model", self.model is not None),
+            ("--window", self.window is not None),
+            ("--factor", self.factor != 1.0),
+        )
+        unused = [name for name, given in idle if given]
+        if self.fixed is not None and unused:
+            raise UsageError(f"--fixed {self.fixed}: nothing is estimated, so leave {', '.join(unused)} away")
+        if self.no_passivity and self.max_damping is not None:
+            raise UsageError("--no-passivity --max-damping: without the controller nothing is damped; leave one away")
+
+
+def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySettings":
+    """Return the settings.
+
+    Raises:
+        UsageError: If a value cannot be used.
+    """
+    from friction_audit.replay.settings import ReplaySettings
+
+    return ReplaySettings(
+        assume=options.assume,
+        compensator=_compensator(options, cycles),
+        max_torque_nm=options.max_torque,
+        max_torque_rate_nm_s=options.max_rate,
+    )
+
+
+def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompensator":
+    from friction_audit.replay.compensators import EnergyCompensator
+
+    default = EnergyCompensator()
+    forced = None if options.fixed is None else parse_coefficients(options.fixed)
+    return EnergyCompensator(
+        model=options.model or default.model,
+        window=options.window,
+        factor=options.factor,
+        forced=forced,
+        forced_from_cycle=1,
+        forced_until_acted=False,
+        passivity=not options.no_passivity,
+        minimum_path_rad=cycles.min_path if cycles.cycles_from == "hand" else default.minimum_path_rad,
+        max_damping_nms_per_rad=(
+            default.max_damping_nms_per_rad if options.max_damping is None else options.max_damping
+        ),
+    )
+
+
+def parse_coefficients(text: str) -> "Coefficients":
+    """Return the coefficients of ``"coulomb=0.2,viscous=0.1"``; one left out is zero.
+
+    Raises:
+        UsageError: If the text is anything else.
+    """
+    from friction_audit.replay.compensators import Coefficients
+
+    values: dict[str, float] = {}
+    for part in text.split(","):
+        name, equals, number = part.strip().partition("=")
+        try:
+            value = float(number)
+        except ValueError:
+            value = float("nan")
+        if not equals or name not in ("coulomb", "viscous") or name in values or not isfinite(value):
+            raise UsageError(f"--fixed {text}: {part.strip()!r}: expected coulomb=NUMBER,viscous=NUMBER")
+        values[name] = value
+    return Coefficients(coulomb_nm=values.get("coulomb", 0.0), viscous_nms_per_rad=values.get("viscous", 0.0))

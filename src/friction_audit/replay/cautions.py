@@ -1,0 +1,81 @@
+"""What the user must know about a replay."""
+
+from collections.abc import Iterator
+from math import isnan
+
+from friction_audit.friction.history import JointFriction
+from friction_audit.interaction.interaction import Caution, Interaction
+from friction_audit.replay.compensators.sigmoid import PUBLISHED
+from friction_audit.replay.limits import PANDAS
+from friction_audit.replay.result import JointReplay
+
+FAR_BELOW = 0.25
+"""Share of the published friction of its kind that no healthy joint falls below."""
+
+
+def cautions_of(joint: JointReplay) -> Iterator[Caution]:
+    """Yield the cautions about the replay of one joint."""
+    where = f"joint {joint.joint} ({joint.name})"
+    if joint.reason:
+        yield Caution(code="not_replayed", joint=joint.joint, message=f"{where}: {joint.reason}")
+        return
+    numbers, passivity = joint.numbers, joint.passivity
+    assert numbers is not None
+    assert passivity is not None
+    if not isnan(numbers.diverged_s):
+        message = (
+            f"{where}: the compensated loop diverges at {numbers.diverged_s:.4g} s; everything is given up to there; "
+            "lower its gain, its factor, or its desired inertia's distance from the true one"
+        )
+        yield Caution(code="diverged", joint=joint.joint, message=message)
+    if passivity.hidden:
+        message = (
+            f"{where}: over-compensated, and the passivity controller does not notice: the first cycles left "
+            f"{passivity.reserve_j:.3g} J in its ledger, which hides the {-passivity.lowest_since_activation_j:.3g} J "
+            "that the joint has given out since the compensator acts"
+        )
+        yield Caution(code="over_compensation_hidden", joint=joint.joint, message=message)
+    if numbers.limited_fraction > 0:
+        message = (
+            f"{where}: the compensator is at a limit ({joint.limits.torque_nm:g} N m, {joint.limits.rate_nm_s:g} "
+            f"N m/s) in {100 * numbers.limited_fraction:.2g} % of the samples; what is beyond is left out"
+        )
+        yield Caution(code="torque_limited", joint=joint.joint, message=message)
+
+
+def seems_compensated(interaction: Interaction, friction: JointFriction, robot: str) -> Iterator[Caution]:
+    """Yield a caution where friction looks as if a compensator had been active, and no column tells of one."""
+    if interaction.compensation is not None or friction.reason:
+        return
+    coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
+    negative = [name for name, found in coefficients.items() if found.high < 0]
+    low = _far_below(friction, robot)
+    if not negative and not low:
+        return
+    what = f"negative {' and '.join(negative)} friction" if negative else low
+    message = (
+        f"joint {friction.joint} ({friction.name}): {what}, as if a friction compensator had been active, and no "
+        "column says so; then the replay comes on top of it and means little; map its torque "
+        "(--map tau_compensation=NAME), or record with it switched off"
+    )
+    yield Caution(code="seems_compensated", joint=friction.joint, message=message)
+
+
+def _far_below(friction: JointFriction, robot: str) -> str:
+    """Say that friction is far below what a joint of this arm has; nothing where it is not, or the arm is unknown."""
+    if robot not in PANDAS or not 1 <= friction.joint <= len(PUBLISHED):
+        return ""
+    usual = min(PUBLISHED[friction.joint - 1].plateaus_nm)
+    if not friction.coulomb.high < FAR_BELOW * usual:
+        return ""
+    return f"Coulomb friction of {friction.coulomb.value:.3f} N m, far below the {usual:.2f} N m of such a joint"
+
+
+def gravity_caution(interaction: Interaction) -> Iterator[Caution]:
+    """Yield a caution where gravity is still in the torque."""
+    if interaction.choice.gravity_in_torque:
+        message = (
+            "gravity is still in the torque: a compensator would take what it gives and takes within a cycle for "
+            "friction; remove it (--gravity model with --robot or --urdf, or log it)"
+        )
+        yield Caution(code="gravity_in_replay", message=message)

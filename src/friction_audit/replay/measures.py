@@ -1,0 +1,112 @@
+"""Signals, history and tally of a replay -> its numbers."""
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.replay.convergence import dissipation_removed, first_right, first_updated
+from friction_audit.replay.records import Record
+from friction_audit.replay.result import Numbers, Passivity, ReplayHistory, Signals, net_energy_j
+from friction_audit.replay.tally import (
+    ACTED,
+    COULOMB_APPLIED,
+    COULOMB_ESTIMATED,
+    FRICTION,
+    GIVEN_OUT,
+    NET,
+    PATH_LENGTH,
+    SQUARED,
+    STATUS,
+    STOP,
+    VISCOUS_APPLIED,
+    VISCOUS_ESTIMATED,
+)
+
+
+def read_history(rows: Float, t: Float) -> ReplayHistory:
+    """Return the rows of a tally, shape (m, COLUMNS), by their names."""
+    stop = rows[:, STOP].astype(np.int64)
+    start = np.concatenate([[0], stop[:-1]]).astype(np.int64)[: len(stop)]
+    return ReplayHistory(
+        start=start,
+        stop=stop,
+        start_s=t[start],
+        stop_s=t[stop],
+        friction_j=rows[:, FRICTION],
+        net_energy_j=rows[:, NET],
+        path_rad=rows[:, PATH_LENGTH],
+        square_speed_rad2_s=rows[:, SQUARED],
+        coulomb_applied_nm=rows[:, COULOMB_APPLIED],
+        viscous_applied_nms_per_rad=rows[:, VISCOUS_APPLIED],
+        coulomb_estimated_nm=rows[:, COULOMB_ESTIMATED],
+        viscous_estimated_nms_per_rad=rows[:, VISCOUS_ESTIMATED],
+        acted=rows[:, ACTED] == 1,
+        status=rows[:, STATUS].astype(np.int64),
+    )
+
+
+def measure(
+    without: Signals, replayed: Signals, history: ReplayHistory, tally: Record, *, recorded_nm: Float
+) -> Numbers:
+    """Return what a replay comes to.
+
+    Args:
+        without: The joint without a compensator.
+        replayed: The joint with it, fewer samples if it diverged.
+        history: Per cycle.
+        tally: What was counted.
+        recorded_nm: Interaction torque as recorded, along the motion without. [N m]
+    """
+    samples = len(replayed.t)
+    diverged = samples < len(without.t)
+    return Numbers(
+        energy_recorded_j=work_j(without.t, without.dq, recorded_nm),
+        energy_without_j=work_j(without.t, without.dq, without.interaction_nm),
+        energy_with_j=work_j(replayed.t, replayed.dq, replayed.interaction_nm),
+        dissipation_removed=dissipation_removed(history),
+        dissipation_removed_updated=dissipation_removed(history, first_updated(history)),
+        peak_torque_without_nm=peak(without.interaction_nm),
+        peak_torque_with_nm=peak(replayed.interaction_nm),
+        rms_torque_without_nm=rms(without.t, without.interaction_nm),
+        rms_torque_with_nm=rms(replayed.t, replayed.interaction_nm),
+        peak_compensation_nm=peak(replayed.compensation_nm + replayed.passivity_nm),
+        peak_rate_nm_s=float(tally["fastest_nm_s"]),
+        limited_fraction=float(tally["limited"]) / max(samples, 1),
+        cycles_to_converge=first_right(history),
+        diverged_s=float(without.t[samples]) if diverged else float("nan"),
+    )
+
+
+def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passivity:
+    """Return how passive the compensated joint stayed."""
+    given_out = history.net_energy_j < -GIVEN_OUT * np.abs(history.friction_j)
+    activation = int(tally["activation"])
+    return Passivity(
+        violations=int(tally["violations"]),
+        violations_since_activation=int(tally["active_violations"]),
+        active_cycles=int(given_out.sum()),
+        lowest_j=float(tally["lowest_j"]),
+        lowest_since_activation_j=float(tally["lowest_active_j"]),
+        reserve_j=float(tally["reserve_j"]),
+        activation_s=float(t[activation]) if activation >= 0 else float("nan"),
+        injected_j=float(tally["injected_j"]),
+        unserved_j=float(tally["unserved_j"]),
+        active_fraction=float(tally["acting_s"]) / float(t[-1] - t[0]),
+        hidden=bool(tally["hidden"]),
+    )
+
+
+def work_j(t: Float, dq: Float, torque: Float) -> float:
+    """Return the integral of a torque over the motion, trapezoids on the real stamps. [J]"""
+    return float(net_energy_j(t, dq, torque)[-1]) if len(t) else float("nan")
+
+
+def peak(torque: Float) -> float:
+    """Return the largest magnitude; NaN of nothing."""
+    return max(float(torque.max()), -float(torque.min())) if len(torque) else float("nan")
+
+
+def rms(t: Float, torque: Float) -> float:
+    """Return the root mean square over the time; NaN of nothing."""
+    if len(torque) < 2:  # noqa: PLR2004
+        return float("nan")
+    return float(np.sqrt(np.trapezoid(torque * torque, t) / (t[-1] - t[0])))

@@ -1,0 +1,214 @@
+"""Replay: what a compensator would have done on a recorded log, and what that would have saved."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.interaction.interaction import Caution
+from friction_audit.joint_log import Float
+from friction_audit.replay.compensators import Compensator
+from friction_audit.replay.counterfactual import Counterfactual
+from friction_audit.replay.limits import Limits
+
+STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike")
+"""Names of the values of ``status`` in ``records``: what came of a cycle."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Signals:
+    """One joint over time, n samples; a torque at sample i is the one in force at t[i].
+
+    Attributes:
+        t: Time. [s]
+        dq: Velocity. [rad/s]
+        interaction_nm: Torque of the person, the interaction torque. [N m]
+        compensation_nm: Torque of the compensator's law. [N m]
+        passivity_nm: Torque of its passivity controller. [N m]
+    """
+
+    t: Float
+    dq: Float
+    interaction_nm: Float
+    compensation_nm: Float
+    passivity_nm: Float
+
+    @property
+    def damping_nms_per_rad(self) -> Float:
+        """Damping of the passivity controller; 0 at rest. [N m s/rad]"""
+        moving = self.dq != 0.0
+        return np.where(moving, -self.passivity_nm / np.where(moving, self.dq, 1.0), 0.0)
+
+    @property
+    def net_energy_j(self) -> Float:
+        """Net energy that the person has put in so far (2), trapezoids on the real stamps. [J]"""
+        return net_energy_j(self.t, self.dq, self.interaction_nm)
+
+
+def net_energy_j(t: Float, dq: Float, torque: Float) -> Float:
+    """Return the integral of a torque over the motion from the first sample on, shape (n,). [J]"""
+    power = 0.25 * (torque[1:] + torque[:-1]) * (dq[1:] + dq[:-1])
+    return np.concatenate([[0.0], np.cumsum(power * np.diff(t))])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class ReplayHistory:
+    """What happened in each cycle of the compensator, m rows.
+
+    Attributes:
+        start: First sample, shape (m,).
+        stop: Sample at which the cycle ended.
+        start_s: [s]
+        stop_s: [s]
+        friction_j: What friction took, which the person would have had to give without compensation. [J]
+        net_energy_j: That less what compensator and passivity controller gave: what was left to the person. [J]
+        path_rad: Path. [rad]
+        square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
+        coulomb_applied_nm: Coulomb friction compensated during the cycle. [N m]
+        viscous_applied_nms_per_rad: Viscous friction compensated during it. [N m s/rad]
+        coulomb_estimated_nm: Estimate in force after its end, NaN before there is one. [N m]
+        viscous_estimated_nms_per_rad: Likewise. [N m s/rad]
+        acted: True if the passivity controller acted in it.
+        status: What came of it, as in ``records``.
+    """
+
+    start: NDArray[np.int64]
+    stop: NDArray[np.int64]
+    start_s: Float
+    stop_s: Float
+    friction_j: Float
+    net_energy_j: Float
+    path_rad: Float
+    square_speed_rad2_s: Float
+    coulomb_applied_nm: Float
+    viscous_applied_nms_per_rad: Float
+    coulomb_estimated_nm: Float
+    viscous_estimated_nms_per_rad: Float
+    acted: NDArray[np.bool_]
+    status: NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Passivity:
+    """How passive the compensated joint stayed; a violation is beyond the energy of one sample.
+
+    Attributes:
+        violations: Samples at which the ledger from the start was below zero.
+        violations_since_activation: Likewise of the ledger that begins when the compensator first acts.
+        active_cycles: Cycles in which the joint gave out more than 5 % of what friction took.
+        lowest_j: Lowest value of the ledger from the start. [J]
+        lowest_since_activation_j: Lowest value of the other one. [J]
+        reserve_j: What the ledger held when the compensator first acted. [J]
+        activation_s: When that was, NaN if never. [s]
+        injected_j: What the passivity controller dissipated. [J]
+        unserved_j: Largest deficit that a tick had to leave to the next. [J]
+        active_fraction: Share of the time for which the passivity controller acted.
+        hidden: True where the reserve of the first cycles hides over-compensation from the ledger.
+    """
+
+    violations: int
+    violations_since_activation: int
+    active_cycles: int
+    lowest_j: float
+    lowest_since_activation_j: float
+    reserve_j: float
+    activation_s: float
+    injected_j: float
+    unserved_j: float
+    active_fraction: float
+    hidden: bool
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Recovery:
+    """A step of friction, and how the compensator got over it.
+
+    Attributes:
+        step_s: When friction changed, the start of the first cycle after it. [s]
+        change: Friction after it over friction before it.
+        cycles: Cycles until the compensation was right again, None if it never was.
+        seconds: Time until then, NaN if it never was. [s]
+    """
+
+    step_s: float
+    change: float
+    cycles: int | None
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Numbers:
+    """What a replay comes to.
+
+    Attributes:
+        energy_recorded_j: Net energy of the person in the recording. [J]
+        energy_without_j: Net energy without a compensator. [J]
+        energy_with_j: Net energy with it. [J]
+        dissipation_removed: One less what the cycles leave to the person over what friction took in them; what a cycle
+            gives out counts as left over too, so that over-compensation is no merit.
+        dissipation_removed_updated: Likewise from the second update of the coefficients on.
+        peak_torque_without_nm: Largest interaction torque without a compensator. [N m]
+        peak_torque_with_nm: With it. [N m]
+        rms_torque_without_nm: Root mean square over the time. [N m]
+        rms_torque_with_nm: With it. [N m]
+        peak_compensation_nm: Largest torque of compensator and passivity controller. [N m]
+        peak_rate_nm_s: Fastest change of it. [N m/s]
+        limited_fraction: Share of the samples at a limit of torque or rate.
+        cycles_to_converge: Cycles before the compensation stayed right, None if it never did.
+        diverged_s: When the loop ran away, NaN if it did not. [s]
+    """
+
+    energy_recorded_j: float
+    energy_without_j: float
+    energy_with_j: float
+    dissipation_removed: float
+    dissipation_removed_updated: float
+    peak_torque_without_nm: float
+    peak_torque_with_nm: float
+    rms_torque_without_nm: float
+    rms_torque_with_nm: float
+    peak_compensation_nm: float
+    peak_rate_nm_s: float
+    limited_fraction: float
+    cycles_to_converge: int | None
+    diverged_s: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointReplay:
+    """One joint.
+
+    Attributes:
+        joint: Number for people.
+        name: Name in the log.
+        compensator: What ran, thresholds and limits as in force.
+        limits: Limits in force.
+        without: The joint without a compensator.
+        replayed: The joint with it; up to where it diverged, if it did.
+        history: Per cycle of the compensator.
+        numbers: What it comes to, or None where there is a reason.
+        passivity: Likewise.
+        recovery: A step of friction in the log, or None.
+        reason: Why the replay means nothing for this joint; empty if it does.
+    """
+
+    joint: int
+    name: str
+    compensator: Compensator
+    limits: Limits
+    without: Signals
+    replayed: Signals
+    history: ReplayHistory
+    numbers: Numbers | None
+    passivity: Passivity | None
+    recovery: Recovery | None
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Replay:
+    """All joints of a log under one assumption."""
+
+    counterfactual: Counterfactual
+    joints: tuple[JointReplay, ...]
+    warnings: tuple[Caution, ...] = field(default=())

@@ -1,0 +1,86 @@
+"""How a log is replayed."""
+
+from dataclasses import dataclass, field
+
+from friction_audit.errors import UsageError
+from friction_audit.replay.compensators import (
+    Compensator,
+    DisturbanceObserver,
+    EnergyCompensator,
+    TorqueRegulation,
+)
+from friction_audit.replay.counterfactual import ASSUMPTIONS, SAME_MOTION, SAME_OPERATOR
+from friction_audit.replay.limits import Limits
+
+FEED_BACK = (DisturbanceObserver, TorqueRegulation)
+"""Compensators that close a loop over the motion itself: without that loop their result means nothing."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class OperatorImpedance:
+    """A person's arm as one joint feels it.
+
+    Attributes:
+        inertia_kg_m2: Effective inertia. [kg m^2]
+        damping_nms_per_rad: [N m s/rad]
+        stiffness_nm_per_rad: [N m/rad]
+
+    Raises:
+        UsageError: If a number is negative or not finite, or all are zero.
+    """
+
+    inertia_kg_m2: float
+    damping_nms_per_rad: float
+    stiffness_nm_per_rad: float
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        numbers = (self.inertia_kg_m2, self.damping_nms_per_rad, self.stiffness_nm_per_rad)
+        if not all(0 <= number < float("inf") for number in numbers) or not any(numbers):
+            raise UsageError(
+                f"--operator {','.join(f'{number:g}' for number in numbers)}: expected inertia [kg m^2], damping "
+                "[N m s/rad] and stiffness [N m/rad] of zero or more, at least one of them above"
+            )
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ReplaySettings:
+    """Settings of a replay.
+
+    Attributes:
+        assume: ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``.
+        compensator: What runs on every joint; its thresholds give way to those of the segmentation.
+        operator: Impedance of the person with ``"same-operator"``; None to fit it from the log.
+        max_torque_nm: Limit of the torque, or None for the arm's own. [N m]
+        max_torque_rate_nm_s: Limit of its change, or None for the arm's own. [N m/s]
+
+    Raises:
+        UsageError: If a name is unknown or settings contradict each other.
+    """
+
+    assume: str = SAME_MOTION.name
+    compensator: Compensator = field(default_factory=EnergyCompensator)
+    operator: OperatorImpedance | None = None
+    max_torque_nm: float | None = None
+    max_torque_rate_nm_s: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check names and contradictions."""
+        if self.assume not in ASSUMPTIONS:
+            raise UsageError(f"--assume {self.assume}: expected one of {', '.join(ASSUMPTIONS)}")
+        if self.operator is not None and self.assume != SAME_OPERATOR.name:
+            raise UsageError(
+                f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
+            )
+        if self.assume == SAME_MOTION.name and isinstance(self.compensator, FEED_BACK):
+            raise UsageError(
+                "this compensator feeds the motion back, which --assume same-motion holds fixed; expected "
+                "--assume same-torque or same-operator"
+            )
+
+    def limits(self, own: Limits) -> Limits:
+        """Return the limits in force, where the arm has its own."""
+        return Limits(
+            torque_nm=own.torque_nm if self.max_torque_nm is None else self.max_torque_nm,
+            rate_nm_s=own.rate_nm_s if self.max_torque_rate_nm_s is None else self.max_torque_rate_nm_s,
+        )

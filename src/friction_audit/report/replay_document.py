@@ -1,0 +1,94 @@
+"""LogReplay -> JSON document ``friction-audit/replay/1``."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from types import MappingProxyType
+
+from friction_audit.audit import LogReplay
+from friction_audit.replay.compensators import kind_of
+from friction_audit.replay.result import STATUSES, JointReplay, ReplayHistory
+from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
+from friction_audit.report.notices import replay_notices
+
+
+def replay_document(found: LogReplay, reading: Mapping[str, object] = MappingProxyType({})) -> Document:
+    """Return the document of a replay.
+
+    Args:
+        found: The result.
+        reading: How the log was read: options of the reader by name.
+    """
+    counterfactual = found.replay.counterfactual
+    settings = settings_document(found.estimate, reading)
+    return {
+        **new_document("replay"),
+        "source": source_document(found.estimate.log),
+        "settings": settings | {"replay": to_json(asdict(found.settings))},
+        "warnings": [notice._asdict() for notice in replay_notices(found)],
+        "assume": counterfactual.name,
+        "assumes": counterfactual.assumes,
+        "joints": [_joint(joint) for joint in found.replay.joints],
+    }
+
+
+def _joint(joint: JointReplay) -> Document:
+    recovery = joint.recovery
+    return {
+        "joint": joint.joint,
+        "name": joint.name,
+        "reason": joint.reason or None,
+        "compensator": {"kind": kind_of(joint.compensator).name, **to_json(asdict(joint.compensator))},
+        "limits": to_json(asdict(joint.limits)),
+        "cycles": len(joint.history.status),
+        **_numbers(joint),
+        "passivity": None if joint.passivity is None else to_json(asdict(joint.passivity)),
+        "friction_step": None if recovery is None else to_json(asdict(recovery)),
+        "history": _history(joint.history),
+    }
+
+
+def _numbers(joint: JointReplay) -> Document:
+    """Return the numbers by name, each null where there is a reason."""
+    if joint.numbers is None:
+        return dict.fromkeys(NUMBERS)
+    return {name: to_json(value) for name, value in asdict(joint.numbers).items()}
+
+
+NUMBERS = (
+    "energy_recorded_j",
+    "energy_without_j",
+    "energy_with_j",
+    "dissipation_removed",
+    "dissipation_removed_updated",
+    "peak_torque_without_nm",
+    "peak_torque_with_nm",
+    "rms_torque_without_nm",
+    "rms_torque_with_nm",
+    "peak_compensation_nm",
+    "peak_rate_nm_s",
+    "limited_fraction",
+    "cycles_to_converge",
+    "diverged_s",
+)
+"""Fields of ``Numbers``."""
+
+HISTORY = (
+    "start_s",
+    "stop_s",
+    "friction_j",
+    "net_energy_j",
+    "coulomb_applied_nm",
+    "viscous_applied_nms_per_rad",
+    "coulomb_estimated_nm",
+    "viscous_estimated_nms_per_rad",
+)
+"""Fields of ``ReplayHistory`` that a document shows as they are."""
+
+
+def _history(history: ReplayHistory) -> list[Document]:
+    columns = zip(*(to_json(getattr(history, name)) for name in HISTORY), strict=True)
+    rows = enumerate(zip(columns, history.acted.tolist(), history.status.tolist(), strict=True), start=1)
+    return [
+        {"cycle": cycle, **dict(zip(HISTORY, values, strict=True)), "acted": acted, "status": STATUSES[status]}
+        for cycle, (values, acted, status) in rows
+    ]

@@ -1,0 +1,122 @@
+"""LogReplay -> the table that people read."""
+
+import math
+from typing import TYPE_CHECKING
+
+from friction_audit.audit import LogReplay
+from friction_audit.replay.compensators import EnergyCompensator, kind_of
+from friction_audit.replay.result import JointReplay
+from friction_audit.report.estimate_table import NOTHING, joint_label
+from friction_audit.report.reasons import reason_lines
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+TITLES = (
+    "joint",
+    "energy\nwithout",
+    "[J]\nwith",
+    "removed\n[%]",
+    "later\n[%]",
+    "peak\nwithout",
+    "[N m]\nwith",
+    "conv.\ncycles",
+    "damped\n[J]",
+    "passive\n(out)",
+)
+
+
+def replay_table(found: LogReplay) -> "list[RenderableType]":
+    """Return what was assumed, a row per joint, steps of friction, and the reasons of the joints without a result."""
+    from rich.text import Text
+
+    joints = found.replay.joints
+    parts: list[RenderableType] = [Text(line) for line in _head(found)]
+    parts.append(_table(joints))
+    parts.extend(Text(line) for joint in joints for line in _recovery(joint))
+    parts.extend(Text(f"not replayed: {line}") for line in reason_lines(joints))
+    return parts
+
+
+def _head(found: LogReplay) -> tuple[str, ...]:
+    log, counterfactual = found.estimate.log, found.replay.counterfactual
+    samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    return (
+        f"{log.source.path}: {log.source.format}, {samples}",
+        f"interaction torque: {found.estimate.interaction.choice.formula}",
+        f"compensator: {_describe(found.replay.joints[0])}",
+        f"{counterfactual.name}: {counterfactual.assumes}",
+    )
+
+
+def _describe(joint: JointReplay) -> str:
+    """Return the compensator in words; the settings of the joints differ in limits and thresholds only."""
+    compensator = joint.compensator
+    kind = kind_of(compensator)
+    if not isinstance(compensator, EnergyCompensator):
+        return f"{kind.name}, {kind.summary}"
+    controller = "with" if compensator.passivity else "without"
+    if compensator.forced is not None:
+        given = compensator.forced
+        law = f"fixed at {given.coulomb_nm:g} N m and {given.viscous_nms_per_rad:g} N m s/rad"
+    else:
+        cycles = compensator.cycles_per_estimate
+        times = "" if compensator.factor == 1 else f", times {compensator.factor:g}"
+        law = f"{compensator.model} model from the last {f'{cycles} cycles' if cycles > 1 else 'cycle'}{times}"
+    return f"{kind.name}, {law}, {controller} passivity controller"
+
+
+def _table(joints: tuple[JointReplay, ...]) -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+    for title in TITLES:
+        table.add_column(Text(title), justify="left" if title == TITLES[0] else "right", no_wrap=True)
+    for joint in joints:
+        table.add_row(*_row(joint))
+    return table
+
+
+def _row(joint: JointReplay) -> tuple[str, ...]:
+    label = joint_label(joint.joint, joint.name)
+    numbers, passivity = joint.numbers, joint.passivity
+    if numbers is None or passivity is None:
+        return label, *(NOTHING for _ in TITLES[1:])
+    converged = numbers.cycles_to_converge
+    return (
+        label,
+        _energy(numbers.energy_without_j),
+        _energy(numbers.energy_with_j),
+        _percent(numbers.dissipation_removed),
+        _percent(numbers.dissipation_removed_updated),
+        f"{numbers.peak_torque_without_nm:.3f}",
+        f"{numbers.peak_torque_with_nm:.3f}",
+        NOTHING if converged is None else str(converged),
+        _energy(passivity.injected_j),
+        f"{'yes' if passivity.violations == 0 else 'no'} ({passivity.active_cycles})",
+    )
+
+
+def _energy(energy_j: float) -> str:
+    return f"{energy_j:.3f}" if abs(energy_j) < MILLIJOULES_UP_TO_J else f"{energy_j:.0f}"
+
+
+MILLIJOULES_UP_TO_J = 100.0
+"""Above this, nobody wants to know."""
+
+
+def _percent(share: float) -> str:
+    return NOTHING if math.isnan(share) else f"{100 * share:.1f}"
+
+
+def _recovery(joint: JointReplay) -> list[str]:
+    recovery = joint.recovery
+    if recovery is None:
+        return []
+    change = f"joint {joint.joint}: friction steps to {recovery.change:.2f} times at {recovery.step_s:.4g} s"
+    if recovery.cycles is None:
+        return [f"{change}; the compensation is not right again in this log"]
+    return [f"{change}; compensation right again after {recovery.cycles} cycles, {recovery.seconds:.3g} s"]
