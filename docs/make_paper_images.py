@@ -11,7 +11,7 @@ from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
 FOLDER = Path(__file__).parent / "images" / "paper"
 WIDTH = 1050
 """Pixels of a picture, those of a column at 300 dpi."""
-COLOURS = 48
+COLOURS = 160
 
 
 def small(path: Path) -> Image.Image:

@@ -2,9 +2,12 @@
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from friction_audit.joint_log import Float
 from friction_audit.report.figures.layout import label_panel
 from friction_audit.report.figures.smoothing import smooth
-from friction_audit.report.figures.style import BORDER, FILTERED, MUTED, RAW, SHADE
+from friction_audit.report.figures.style import BORDER, FILTERED, FITTED, MUTED, RAW, SHADE
 from friction_audit.report.figures.thinning import every_nth, thin_extremes
 from friction_audit.report.paper_figures.course import Course
 
@@ -14,6 +17,11 @@ if TYPE_CHECKING:
 
 DRAWN = 4000
 """Points of a curve: more than a column has pixels."""
+
+ARROWS_AT = 0.6
+"""Share of a stroke's peak speed at which an arrow stands."""
+ARROW_SAMPLES = 40
+"""Samples from the middle of an arrow to its ends."""
 
 
 def shade(axes: "Axes", course: Course) -> None:
@@ -59,10 +67,24 @@ def draw_loop(axes: "Axes", course: Course, title: str) -> "list[Artist]":
     """Draw interaction torque against velocity, as measured and filtered; return the legend's entries."""
     axes.plot(course.dq, course.interaction_nm, ".", ms=1.0, mew=0, color=RAW, rasterized=True, zorder=1)
     raw = axes.plot([], [], ".", color=RAW, label="raw")
+    dq, torque = smooth(course.t, course.dq), smooth(course.t, course.interaction_nm)
     thin = every_nth(len(course.t), DRAWN)
-    dq, torque = (smooth(course.t, signal)[thin] for signal in (course.dq, course.interaction_nm))
-    curve = axes.plot(dq, torque, color=FILTERED, lw=0.6, label="filtered (10 Hz)", zorder=2)
+    curve = axes.plot(dq[thin], torque[thin], color=FILTERED, lw=0.6, label="filtered (10 Hz)", zorder=2)
+    for fastest in (int(np.argmax(dq)), int(np.argmin(dq))):
+        _add_arrows(axes, dq, torque, fastest)
     label_panel(axes, title)
     axes.set_xlabel("Velocity [rad/s]")
     axes.set_ylabel("Interaction torque [N m]")
     return [*raw, *curve]
+
+
+def _add_arrows(axes: "Axes", dq: Float, torque: Float, fastest: int) -> None:
+    """Add two arrows in the direction of time: on the way to the fastest sample of a stroke, and on the way back."""
+    half = ARROWS_AT * dq[fastest]
+    side = np.sign(dq[fastest])
+    rising = fastest - int(np.argmax(side * dq[fastest::-1] < abs(half)))
+    falling = fastest + int(np.argmax(side * dq[fastest:] < abs(half)))
+    for place in (rising, falling):
+        tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
+        style = {"arrowstyle": "-|>", "color": FITTED, "lw": 0.9, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
+        axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=style, zorder=5)
