@@ -10,6 +10,7 @@ from typing import Any
 
 from friction_audit.compiled import compiled
 from friction_audit.replay.compensators.check import require_finite, require_positive
+from friction_audit.replay.compensators.elastic_joint import ElasticJoint, largest_torque_gain
 from friction_audit.replay.compensators.guard import Guard
 from friction_audit.replay.compensators.kind import TORQUE_REGULATION, CompensatorKind, numbers_of
 
@@ -65,21 +66,34 @@ def loop_gain(settings: TorqueRegulation, *, inertia_kg_m2: float, outer_inertia
 
 
 def stability_limit(
-    settings: TorqueRegulation, *, inertia_kg_m2: float, outer_inertia_kg_m2: float, period_s: float
+    settings: TorqueRegulation,
+    *,
+    inertia_kg_m2: float,
+    outer_inertia_kg_m2: float,
+    period_s: float,
+    stiffness_nm_per_rad: float = math.inf,
+    damping_nms_per_rad: float = 0.0,
 ) -> float:
-    """Return the smallest stable desired inertia B_theta in a rigid joint; above it the loop is stable. [kg m^2]
+    """Return the smallest stable desired inertia B_theta; above it the loop is stable. [kg m^2]
 
-    With a = 1 - exp(-2 pi f dt), 1 without filter, the filtered torque follows y[k+1] = (1 - a - a gain) y[k] + ...:
-    stable while the gain of the loop stays below 2 / a - 1.
+    In a rigid joint, with a = 1 - exp(-2 pi f dt), 1 without filter, the filtered torque follows
+    y[k+1] = (1 - a - a gain) y[k] + ...: stable while the gain of the loop stays below 2 / a - 1. In an elastic joint
+    the phase that tick and filter lose at the ringing counts, and a filter may do harm.
 
     Args:
         settings: Assumed inertia and filter; the desired inertia does not matter.
         inertia_kg_m2: True motor inertia B. [kg m^2]
         outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
         period_s: Tick of the controller. [s]
+        stiffness_nm_per_rad: Between motor and outer inertia, the sensor in series; infinite if rigid. [N m/rad]
+        damping_nms_per_rad: Beside it. [N m s/rad]
     """
     share = -math.expm1(-2.0 * math.pi * settings.cutoff_hz * period_s)
-    largest = (2.0 / share - 1.0) * (outer_inertia_kg_m2 + inertia_kg_m2) / outer_inertia_kg_m2
+    if math.isinf(stiffness_nm_per_rad):
+        largest = (2.0 / share - 1.0) * (outer_inertia_kg_m2 + inertia_kg_m2) / outer_inertia_kg_m2
+    else:
+        joint = ElasticJoint(inertia_kg_m2, outer_inertia_kg_m2, stiffness_nm_per_rad, damping_nms_per_rad)
+        largest = largest_torque_gain(joint, share, period_s)
     return settings.inertia_kg_m2 / (1.0 + largest)
 
 
