@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from friction_audit.errors import UsageError
 from friction_audit.simulate.bench import BenchSettings, simulate_bench
 from friction_audit.simulate.effects import EFFECTS, Effect, Hidden
 from friction_audit.simulate.operator import Operator
@@ -127,17 +128,33 @@ def test_the_joint_obeys_its_equation_of_motion(effect: Effect, form: str) -> No
 
 
 def everything(number: int) -> Hidden:
-    """Return all effects at once, in the forms that a number chooses."""
+    """Return all effects at once, in the forms that a number chooses; bristles or stiction, which exclude each other."""
     chosen = {effect: effect.forms[number % len(effect.forms)] if effect.forms else "" for effect in EFFECTS}
     groups = {effect.name: effect.make({"form": form} if form else {}) for effect, form in chosen.items()}
+    del groups["stiction" if number % 2 else "presliding"]
     return Hidden(**groups)
 
 
+def test_bristles_and_stiction_exclude_each_other() -> None:
+    pair = {name: effect.make({}) for effect in EFFECTS if (name := effect.name) in ("presliding", "stiction")}
+    with pytest.raises(UsageError, match="bristles have a break-away of their own"):
+        Hidden(**pair)
+
+
+def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> None:
+    unlogged = next(effect for effect in EFFECTS if effect.name == "unlogged_compensation")
+    with pytest.raises(UsageError, match="sensor reads all that the motor gives"):
+        replace(PLAIN, logs_sensor=True, driven=True, hidden=(Hidden(unlogged_compensation=unlogged.make({})),))
+
+
 @pytest.mark.parametrize("driven", [False, True])
-@pytest.mark.parametrize("number", range(4))
+@pytest.mark.parametrize("number", range(6))
 def test_all_effects_at_once(number: int, driven: bool) -> None:
     settings = replace(PLAIN, logs_sensor=True, gravity_nm=5.0, driven=driven, duration_s=10.0)
-    simulation = simulate_bench(replace(settings, hidden=(everything(number),)), SEED)
+    hidden = everything(number)
+    if driven:
+        hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)
+    simulation = simulate_bench(replace(settings, hidden=(hidden,)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
     assert np.abs(simulation.truth.motion.dq).max() < 5.0

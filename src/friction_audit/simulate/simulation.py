@@ -28,7 +28,7 @@ class Motion:
         compensation_nm: Torque of the compensator in force at the tick. [N m]
         passivity_nm: Torque of its passivity controller. [N m]
         unlogged_nm: Torque of a compensator that the log does not name. [N m]
-        dissipated_j: Energy that friction has taken so far. [J]
+        dissipated_j: Energy that friction has taken so far; bristles give a little of it back. [J]
         warmth: 0 cold, 1 warm.
     """
 

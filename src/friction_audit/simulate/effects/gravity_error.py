@@ -25,7 +25,9 @@ class GravityError:
 
 
 def reading_nm(group: GravityError, q: Float) -> Float:
-    """Return what is added to the interaction torque as read, shape (n,). [N m]
+    """Return by how much the gravity torque that is subtracted is too large, shape (n,). [N m]
+
+    The interaction torque comes out too large by it where a hand moves the joint, too small where the robot does.
 
     Args:
         group: The error.

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from friction_audit.errors import UsageError
 from friction_audit.simulate.effects.asymmetric_coulomb import AsymmetricCoulomb
 from friction_audit.simulate.effects.asymmetric_viscous import AsymmetricViscous
 from friction_audit.simulate.effects.backlash import Backlash
@@ -31,33 +32,42 @@ from friction_audit.simulate.effects.warm_up import WarmUp
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Hidden:
-    """One group per effect, named as the effect."""
+    """One group per effect, named as the effect.
 
-    stribeck: Stribeck = Stribeck()  # noqa: RUF009 - frozen
-    stiction: Stiction = Stiction()  # noqa: RUF009 - frozen
-    nonlinear_viscous: NonlinearViscous = NonlinearViscous()  # noqa: RUF009 - frozen
-    asymmetric_coulomb: AsymmetricCoulomb = AsymmetricCoulomb()  # noqa: RUF009 - frozen
-    asymmetric_viscous: AsymmetricViscous = AsymmetricViscous()  # noqa: RUF009 - frozen
-    presliding: Presliding = Presliding()  # noqa: RUF009 - frozen
-    frictional_lag: FrictionalLag = FrictionalLag()  # noqa: RUF009 - frozen
-    load_dependent_friction: LoadDependentFriction = LoadDependentFriction()  # noqa: RUF009 - frozen
-    position_dependent_friction: PositionDependentFriction = PositionDependentFriction()  # noqa: RUF009 - frozen
-    torque_ripple: TorqueRipple = TorqueRipple()  # noqa: RUF009 - frozen
-    gravity_error: GravityError = GravityError()  # noqa: RUF009 - frozen
-    cable_spring: CableSpring = CableSpring()  # noqa: RUF009 - frozen
-    joint_limit_stop: JointLimitStop = JointLimitStop()  # noqa: RUF009 - frozen
-    torque_bias: TorqueBias = TorqueBias()  # noqa: RUF009 - frozen
-    torque_drift: TorqueDrift = TorqueDrift()  # noqa: RUF009 - frozen
-    time_delay: TimeDelay = TimeDelay()  # noqa: RUF009 - frozen
-    torque_crosstalk: TorqueCrosstalk = TorqueCrosstalk()  # noqa: RUF009 - frozen
-    joint_elasticity: JointElasticity = JointElasticity()  # noqa: RUF009 - frozen
-    backlash: Backlash = Backlash()  # noqa: RUF009 - frozen
-    inertia_error: InertiaError = InertiaError()  # noqa: RUF009 - frozen
-    inertial_coupling: InertialCoupling = InertialCoupling()  # noqa: RUF009 - frozen
-    warm_up: WarmUp = WarmUp()  # noqa: RUF009 - frozen
-    friction_step: FrictionStep = FrictionStep()  # noqa: RUF009 - frozen
-    contact_event: ContactEvent = ContactEvent()  # noqa: RUF009 - frozen
-    unlogged_compensation: UnloggedCompensation = UnloggedCompensation()  # noqa: RUF009 - frozen
+    Raises:
+        UsageError: If one effect would keep another from doing anything.
+    """
 
+    stribeck: Stribeck = Stribeck()
+    stiction: Stiction = Stiction()
+    nonlinear_viscous: NonlinearViscous = NonlinearViscous()
+    asymmetric_coulomb: AsymmetricCoulomb = AsymmetricCoulomb()
+    asymmetric_viscous: AsymmetricViscous = AsymmetricViscous()
+    presliding: Presliding = Presliding()
+    frictional_lag: FrictionalLag = FrictionalLag()
+    load_dependent_friction: LoadDependentFriction = LoadDependentFriction()
+    position_dependent_friction: PositionDependentFriction = PositionDependentFriction()
+    torque_ripple: TorqueRipple = TorqueRipple()
+    gravity_error: GravityError = GravityError()
+    cable_spring: CableSpring = CableSpring()
+    joint_limit_stop: JointLimitStop = JointLimitStop()
+    torque_bias: TorqueBias = TorqueBias()
+    torque_drift: TorqueDrift = TorqueDrift()
+    time_delay: TimeDelay = TimeDelay()
+    torque_crosstalk: TorqueCrosstalk = TorqueCrosstalk()
+    joint_elasticity: JointElasticity = JointElasticity()
+    backlash: Backlash = Backlash()
+    inertia_error: InertiaError = InertiaError()
+    inertial_coupling: InertialCoupling = InertialCoupling()
+    warm_up: WarmUp = WarmUp()
+    friction_step: FrictionStep = FrictionStep()
+    contact_event: ContactEvent = ContactEvent()
+    unlogged_compensation: UnloggedCompensation = UnloggedCompensation()
 
-NOTHING = Hidden()
+    def __post_init__(self) -> None:
+        """Refuse stiction where bristles hold the joint: it never rests as a whole."""
+        if self.presliding.displacement_rad != 0.0 and self.stiction.excess_nm != 0.0:
+            raise UsageError(
+                "--effect presliding with --effect stiction in one joint: bristles have a break-away of their own and "
+                "stiction would do nothing; expected one of them, or stribeck for more friction at rest"
+            )
