@@ -128,7 +128,7 @@ def test_the_joint_obeys_its_equation_of_motion(effect: Effect, form: str) -> No
 
 
 def everything(number: int) -> Hidden:
-    """Return all effects at once, in the forms that a number chooses; bristles or stiction, which exclude each other."""
+    """Return all effects at once but stiction or bristles, in the forms that a number chooses."""
     chosen = {effect: effect.forms[number % len(effect.forms)] if effect.forms else "" for effect in EFFECTS}
     groups = {effect.name: effect.make({"form": form} if form else {}) for effect, form in chosen.items()}
     del groups["stiction" if number % 2 else "presliding"]
