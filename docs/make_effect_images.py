@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.report.figures.style import figure_style
 from friction_audit.simulate import (
     EFFECTS,
@@ -38,7 +38,7 @@ COLOURS = 64
 GREY = "#8a8a8a"
 FORM_COLOURS = ("#004c80", "#d55e00", "#009e73", "#cc79a7")
 FORM_DASHES = ("-", (0, (4, 1.2)), (0, (1.2, 1.0)), (0, (5, 1, 1, 1)))
-WIDE = 34
+WIDE = 33
 LAST_S, EARLY_S = 2.5, 3.0
 CONTACT_S = (9.6, 10.0)
 SEED = 3
@@ -97,6 +97,13 @@ def forms(name: str, **values: Any) -> list[tuple[str, Hidden]]:  # noqa: ANN401
     ]
 
 
+def less_gravity(log: JointLog) -> Float:
+    """Return what the sensors of an arm read beyond gravity, shape (n, j). [N m]"""
+    assert log.tau_J is not None
+    assert log.gravity is not None
+    return log.tau_J - log.gravity
+
+
 def move(hidden: Hidden, motion: MotionSettings, duration_s: float, *, grip: Any = FIRM, **more: Any) -> Run:  # noqa: ANN401
     """Simulate one joint without noise."""
     operator = Operator(**grip, motion=motion)
@@ -105,7 +112,7 @@ def move(hidden: Hidden, motion: MotionSettings, duration_s: float, *, grip: Any
     )
     simulation = simulate(settings, SEED)
     log, truth = simulation.log, simulation.truth.motion
-    torque = log.tau_interaction if log.tau_interaction is not None else log.gravity - log.tau_J
+    torque = log.tau_interaction if log.tau_interaction is not None else -less_gravity(log)
     return Run(
         t=log.t,
         q=log.q[:, 0],
@@ -127,6 +134,14 @@ def bold(axes: Axes, x: Float, y: Float, k: int = 0, label: str | None = None) -
     axes.plot(x, y, color=FORM_COLOURS[k], linestyle=FORM_DASHES[k], linewidth=1.4, label=label, zorder=2 + k)
 
 
+def draw(axes: Axes, k: int, x: Float, y: Float, label: str | None = None) -> None:
+    """Draw what there is without the effect, k = 0, or with it in its form k - 1."""
+    if k == 0:
+        plain(axes, x, y, label)
+    else:
+        bold(axes, x, y, k - 1, label)
+
+
 def curves(
     axes: Axes,
     name: str,
@@ -136,20 +151,20 @@ def curves(
     **more: Any,  # noqa: ANN401
 ) -> None:
     """Draw a joint without the effect and with every form of it."""
-    values = more.pop("values", {})
-    plain(axes, *pick(move(Hidden(), motion, duration_s, **more)))
-    for k, (word, hidden) in enumerate(forms(name, **values)):
-        bold(axes, *pick(move(hidden, motion, duration_s, **more)), k, word)
+    for k, (word, hidden) in enumerate([("without", Hidden()), *forms(name)]):
+        draw(axes, k, *pick(move(hidden, motion, duration_s, **more)), word)
 
 
-def named(axes: Axes, x: str, y: str, *, legend: str | None = "best") -> None:
+def named(axes: Axes, x: str, y: str, *, legend: Any = "best") -> None:  # noqa: ANN401 - a word of matplotlib, or None
     """Name the axes; a legend ``above`` is outside of them."""
     axes.set_xlabel(x)
     axes.set_ylabel(y)
     if legend == "above":
         lines, words = axes.get_legend_handles_labels()
         columns = len(words) if len("".join(words)) < WIDE else 3
-        axes.figure.legend(lines, words, loc="outside upper center", ncols=columns)  # type: ignore[call-arg]
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        figure.legend(lines, words, loc="outside upper center", ncols=columns)
     elif legend:
         axes.legend(loc=legend)
 
@@ -208,9 +223,9 @@ def breakaways(run: Run) -> tuple[Float, Float]:
 def stiction() -> Figure:
     figure, (left, right) = sheet(1, 2, width_ratios=(1, 1.25))
     motion = SlowSweep(speeds_rad_s=(0.05, 0.05), steps=1, range_rad=(-0.08, 0.08), dwell_s=1.0, ease_s=1.0)
-    for draw, hidden in ((plain, Hidden()), (bold, group("stiction"))):
+    for k, hidden in enumerate((Hidden(), group("stiction"))):
         run = move(hidden, motion, 12.0, grip=USUAL)
-        draw(left, run.t, run.read)
+        draw(left, k, run.t, run.read)
     left.set_xlim(4.3, 5.3)
     left.set_ylim(0.0, 0.55)
     named(left, TIME, "interaction torque [N m]", legend=None)
@@ -261,8 +276,7 @@ def frictional_lag() -> Figure:
     for k, (word, hidden) in enumerate(runs):
         run = move(hidden, motion, 4.5)
         chosen = (run.t > 1.5) & (run.t < 3.0)
-        draw = plain if k == 0 else lambda *a: bold(*a[:3], k - 1, a[3])  # noqa: B023
-        draw(axes, run.dq[chosen], run.friction[chosen], word)
+        draw(axes, k, run.dq[chosen], run.friction[chosen], word)
     named(axes, VELOCITY, "friction [N m]", legend="upper left")
     return figure
 
@@ -355,9 +369,9 @@ def torque_crosstalk() -> Figure:
         hidden = (Hidden(), entry, *(Hidden(),) * 5)
         settings = HandGuidedPanda(hidden=hidden, sensors=(IDEAL_SENSORS,) * 7, duration_s=8.0)
         logs.append(simulate(settings, SEED).log)
-    plain(above, logs[0].t, (logs[0].tau_J - logs[0].gravity)[:, 0], None)
-    for draw, log, word in zip((plain, bold), logs, ("without", "with"), strict=True):
-        draw(below, log.t, (log.tau_J - log.gravity)[:, 1], label=word)
+    draw(above, 0, logs[0].t, less_gravity(logs[0])[:, 0])
+    for k, log in enumerate(logs):
+        draw(below, k, log.t, less_gravity(log)[:, 1], ("without", "with")[k])
     named(above, "", "joint 1, moved:\ntorque less\ngravity [N m]", legend=None)
     named(below, TIME, "joint 2, at rest:\ntorque less\ngravity [N m]", legend="upper right")
     return figure
@@ -377,8 +391,8 @@ def backlash() -> Figure:
     for k, hidden in enumerate((Hidden(), group("backlash"))):
         run = move(hidden, SLOW, SLOW_S)
         truth = run.simulation.truth.motion
-        (plain if k == 0 else bold)(above, run.t, run.read)
-        (plain if k == 0 else bold)(below, run.t, 1e3 * (truth.inner_q - truth.q)[:, 0])
+        draw(above, k, run.t, run.read)
+        draw(below, k, run.t, 1e3 * (truth.inner_q - truth.q)[:, 0])
         turn = run.t[turning(run)]
     below.set_xlim(turn - 0.2, turn + 0.8)
     named(above, "", "interaction\ntorque [N m]", legend=None)
@@ -406,8 +420,7 @@ def inertial_coupling() -> Figure:
         truth = simulate(settings, SEED).truth.motion
         inertia = settings.joints[4].inertia_kg_m2
         rest = (truth.interaction_nm - truth.friction_nm - inertia * truth.inner_ddq)[:, 4]
-        draw = plain if k == 0 else bold
-        draw(axes, truth.inner_ddq[:, 3], rest, label=("without", "with")[k])
+        draw(axes, k, truth.inner_ddq[:, 3], rest, ("without", "with")[k])
     named(axes, "acceleration of joint 4 [rad/s$^2$]", "joint 5: torque less\nfriction and inertia [N m]")
     return figure
 
@@ -447,7 +460,7 @@ def contact_event() -> Figure:
     for k, (word, hidden) in enumerate(runs):
         run = move(hidden, motion, 12.0)
         for axes in (left, right)[k > 1 :]:
-            (plain if k == 0 else bold)(axes, run.t, run.less_inertia, *([k - 1] if k else []), label=word)
+            draw(axes, k, run.t, run.less_inertia, word)
     named(left, TIME, LESS_INERTIA, legend=None)
     right.set_xlim(*CONTACT_S)
     named(right, TIME, "", legend="above")
@@ -500,10 +513,10 @@ def save(figure: Figure, path: Path) -> None:
 def make_pictures(names: list[str]) -> None:
     """Draw the pictures with these names, or all of them."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    for draw in PICTURES:
-        if not names or draw.__name__ in names:
+    for picture in PICTURES:
+        if not names or picture.__name__ in names:
             with figure_style():
-                save(draw(), FOLDER / f"{draw.__name__}.png")
+                save(picture(), FOLDER / f"{picture.__name__}.png")
 
 
 if __name__ == "__main__":
