@@ -1,0 +1,21 @@
+"""Models of joints: inertia and named terms; their torque, their forward simulation, their file."""
+
+from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
+from friction_audit.model.model_file import load_model, save_model
+from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.terms import TERMS, term_of
+
+__all__ = [
+    "TERMS",
+    "ArmModel",
+    "FittedTerm",
+    "JointModel",
+    "Motion",
+    "Parameter",
+    "Provenance",
+    "Term",
+    "load_model",
+    "save_model",
+    "simple_model",
+    "term_of",
+]

@@ -1,0 +1,166 @@
+"""ArmModel <-> ``model.toml``, the file that people may read and edit."""
+
+import json
+import tomllib
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from friction_audit import __version__
+from friction_audit.errors import AnalysisError, InputError
+from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance
+from friction_audit.model.terms import TERMS, near_names
+from friction_audit.whole_file import whole_file
+
+SCHEMA = "friction-audit/model/1"
+ORIGIN: dict[str, type] = {"method": str, "log": str, "sha256": str, "cycles": int}
+"""Keys of a joint's provenance and their types."""
+
+
+def save_model(model: ArmModel, path: Path, *, overwrite: bool = False) -> None:
+    """Write a model, whole or not at all.
+
+    Raises:
+        UsageError: If the file exists and ``overwrite`` is false, or its folder cannot be written to.
+    """
+    with whole_file(path, overwrite=overwrite) as draft:
+        draft.write_text("\n".join(_lines(model)) + "\n", encoding="utf-8")
+
+
+def load_model(path: Path) -> ArmModel:
+    """Read a model.
+
+    Raises:
+        InputError: If the file is none; the message names all that is missing at once.
+    """
+    document = _read(path)
+    schema = document.get("schema")
+    if schema != SCHEMA:
+        raise InputError(f"{path}: schema is {schema!r}; expected {SCHEMA!r}; is it a file of a joint model?")
+    tables = document.get("joint")
+    if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
+        raise InputError(f"{path}: no [[joint]] table; expected one per joint; write the model again")
+    faults = [fault for i, table in enumerate(tables) for fault in _faults(table, f"joint {i + 1}")]
+    faults = [*_strangers(document, ("schema", "version", "joint"), "the file"), *faults]
+    if faults:
+        raise InputError(f"{path}: {'; '.join(faults)}; correct the file or write the model again")
+    joints = tuple(_joint(path, i + 1, table) for i, table in enumerate(tables))
+    return ArmModel(names=tuple(table["name"] for table in tables), joints=joints)
+
+
+def _lines(model: ArmModel) -> Iterator[str]:
+    """Yield the lines of the file."""
+    yield f"schema = {_text(SCHEMA)}"
+    yield f"version = {_text(__version__)}"
+    for name, joint in zip(model.names, model.joints, strict=True):
+        yield from ("", "[[joint]]", f"name = {_text(name)}")
+        if joint is not None:
+            yield from _joint_lines(joint)
+
+
+def _joint_lines(joint: JointModel) -> Iterator[str]:
+    """Yield the lines of one joint below its name."""
+    yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
+    origin = joint.provenance
+    yield from ("", "[joint.provenance]")
+    yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
+    yield f"cycles = {origin.cycles}"
+    for term in joint.terms:
+        yield from ("", f"[joint.terms.{term.name}]  # {term.term.label}")
+        for parameter, value in zip(term.term.parameters, term.values, strict=True):
+            yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
+
+
+def _text(text: str) -> str:
+    """Return a basic string of TOML; JSON's escapes are a part of TOML's, which wants DEL escaped too."""
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007F")
+
+
+def _read(path: Path) -> dict[str, Any]:
+    """Return the file as TOML."""
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be read: {error.strerror}; give a file of a joint model") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: is no text in UTF-8; expected a model.toml") from error
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: is no TOML: {error}; expected a model.toml") from error
+
+
+def _faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
+    """Yield what is wrong with the table of one joint: keys missing, strange, or of the wrong type."""
+    yield from _strangers(table, ("name", "inertia_kg_m2", "provenance", "terms"), where)
+    if not isinstance(table.get("name"), str):
+        yield f"{where}: name is missing or no text"
+    known = "inertia_kg_m2" in table
+    terms, origin = table.get("terms", {}), table.get("provenance", {})
+    if known and not _is_number(table["inertia_kg_m2"]):
+        yield f"{where}: inertia_kg_m2 is no number"
+    if not known and (terms or origin):
+        yield f"{where}: inertia_kg_m2 is missing"
+    if isinstance(terms, dict):
+        for name, values in terms.items():
+            yield from _term_faults(name, values, where)
+    else:
+        yield f"{where}: terms is no table"
+    yield from _origin_faults(origin, f"{where}: provenance")
+
+
+def _term_faults(name: str, values: object, where: str) -> Iterator[str]:
+    """Yield what is wrong with the table of one term."""
+    names = [term.name for term in TERMS if term.name != "inertia"]
+    term = next((term for term in TERMS if term.name == name and name in names), None)
+    if term is None:
+        yield f"{where}: {name!r} is no term{near_names(name, names)}, expected {', '.join(names)}"
+        return
+    if not isinstance(values, dict):
+        yield f"{where}: {name} is no table"
+        return
+    wanted = tuple(parameter.name for parameter in term.parameters)
+    yield from _strangers(values, wanted, f"{where}: {name}")
+    missing = [key for key in wanted if key not in values]
+    if missing:
+        yield f"{where}: {name}: {', '.join(missing)} missing"
+    yield from (
+        f"{where}: {name}: {key} is no number" for key in wanted if key in values and not _is_number(values[key])
+    )
+
+
+def _origin_faults(origin: object, where: str) -> Iterator[str]:
+    """Yield what is wrong with the table of a provenance."""
+    if not isinstance(origin, dict):
+        yield f"{where} is no table"
+        return
+    yield from _strangers(origin, tuple(ORIGIN), where)
+    for key, kind in ORIGIN.items():
+        if key in origin and type(origin[key]) is not kind:
+            yield f"{where}: {key} is no {'text' if kind is str else 'whole number'}"
+
+
+def _strangers(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> Iterator[str]:
+    """Yield the keys that nobody knows."""
+    yield from (f"{where}: {key!r} is no key{near_names(key, list(known))}" for key in table if key not in known)
+
+
+def _is_number(value: object) -> bool:
+    """Return True for a number that is no truth value."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | None:
+    """Return the model of a joint from a table without faults; its values may still be beyond their bounds."""
+    if "inertia_kg_m2" not in table:
+        return None
+    try:
+        terms = tuple(_term(name, values) for name, values in table.get("terms", {}).items())
+        origin = Provenance(**table.get("provenance", {}))
+        return JointModel(inertia_kg_m2=float(table["inertia_kg_m2"]), terms=terms, provenance=origin)
+    except AnalysisError as error:
+        raise InputError(f"{path}: joint {number}: {error}; correct the file") from error
+
+
+def _term(name: str, values: Mapping[str, Any]) -> FittedTerm:
+    """Return a term, its values in the order of its parameters."""
+    term = next(term for term in TERMS if term.name == name)
+    return FittedTerm(name, tuple(float(values[parameter.name]) for parameter in term.parameters))

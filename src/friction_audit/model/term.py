@@ -1,0 +1,93 @@
+"""What a term of a joint's model is: one named share of the torque that a measured motion takes.
+
+A model says S = F_m + u = sum of its terms: the interaction torque and the compensator's torque together pay for
+inertia, friction and whatever else there is. Every term is linear in some of its parameters once the others, which
+give it its shape, are known, so that a fit needs to search the shape only.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Motion:
+    """Motion of one joint, shape (n,) each.
+
+    Attributes:
+        t: Time. [s]
+        q: Position. [rad]
+        dq: Velocity. [rad/s]
+        ddq: Acceleration. [rad/s^2]
+        load: Load on the joint as predicted, never measured; None where nobody has predicted it. [N m]
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    ddq: Float
+    load: Float | None = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Parameter:
+    """A number of a term.
+
+    Attributes:
+        name: Its name with the unit behind it, e.g. ``coulomb_nm``; unique over all terms.
+        unit: The unit, as people write it.
+        meaning: One line.
+        lower: Smallest value that makes sense.
+        upper: Largest value that makes sense.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    lower: float = -inf
+    upper: float = inf
+
+    def allows(self, value: float) -> bool:
+        """Return True for a finite value within the bounds."""
+        return bool(np.isfinite(value)) and self.lower <= value <= self.upper
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Term:
+    """A term: its name, its parameters and its regressor.
+
+    Attributes:
+        name: As in the vocabulary of effects, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
+        label: The name as people say it.
+        linear: Parameters in which the torque is linear, one per column of the regressor.
+        shape: The other parameters.
+        basis: (motion, shape values) -> regressor, shape (n, len(linear)).
+        friction: If True, what the term takes is dissipated.
+        speed_only: If True, the torque follows from the velocity alone.
+    """
+
+    name: str
+    label: str
+    linear: tuple[Parameter, ...]
+    shape: tuple[Parameter, ...] = ()
+    basis: Callable[[Motion, Sequence[float]], Float]
+    friction: bool = False
+    speed_only: bool = False
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters: the linear ones, then the shape."""
+        return self.linear + self.shape
+
+    def regressor(self, motion: Motion, shape_values: Sequence[float] = ()) -> Float:
+        """Return the torque per unit of each linear parameter, shape (n, len(linear))."""
+        return self.basis(motion, shape_values)
+
+    def torque(self, values: Sequence[float], motion: Motion) -> Float:
+        """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""
+        split = len(self.linear)
+        return np.asarray(self.basis(motion, values[split:]) @ np.asarray(values[:split], dtype=np.float64))

@@ -1,0 +1,31 @@
+"""The terms there are: one file each."""
+
+import difflib
+
+from friction_audit.errors import AnalysisError
+from friction_audit.model.term import Term
+from friction_audit.model.terms import coulomb, inertia, offset, stribeck, viscous
+
+__all__ = ["TERMS", "near_names", "term_of"]
+
+TERMS: tuple[Term, ...] = (inertia.TERM, coulomb.TERM, viscous.TERM, offset.TERM, stribeck.TERM)
+"""In the order of the documentation."""
+
+
+def term_of(name: str) -> Term:
+    """Return the term of a name.
+
+    Raises:
+        AnalysisError: If there is none; the message names those that are near.
+    """
+    for term in TERMS:
+        if term.name == name:
+            return term
+    known = ", ".join(term.name for term in TERMS)
+    raise AnalysisError(f"{name!r} is no term{near_names(name, [term.name for term in TERMS])}; expected {known}")
+
+
+def near_names(name: str, names: list[str]) -> str:
+    """Return `` (did you mean ...?)``, or nothing where no name is near."""
+    near = difflib.get_close_matches(name, names, 1)
+    return f" (did you mean {near[0]}?)" if near else ""

@@ -1,0 +1,23 @@
+"""Coulomb friction: the same torque at any speed, against the motion."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion, Parameter, Term
+
+
+def basis(motion: Motion, _shape: Sequence[float]) -> Float:
+    """Return sgn(dq) as a column, 0 at rest: there, friction is whatever holds the joint."""
+    return np.sign(motion.dq)[:, None]
+
+
+TERM = Term(
+    name="coulomb",
+    label="Coulomb friction",
+    linear=(Parameter(name="coulomb_nm", unit="N m", meaning="friction at any speed", lower=0.0),),
+    basis=basis,
+    friction=True,
+    speed_only=True,
+)
