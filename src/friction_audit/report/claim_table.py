@@ -5,24 +5,47 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+    from rich.table import Table
 
-TITLES = ("fig", "claim", "paper", "ours", "holds")
+Row = Mapping[str, Any]
+
+SHARES = {"fig": None, "claim": 3, "paper": 2, "ours": 4, "holds": None}
+"""Columns, and how they share the width; None for as wide as they need."""
 
 
-def claim_table(claims: Iterable[Mapping[str, Any]]) -> "list[RenderableType]":
-    """Return a row per claim, each with ``figure``, ``claim``, ``paper``, ``ours`` and ``holds``, and the count."""
+def claim_table(claims: Iterable[Row]) -> "list[RenderableType]":
+    """Return a row per claim, why those do not hold that do not, and how many hold.
+
+    Args:
+        claims: Each with ``figure``, ``claim``, ``paper``, ``ours``, ``holds`` and ``note``.
+    """
+    from rich.text import Text
+
+    rows = list(claims)
+    reasons = [f"{row['figure']}: {row['note']}" for row in rows if not row["holds"] and row["note"]]
+    count = f"{sum(bool(row['holds']) for row in rows)} of {len(rows)} claims hold"
+    return [Text(line) for line in (*_lines(_table(rows)), *reasons, count)]
+
+
+def _table(rows: list[Row]) -> "Table":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
-    rows = list(claims)
-    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, show_lines=False)
-    for title in TITLES:
-        table.add_column(title, no_wrap=title in ("fig", "holds"), ratio={"claim": 3, "paper": 2, "ours": 4}.get(title))
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for title, share in SHARES.items():
+        table.add_column(title, no_wrap=share is None, ratio=share)
     for row in rows:
         texts = (row["figure"], row["claim"], row["paper"], row["ours"], "yes" if row["holds"] else "NO")
         table.add_row(*(Text(str(text)) for text in texts))
-    parts: list[RenderableType] = [table]
-    parts += [Text(f"{row['figure']}: {row['note']}") for row in rows if not row["holds"] and row["note"]]
-    parts.append(Text(f"{sum(bool(row['holds']) for row in rows)} of {len(rows)} claims hold"))
-    return parts
+    return table
+
+
+def _lines(table: "Table") -> list[str]:
+    """Return the table as text as wide as the terminal, without spaces at the ends of its lines."""
+    from rich.console import Console
+
+    console = Console(highlight=False, color_system=None)
+    with console.capture() as captured:
+        console.print(table)
+    return [line.rstrip() for line in captured.get().splitlines()]
