@@ -172,7 +172,7 @@ def make_motion(mechanism: Mechanism, *, driven: bool) -> Motion:
 
 
 def make_traces(mechanism: Mechanism) -> dict[str, Float]:
-    """Return what learning compensators knew, by name, shape (n + 1, j) each."""
+    """Return what the compensators knew, by name, shape (n + 1, j) each."""
     if not mechanism.traced.shape[2]:
         return {}
     return {name: mechanism.traced[:, :, column] for column, name in enumerate(TRACE)}

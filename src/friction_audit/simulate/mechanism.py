@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator, EnergyCompensator
+from friction_audit.replay.compensator import Compensator
 from friction_audit.replay.records import TRACE, fresh_memory
 from friction_audit.replay.records import pack as pack_compensators
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, HALF_SUBSTEPS
@@ -72,7 +72,7 @@ class Mechanism:
         loop: Compensators and what they see.
         clock: The controller's clock.
         out: Truth of every tick, shape (ticks + 1, ROWS, n).
-        traced: What the compensators knew, shape (ticks + 1, n, columns); no columns where none of them learns.
+        traced: What the compensators knew, shape (ticks + 1, n, columns); no columns without one.
     """
 
     joints: np.ndarray[Any, Any]
@@ -123,7 +123,6 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> 
         contact_event.draw_events(inside.contact_event, settings.duration_s, rng)
         for inside, rng in zip(settings.hidden, streams.events, strict=True)
     ]
-    learns = isinstance(settings.compensator, EnergyCompensator)
     states = np.zeros(n, STATE)
     states["start_rad"] = start
     return Mechanism(
@@ -134,7 +133,7 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> 
         loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
-        traced=np.zeros((ticks + 1, n, len(TRACE) if learns else 0)),
+        traced=np.zeros((ticks + 1, n, len(TRACE) if settings.compensator is not None else 0)),
     )
 
 

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.replay.compensator import EnergyCompensator
+from friction_audit.replay.compensators import guards
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, sampled_ticks
 from friction_audit.simulate.effects import gravity_error, time_delay, torque_crosstalk, torque_ripple, warm_up
 from friction_audit.simulate.effects.time_delay import TORQUE_LATE, VELOCITY_LATE
@@ -109,7 +109,7 @@ def _compensator_channels(settings: Settings, motion: Motion) -> dict[str, Float
     if settings.compensator is None:
         return {}
     channels = {"tau_compensation": motion.compensation_nm}
-    if isinstance(settings.compensator, EnergyCompensator) and settings.compensator.passivity:
+    if guards(settings.compensator):
         channels["tau_passivity"] = motion.passivity_nm
     return channels
 

@@ -58,7 +58,7 @@ class Truth:
         seed: The seed.
         motion: The motion, free of noise.
         compensators: What each joint's compensator knew at every tick, by the names in ``replay.records.TRACE``, shape
-            (n + 1, j) each; empty without one that learns.
+            (n + 1, j) each; empty without one.
     """
 
     settings: Any

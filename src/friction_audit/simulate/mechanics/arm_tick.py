@@ -4,21 +4,11 @@ import math
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.hand_cycles import INITIATION_M_S, TERMINATION_M_S, end_cycle, hand_rests
 from friction_audit.replay.kernels import FIND, trace
 from friction_audit.replay.records import Record
 from friction_audit.simulate.mechanics.sensing import quantised
 from friction_audit.simulate.mechanics.tick import advance, control, evaluate, keep
-
-FILTERED_M_S, UNDER_WAY = range(2)
-CYCLE_STATE = 2
-"""What is remembered of the hand: its filtered speed, and whether a cycle is under way."""
-
-INITIATION_M_S, TERMINATION_M_S = 0.1, 0.025
-"""Hand speeds at which a cycle begins and ends. [m/s]"""
-
-CORNER_RAD_S = 2.0 * math.pi * 20.0
-"""Corner of the low-pass on the hand's speed. [rad/s]"""
-
 
 @compiled()
 def load_masses(body: Record, outer: Float, inner: Float) -> None:
@@ -91,15 +81,12 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
             velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
             along += jacobian[a, j] * velocity
         square += along * along
-    cycle[FILTERED_M_S] += (1.0 - math.exp(-CORNER_RAD_S * dt)) * (math.sqrt(square) - cycle[FILTERED_M_S])
-    if cycle[FILTERED_M_S] > INITIATION_M_S:
-        cycle[UNDER_WAY] = 1.0
-    if cycle[UNDER_WAY] == 0.0 or cycle[FILTERED_M_S] > TERMINATION_M_S:
+    if not hand_rests(cycle, math.sqrt(square), dt, INITIATION_M_S, TERMINATION_M_S):
         return 0
     for j in range(body.joints):
         if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
             return 0
-    cycle[UNDER_WAY] = 0.0
+    end_cycle(cycle)
     return 1
 
 
