@@ -41,7 +41,11 @@ class ReplayOptions:
     ] = None
     window: Annotated[
         int | None,
-        typer.Option(metavar="K", help="Cycles per estimate. Default: the paper's, 2 (or 1).", rich_help_panel=REPLAY),
+        typer.Option(
+            metavar="K",
+            help="Cycles per estimate. Default: 4 (with one coefficient 2); the paper has 2.",
+            rich_help_panel=REPLAY,
+        ),
     ] = None
     factor: Annotated[
         float,
@@ -121,11 +125,12 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
 
 def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompensator":
     from friction_audit.replay.compensators import EnergyCompensator
+    from friction_audit.replay.settings import DEFAULT_MODEL, energy_compensator
 
     default = EnergyCompensator()
     forced = None if options.fixed is None else parse_coefficients(options.fixed)
-    return EnergyCompensator(
-        model=options.model or default.model,
+    return energy_compensator(
+        model=options.model or DEFAULT_MODEL,
         window=options.window,
         factor=options.factor,
         forced=forced,

@@ -14,8 +14,8 @@ from friction_audit.joint_log import Float, median_step
 from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, gravity_caution, seems_compensated
 from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
-from friction_audit.replay.convergence import find_recovery
 from friction_audit.replay.counterfactual import COUNTERFACTUALS
+from friction_audit.replay.friction_step import find_recovery
 from friction_audit.replay.hand_cycles import hand_cuts
 from friction_audit.replay.limits import Limits, limits_of
 from friction_audit.replay.measures import measure, measure_passivity, read_history

@@ -90,7 +90,7 @@ class ReplayHistory:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Passivity:
-    """How passive the compensated joint stayed; a violation is beyond the energy of one sample.
+    """How passive the compensated joint stayed; a violation is beyond the energy of two samples.
 
     Attributes:
         violations: Samples at which the ledger from the start was below zero.

@@ -1,6 +1,7 @@
 """How a log is replayed."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from friction_audit.errors import UsageError
 from friction_audit.replay.compensators import (
@@ -14,6 +15,21 @@ from friction_audit.replay.limits import Limits
 
 FEED_BACK = (DisturbanceObserver, TorqueRegulation)
 """Compensators that close a loop over the motion itself: without that loop their result means nothing."""
+
+DEFAULT_MODEL = "combined"
+DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
+"""Twice the paper's: on a Panda's sensors, what two cycles tell apart is noise as often as friction."""
+
+
+def energy_compensator(model: str = DEFAULT_MODEL, window: int | None = None, **kept: Any) -> EnergyCompensator:  # noqa: ANN401
+    """Return the compensator of the paper with the default window of a log.
+
+    Args:
+        model: Friction model.
+        window: Cycles per estimate, or None for the default.
+        kept: Its other settings.
+    """
+    return EnergyCompensator(model=model, window=DEFAULT_WINDOW.get(model) if window is None else window, **kept)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,7 +75,7 @@ class ReplaySettings:
     """
 
     assume: str = SAME_MOTION.name
-    compensator: Compensator = field(default_factory=EnergyCompensator)
+    compensator: Compensator = field(default_factory=energy_compensator)
     operator: OperatorImpedance | None = None
     max_torque_nm: float | None = None
     max_torque_rate_nm_s: float | None = None

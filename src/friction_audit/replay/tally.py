@@ -61,6 +61,10 @@ reserve from before it kept the ledger from showing it.
 GIVEN_OUT = 0.05
 """Share of the dissipation that a joint gives out before it counts as over-compensated."""
 
+SAMPLES = 2.0
+"""Energies of a sample that the ledger may be below zero: one goes by until the deficit is measured, and one until the
+damping is felt."""
+
 BEYOND_NOISE = 0.01
 """Share of the reserve that it must have given out as well: just after activation any noise is a large share."""
 
@@ -107,14 +111,14 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     """Look at ledger, controller and limits after the compensator's tick i."""
     ledger = memory.observed_energy_j
     tally.lowest_j = min(tally.lowest_j, ledger)
-    if ledger < -tally.sample_j:
+    if ledger < -SAMPLES * tally.sample_j:
         tally.violations += 1
     if memory.active == 1:
         if tally.activation < 0:
             tally.activation, tally.reserve_j = i, ledger
         tally.active_s += dt
         tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
-        if memory.active_energy_j < -tally.sample_j:
+        if memory.active_energy_j < -SAMPLES * tally.sample_j:
             tally.active_violations += 1
         out = max(GIVEN_OUT * tally.active_friction_j, BEYOND_NOISE * tally.reserve_j)
         if ledger >= 0.0 and out > 0.0 and memory.active_energy_j < -out:

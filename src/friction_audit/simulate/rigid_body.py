@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
+from friction_audit.replay.hand_cycles import CYCLE_STATE
 from friction_audit.robot import STANDARD_GRAVITY, Arm
 from friction_audit.simulate.mechanics import arm_tick
 from friction_audit.simulate.mechanism import Mechanism
@@ -85,7 +86,7 @@ class GuidedArm(RigidBody):
         self._lift = -hand.mass_kg * np.array([*STANDARD_GRAVITY, 0.0, 0.0, 0.0])
         self._target = np.hstack([intended.velocity, intended.angular])
         self._place, self._orientation = self._intend(intended)
-        self._cycle = np.zeros(arm_tick.CYCLE_STATE)
+        self._cycle = np.zeros(CYCLE_STATE)
         self._axes = self._pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
     def _intend(self, intended: HandMotion) -> tuple[Float, Float]:
@@ -149,7 +150,7 @@ class ServoedArm(RigidBody):
         body = mechanism.body
         body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
-        self._jacobian, self._cycle = np.zeros((6, self._joints), order="F"), np.zeros(arm_tick.CYCLE_STATE)
+        self._jacobian, self._cycle = np.zeros((6, self._joints), order="F"), np.zeros(CYCLE_STATE)
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""

@@ -10,6 +10,7 @@ from friction_audit.replay.records import Record
 from friction_audit.simulate.mechanics.sensing import quantised
 from friction_audit.simulate.mechanics.tick import advance, control, evaluate, keep
 
+
 @compiled()
 def load_masses(body: Record, outer: Float, inner: Float) -> None:
     """Set the mass matrices of the two sides of the joints, shape (n, n) each."""
