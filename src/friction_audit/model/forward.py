@@ -122,12 +122,12 @@ def find_stop(
     for _ in range(ROOT_ITERATIONS):
         share = low + (high - low) * v_low / (v_low - v_high)
         place, speed = slide(q, v, share * h, drive0, drive0 + share * (drive1 - drive0), steady, body)
-        if speed * v_high < 0.0:
-            low, v_low = share, speed
-        elif speed != 0.0:
-            high, v_high = share, speed
-        else:
+        if speed == 0.0:
             break
+        if (speed > 0.0) == (v > 0.0):
+            low, v_low = share, speed
+        else:
+            high, v_high = share, speed
     return share, place
 
 

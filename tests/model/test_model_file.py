@@ -1,0 +1,147 @@
+"""A model's file keeps every digit, and says what is wrong with a file that is none."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from friction_audit.model import (
+    TERMS,
+    ArmModel,
+    FittedTerm,
+    JointModel,
+    Provenance,
+    Term,
+    load_model,
+    save_model,
+    simple_model,
+)
+
+JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+HEAD = 'schema = "friction-audit/model/1"\n'
+
+
+def values_of(term: Term) -> st.SearchStrategy[FittedTerm]:
+    finite = [
+        st.floats(max(parameter.lower, -1e300), min(parameter.upper, 1e300), allow_nan=False)
+        for parameter in term.parameters
+    ]
+    return st.tuples(*finite).map(lambda values: FittedTerm(term.name, values))
+
+
+text = st.text(st.characters(exclude_categories=["Cs"]))
+origin = st.builds(Provenance, method=text, log=text, sha256=text, cycles=st.integers(0, 2**53))
+terms = st.sets(st.sampled_from(TERMS[1:])).flatmap(
+    lambda chosen: st.tuples(*(values_of(term) for term in sorted(chosen, key=lambda term: term.name)))
+)
+joint = st.builds(JointModel, inertia_kg_m2=st.floats(1e-300, 1e300), terms=terms, provenance=origin)
+arm = st.lists(st.tuples(text, st.none() | joint), min_size=1, max_size=3).map(
+    lambda pairs: ArmModel(names=tuple(name for name, _ in pairs), joints=tuple(joint for _, joint in pairs))
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(arm)
+def test_what_is_saved_is_loaded(tmp_path_factory: pytest.TempPathFactory, arm: ArmModel) -> None:
+    path = tmp_path_factory.mktemp("model") / "model.toml"
+    save_model(arm, path)
+    assert load_model(path) == arm
+
+
+def test_the_file_as_people_see_it(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    known = replace(JOINT, provenance=Provenance(method="energy", log="a.csv", sha256="00", cycles=7))
+    save_model(ArmModel(names=("joint1", "joint2"), joints=(known, None)), path)
+    lines = path.read_text().splitlines()
+    assert lines[0] == 'schema = "friction-audit/model/1"'
+    assert lines[3:6] == ["[[joint]]", 'name = "joint1"', "inertia_kg_m2 = 0.3"]
+    assert "[joint.terms.coulomb]  # Coulomb friction" in lines
+    assert "coulomb_nm = 0.4  # N m, friction at any speed" in lines
+    assert lines[-2:] == ["[[joint]]", 'name = "joint2"']
+
+
+def test_an_existing_file_is_kept_unless_told_otherwise(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    arm = ArmModel(names=("joint1",), joints=(JOINT,))
+    path.write_text("mine")
+    with pytest.raises(UsageError, match="exists already"):
+        save_model(arm, path)
+    assert path.read_text() == "mine"
+    save_model(arm, path, overwrite=True)
+    assert load_model(path) == arm
+
+
+JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("schema =", "is no TOML: Invalid value"),
+        ("", "schema is None; expected 'friction-audit/model/1'"),
+        ('schema = "friction-audit/model/9"', "schema is 'friction-audit/model/9'; expected"),
+        (HEAD, r"no \[\[joint\]\] table"),
+        (HEAD + "joint = []", r"no \[\[joint\]\] table"),
+        (HEAD + "joint = [1]", r"no \[\[joint\]\] table"),
+        (
+            HEAD + "[[joint]]\n[joint.terms.offset]",
+            "joint 1: name is missing.*inertia_kg_m2 is missing.*offset_nm miss",
+        ),
+        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = 0', "joint 1: inertia_kg_m2 = 0; expected a number above 0"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia = 1', r"'inertia' is no key \(did you mean inertia_kg_m2\?\)"),
+        (HEAD + JOINT_TEXT + "terms = 1", "joint 1: terms is no table"),
+        (HEAD + JOINT_TEXT + "provenance = 1", "joint 1: provenance is no table"),
+        (HEAD + JOINT_TEXT + "provenance.cycles = 1.5", "joint 1: provenance: cycles is no whole number"),
+        (HEAD + JOINT_TEXT + "provenance.log = 1", "joint 1: provenance: log is no text"),
+        (
+            HEAD + JOINT_TEXT + "terms.coulom.coulomb_nm = 1",
+            r"'coulom' is no term \(did you mean coulomb\?\), expected",
+        ),
+        (HEAD + JOINT_TEXT + "terms.inertia.inertia_kg_m2 = 1", "'inertia' is no term"),
+        (HEAD + JOINT_TEXT + "terms.coulomb = 1", "joint 1: coulomb is no table"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = true", "coulomb: coulomb_nm is no number"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = -1", "joint 1: term coulomb: coulomb_nm = -1; expected"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb = 1", r"did you mean coulomb_nm\?\).*coulomb_nm missing"),
+        (
+            HEAD + JOINT_TEXT + "terms.stribeck.stribeck_exponent = 1",
+            "stribeck_excess_nm, stribeck_speed_rad_s missing",
+        ),
+        ("color = 1\n" + HEAD + JOINT_TEXT, "the file: 'color' is no key"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path: Path, content: str, message: str) -> None:
+    path = tmp_path / "model.toml"
+    path.write_text(content)
+    with pytest.raises(InputError, match=message) as caught:
+        load_model(path)
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="no text in UTF-8"):
+        load_model(tmp_path / "model.toml")
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        load_model(tmp_path / "none.toml")
+
+
+def test_an_arm_has_a_name_per_joint() -> None:
+    with pytest.raises(AnalysisError, match="2 names for 1 joints"):
+        ArmModel(names=("a", "b"), joints=(JOINT,))
+    with pytest.raises(AnalysisError, match="a joint at least"):
+        ArmModel(names=(), joints=())
+
+
+def test_the_page_shows_a_file_that_loads_and_every_term(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "model.md").read_text()
+    path = tmp_path / "model.toml"
+    path.write_text(page.split("```toml\n")[1].split("```")[0])
+    origin = Provenance(method="energy", log="monday.parquet", cycles=12)
+    assert load_model(path) == ArmModel(names=("joint1", "joint2"), joints=(replace(JOINT, provenance=origin), None))
+    for term in TERMS[1:]:
+        names = ", ".join(f"`{parameter.name}`" for parameter in term.parameters)
+        assert f"| `{term.name}` | {names} |" in page
