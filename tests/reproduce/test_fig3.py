@@ -8,7 +8,7 @@ from tests.reproduce.conftest import Check
 
 def test_net_energy_is_kinetic_and_dissipated(claims: Check) -> None:
     claim = claims("3")["net energy = kinetic + dissipated energy, at every sample"]
-    assert 0.0 < claim.value < CLOSURE_BOUND == 1e-4
+    assert 0.0 < claim.value < CLOSURE_BOUND == 1e-5
     assert claim.holds
 
 

@@ -14,7 +14,7 @@ from friction_audit.reproduce.words import relative
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-CLOSURE_BOUND = 1e-4
+CLOSURE_BOUND = 1e-5
 MINIMA_BOUND = 1e-4
 
 
