@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.model import FittedTerm, JointModel, Motion, simple_model
+from friction_audit.model import TERMS, FittedTerm, JointModel, Motion, Parameter, Term, simple_model
 from friction_audit.model.body import make_body
 from friction_audit.model.forward import Operator, advance, simulate
 
@@ -220,3 +220,41 @@ def test_times_and_drive_must_fit(t: list[float], drive: list[float]) -> None:
 
 def test_no_samples_give_no_motion() -> None:
     assert len(simulate(MODEL, np.zeros(0), np.zeros(0)).q) == 0
+
+
+def invent(monkeypatch: pytest.MonkeyPatch, basis: Callable[[Motion], Float], *, speed_only: bool) -> None:
+    """Add a term ``invented`` to those there are, for what no term of today does."""
+    term = Term(
+        name="invented",
+        label="invented",
+        linear=(Parameter(name="invented_nm", unit="N m", meaning="invented"),),
+        basis=lambda motion, _shape: basis(motion)[:, None],
+        speed_only=speed_only,
+    )
+    monkeypatch.setattr("friction_audit.model.terms.TERMS", (*TERMS, term))
+
+
+def add_invented(value: float) -> JointModel:
+    return JointModel(inertia_kg_m2=B, terms=(*MODEL.terms, FittedTerm("invented", (value,))))
+
+
+def test_a_term_of_more_than_the_velocity_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
+    invent(monkeypatch, lambda motion: np.sin(motion.q), speed_only=False)
+    with pytest.raises(AnalysisError, match="the model's invented follow from more than the velocity"):
+        make_body(add_invented(0.1))
+
+
+def test_friction_that_pushes_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    invent(monkeypatch, lambda motion: np.sign(motion.dq), speed_only=True)
+    with pytest.raises(AnalysisError, match="friction pushes at some speed: invented"):
+        make_body(add_invented(-0.5))
+
+
+def test_friction_may_differ_between_the_directions(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With 0.1 N m more forwards and as much less backwards, 0.45 N m moves it backwards only."""
+    invent(monkeypatch, lambda motion: np.ones(len(motion.t)), speed_only=True)
+    model, t = add_invented(0.1), clock(1.0)
+    assert simulate(model, t, np.full(len(t), 0.45)).dq[-1] == 0.0
+    top, time = (0.45 - 0.3) / VISCOUS, B / VISCOUS
+    backwards = simulate(model, t, np.full(len(t), -0.45))
+    assert backwards.dq[-1] == pytest.approx(-top * (1.0 - np.exp(-1.0 / time)), abs=1e-8)
