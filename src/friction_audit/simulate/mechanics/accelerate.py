@@ -71,13 +71,23 @@ def _release(body: Record, h: float) -> bool:
 
 
 @compiled()
+def _hold_again(body: Record) -> bool:
+    """Hold a coordinate that broke away and that others, free since then, pull back; return whether there is one."""
+    for c in range(body.count):
+        if body.v[c] == 0.0 and abs(body.mode[c]) == 1.0 and body.a[c] * body.mode[c] < 0.0:
+            body.mode[c] = 0.0
+            return True
+    return False
+
+
+@compiled()
 def accelerate(body: Record, h: float) -> None:
     """Set ``a`` for a step of length h, ``mode`` where a stuck coordinate breaks away, ``reaction`` where it does not.
 
     With h = 0 the accelerations are those of the instant.
     """
     _move_the_active(body, h)
-    for _ in range(body.count):
-        if not _release(body, h):
+    for _ in range(2 * body.count):
+        if not (_hold_again(body) or _release(body, h)):
             break
         _move_the_active(body, h)
