@@ -191,7 +191,7 @@ def test_learning_compensator_logs_its_passivity_controller_and_tells_what_it_kn
     assert log.tau_passivity is not None
     assert np.abs(log.tau_compensation).max() > 0.2
     assert {trace.shape for trace in known.values()} == {log.dq.shape}
-    assert not simulate(HELPED, 16).truth.compensators
+    assert not simulate(IDEAL, 16).truth.compensators
 
 
 @pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])

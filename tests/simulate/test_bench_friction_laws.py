@@ -12,10 +12,11 @@ from friction_audit.simulate import bench
 from friction_audit.simulate.bench import BenchSettings, simulate_bench
 from friction_audit.simulate.effects import Hidden
 from friction_audit.simulate.effects.frictional_lag import DELAYED, RELAXING, FrictionalLag
-from friction_audit.simulate.effects.load_dependent_friction import LoadDependentFriction
+from friction_audit.simulate.effects.load_dependent_friction import BACKDRIVE, LoadDependentFriction
 from friction_audit.simulate.effects.nonlinear_viscous import CUBIC, NonlinearViscous
 from friction_audit.simulate.effects.position_dependent_friction import PositionDependentFriction
 from friction_audit.simulate.effects.stribeck import LORENTZIAN, Stribeck
+from friction_audit.simulate.effects.torque_ripple import TorqueRipple
 from friction_audit.simulate.motion import Sinusoid
 from friction_audit.simulate.operator import Operator
 from friction_audit.simulate.settings import IDEAL_SENSORS
@@ -89,3 +90,28 @@ def test_words_about_the_progress_change_nothing(monkeypatch: pytest.MonkeyPatch
     parts = truth(LAWS["all"])
     assert_array_equal(whole.q, parts.q)
     assert_array_equal(whole.port_nm, parts.port_nm)
+
+
+def test_backdrive_loses_more_where_the_link_drives_the_motor() -> None:
+    """Share 0.06 of the load is lost on average; half of that more against the motor, half less with it."""
+    hidden = Hidden(load_dependent_friction=LoadDependentFriction(share=0.06, form=BACKDRIVE))
+    for driven in (False, True):
+        settings = replace(IDEAL, hidden=(hidden,), gravity_nm=10.0, logs_sensor=True, driven=driven)
+        motion = simulate_bench(settings, SEED).truth.motion
+        fast = np.abs(motion.inner_dq) > 0.1
+        level = np.abs(motion.friction_nm[fast]) - 0.30 - 0.07 * np.abs(motion.inner_dq[fast])
+        share = level / np.abs(motion.port_nm[fast])
+        by_motor = (motion.port_nm * motion.inner_dq > 0) == driven
+        assert_allclose(np.median(share[by_motor[fast]]), 0.03, rtol=0.05)
+        assert_allclose(np.median(share[~by_motor[fast]]), 0.09, rtol=0.05)
+
+
+def test_a_motor_cogs_on_its_own_side_of_the_sensor() -> None:
+    """A hand feels it through friction's side; where the motor drives, it reaches the link through the sensor."""
+    hidden = Hidden(torque_ripple=TorqueRipple(torque_nm=0.1, cycles_per_rev=60.0, second_share=0.0))
+    for driven in (False, True):
+        settings = replace(IDEAL, hidden=(hidden,), logs_sensor=True, driven=driven)
+        motion = simulate_bench(settings, SEED).truth.motion
+        left = 0.3 * motion.inner_ddq + motion.friction_nm - motion.interaction_nm
+        cogging = 0.1 * np.sin(60.0 * motion.q)
+        assert_allclose(left, np.zeros_like(left) if driven else cogging, atol=1e-9)

@@ -149,7 +149,7 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
 
     ticks = count_ticks(settings.duration_s, settings.rate_hz)
     known = load_arm()
-    mechanism = assemble(_with_brakes(settings), ticks, np.array(settings.pose_rad), streams)
+    mechanism = assemble(_with_brakes(settings), ticks, np.array(settings.pose_rad), streams, driven=settings.driven)
     rotor = rotor_mass(settings.joints, settings.hidden)
     gravity = np.zeros((ticks + 1, len(settings.joints)))
     if settings.driven:

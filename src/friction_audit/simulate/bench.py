@@ -125,7 +125,7 @@ def move(
     intended = intend(hand.motion, ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
     place = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
-    mechanism = assemble(settings, ticks, np.array([start_rad]), streams)
+    mechanism = assemble(settings, ticks, np.array([start_rad]), streams, driven=settings.driven)
     _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)

@@ -107,7 +107,7 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> Mechanism:
+def assemble(settings: Settings, ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
     Args:
@@ -115,6 +115,7 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> 
         ticks: Number of the controller's intervals.
         start: Positions of the joints, shape (n,). [rad]
         streams: Random numbers.
+        driven: True if the motors are on the outer side, friction and links on the inner one.
     """
     n = len(settings.joints)
     pairs = list(zip(settings.joints, settings.hidden, strict=True))
@@ -124,7 +125,7 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams) -> 
         for inside, rng in zip(settings.hidden, streams.events, strict=True)
     ]
     states = np.zeros(n, STATE)
-    states["start_rad"] = start
+    states["start_rad"], states["driven"] = start, driven
     return Mechanism(
         joints=pack(rows),
         states=states,

@@ -44,7 +44,7 @@ def release(
     """Let go of a joint whose outer and inner side are at q with dq, under a push of the hand known at every tick."""
     tick_s = 2.0 * step_s if tick_s is None else tick_s
     ticks = round(duration_s / tick_s)
-    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1))
+    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1), driven=settings.driven)
     _hold(mechanism, settings)
     _place(mechanism, q, dq)
     clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)

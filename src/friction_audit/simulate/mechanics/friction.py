@@ -65,7 +65,7 @@ def sliding_level(
         level += stribeck.excess_nm(hidden.stribeck, seen)
     level *= coulomb_factor(joint, state, q, t, duration)
     if hidden.load_dependent_friction.share != 0.0:
-        power = state.port_nm * sign * speed
+        power = state.port_nm * sign * speed * (-1.0 if state.driven else 1.0)
         level += load_dependent_friction.extra_nm(hidden.load_dependent_friction, state.port_nm, power)
     if hidden.nonlinear_viscous.torque_nm != 0.0:
         level += nonlinear_viscous.extra_nm(hidden.nonlinear_viscous, seen)
@@ -95,12 +95,18 @@ def holding_level(
 
 
 @compiled()
+def cogging_torque(joint: Record, q: float) -> float:
+    """Return the torque of a motor that cogs, positive towards positive velocity. [N m]"""
+    if joint.hidden.torque_ripple.torque_nm == 0.0:
+        return 0.0
+    return float(torque_ripple.torque_nm(joint.hidden.torque_ripple, q))
+
+
+@compiled()
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
     """Return what pulls at the joint behind the sensor besides friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
     torque = state.compensation_nm + state.unlogged_nm
-    if hidden.torque_ripple.torque_nm != 0.0:
-        torque += torque_ripple.torque_nm(hidden.torque_ripple, q)
     if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
         torque += cable_spring.torque_nm(hidden.cable_spring, q - state.start_rad)
     if hidden.joint_limit_stop.stiffness_nm_per_rad != 0.0:

@@ -5,7 +5,13 @@ from friction_audit.joint_log import Float
 from friction_audit.replay.records import Record
 from friction_audit.simulate.effects import backlash, joint_elasticity, presliding
 from friction_audit.simulate.mechanics.body import FREE
-from friction_audit.simulate.mechanics.friction import holding_level, other_torque, sliding_level, viscous_now
+from friction_audit.simulate.mechanics.friction import (
+    cogging_torque,
+    holding_level,
+    other_torque,
+    sliding_level,
+    viscous_now,
+)
 
 LEAST_LEVEL_NM = 1e-9
 """Bristles divide by the level."""
@@ -44,6 +50,10 @@ def load_joint(
         _load_transmission(joint, body, j, ahead)
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
     body.behind[j] = body.support[j] + other_torque(joint, state, events, q, dq, t)
+    if state.driven:
+        body.force[j] += cogging_torque(joint, body.y[j] + ahead * body.v[j])
+    else:
+        body.behind[j] += cogging_torque(joint, q)
     body.force[c] += body.behind[j]
     lagging = joint.hidden.frictional_lag.lag_s != 0.0
     body.viscous[j] = 0.0 if lagging else viscous_now(joint, state, t, duration)

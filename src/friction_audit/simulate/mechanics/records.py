@@ -12,6 +12,7 @@ from friction_audit.simulate.effects.presliding import BRISTLES
 
 STATE = np.dtype(
     [
+        ("driven", "?"),  # the motor is on the outer side of the sensor
         ("start_rad", "f8"),  # where the joint was at the start
         ("rest_s", "f8"),  # time since the joint came to rest
         ("speed_seen", "f8"),  # speed that the velocity-dependent part of friction sees
