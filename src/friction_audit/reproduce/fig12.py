@@ -63,7 +63,7 @@ def _joints_stop(arms: Sequence[Simulation]) -> Claim:
         ours=f"{int(stopped.sum())} of {stopped.size} joints; worst {slopes.max():.2f}, joint {joint + 1}",
         value=float(slopes.max()),
         holds=bool(stopped.all()),
-        note="joints exchange energy through the masses that they carry: one joint's energy is not its friction alone",
+        note="a joint need not rest when the hand does, and two cycles may be too alike to tell its coefficients apart",
     )
 
 
