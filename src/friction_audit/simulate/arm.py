@@ -7,7 +7,6 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
 from friction_audit.robot import load_arm
 from friction_audit.simulate import reading
 from friction_audit.simulate.bench import Progress, make_motion, make_traces
@@ -15,6 +14,7 @@ from friction_audit.simulate.checks import require_within
 from friction_audit.simulate.clock import count_ticks
 from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.hand import Hand
+from friction_audit.simulate.joint_by_joint import AnyCompensator
 from friction_audit.simulate.mechanism import Mechanism, assemble, rotor_mass
 from friction_audit.simulate.motion import Commanded, intend_joints, plan_hand
 from friction_audit.simulate.panda import PANDA_JOINTS, READY_RAD
@@ -56,7 +56,7 @@ class ArmSettings:
         servo: The controller of an arm that moves by itself.
         driven: False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move
             it, nobody touches it, and friction is on the links' side.
-        compensator: A friction compensator active in every joint, or None.
+        compensator: A friction compensator active in every joint, the same or one for each, or None.
         hand_cycles: True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B).
         pose_rad: Pose at the start. [rad]
         braked: Numbers of joints that do not move.
@@ -76,7 +76,7 @@ class ArmSettings:
     hand: Hand = field(default_factory=Hand)
     servo: Servo = field(default_factory=Servo)
     driven: bool = False
-    compensator: Compensator | None = None
+    compensator: AnyCompensator | None = None
     hand_cycles: bool = True
     pose_rad: tuple[float, ...] = READY_RAD
     braked: tuple[int, ...] = ()

@@ -7,13 +7,13 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
 from friction_audit.replay.records import TRACE, fresh_memory
 from friction_audit.replay.records import pack as pack_compensators
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, HALF_SUBSTEPS
 from friction_audit.simulate.effects import contact_event, torque_bias, torque_drift
 from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.effects.inertial_coupling import coupled_mass
+from friction_audit.simulate.joint_by_joint import AnyCompensator, of_each_joint
 from friction_audit.simulate.mechanics.body import Body, make_body
 from friction_audit.simulate.mechanics.records import STATE, pack, pad_events
 from friction_audit.simulate.mechanics.rows import ROWS, Clock, Loop, Parts
@@ -38,7 +38,7 @@ class Settings(Protocol):
         """Sensors."""
 
     @property
-    def compensator(self) -> Compensator | None:
+    def compensator(self) -> AnyCompensator | None:
         """Runs in every joint."""
 
     @property
@@ -159,7 +159,7 @@ def make_loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
         torque[:, j] = noise.torque + torque_bias.reading_nm(inside.torque_bias, t) + drift
         velocity[:, j] = noise.velocity
     return Loop(
-        settings=pack_compensators([settings.compensator] * len(settings.joints), CONTROL_RATE_HZ),
+        settings=pack_compensators(of_each_joint(settings.compensator, len(settings.joints)), CONTROL_RATE_HZ),
         memory=fresh_memory(len(settings.joints)),
         torque_noise=torque,
         velocity_noise=velocity,

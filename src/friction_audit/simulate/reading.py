@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.replay.compensators import guards
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, sampled_ticks
 from friction_audit.simulate.effects import gravity_error, time_delay, torque_crosstalk, torque_ripple, warm_up
 from friction_audit.simulate.effects.time_delay import TORQUE_LATE, VELOCITY_LATE
+from friction_audit.simulate.joint_by_joint import any_guards
 from friction_audit.simulate.mechanics.rows import Loop
 from friction_audit.simulate.mechanism import Settings
 from friction_audit.simulate.sensors import low_pass, quantise, record
@@ -109,7 +109,7 @@ def _compensator_channels(settings: Settings, motion: Motion) -> dict[str, Float
     if settings.compensator is None:
         return {}
     channels = {"tau_compensation": motion.compensation_nm}
-    if guards(settings.compensator):
+    if any_guards(settings.compensator):
         channels["tau_passivity"] = motion.passivity_nm
     return channels
 
