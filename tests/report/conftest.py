@@ -116,7 +116,12 @@ def joint_friction(column: int, name: str, cycles: EnergyCycles, rng: np.random.
     still, coulomb, viscous = len(own.joint) == 0, COULOMB[column], VISCOUS[column]
     near = [Coefficient(value=v, low=0.97 * v, high=1.03 * v) for v in (coulomb, viscous)]
     regression = TorqueRegression(
-        coulomb=near[0], viscous=near[1], offset_nm=0.01, inertia_kg_m2=INERTIA, residual_rms_nm=0.05, samples=9000
+        coulomb=near[0],
+        viscous=near[1],
+        offset_nm=0.01,
+        inertia=Coefficient(value=INERTIA, low=0.95 * INERTIA, high=1.05 * INERTIA),
+        residual_rms_nm=0.05,
+        samples=9000,
     )
     return JointFriction(
         window=20,

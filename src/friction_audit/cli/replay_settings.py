@@ -8,11 +8,12 @@ import typer
 
 from friction_audit.cli import choices
 from friction_audit.cli.options import CycleOptions
+from friction_audit.cli.values import parse_numbers
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
     from friction_audit.replay.compensators import Coefficients, EnergyCompensator
-    from friction_audit.replay.settings import ReplaySettings
+    from friction_audit.replay.settings import OperatorImpedance, ReplaySettings
 
 REPLAY = "Replay"
 
@@ -88,7 +89,8 @@ class ReplayOptions:
         str | None,
         typer.Option(
             metavar="MASS,DAMPING,STIFFNESS",
-            help="With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad].",
+            help="With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad]. "
+            "Default: fitted from the log where it can be.",
             rich_help_panel=REPLAY,
         ),
     ] = None
@@ -118,9 +120,17 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
     return ReplaySettings(
         assume=options.assume,
         compensator=_compensator(options, cycles),
+        operator=None if options.operator is None else _operator(options.operator),
         max_torque_nm=options.max_torque,
         max_torque_rate_nm_s=options.max_rate,
     )
+
+
+def _operator(text: str) -> "OperatorImpedance":
+    from friction_audit.replay.settings import OperatorImpedance
+
+    numbers = parse_numbers("--operator", text, ("MASS", "DAMPING", "STIFFNESS"))
+    return OperatorImpedance(inertia_kg_m2=numbers[0], damping_nms_per_rad=numbers[1], stiffness_nm_per_rad=numbers[2])
 
 
 def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompensator":

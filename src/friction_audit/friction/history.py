@@ -61,7 +61,7 @@ class TorqueRegression:
         coulomb: Coulomb coefficient. [N m]
         viscous: Viscous coefficient. [N m s/rad]
         offset_nm: Constant part of the torque. [N m]
-        inertia_kg_m2: Coefficient of the acceleration. [kg m^2]
+        inertia: Coefficient of the acceleration. [kg m^2]
         residual_rms_nm: Root mean square of what is left. [N m]
         samples: Rows used.
     """
@@ -69,9 +69,14 @@ class TorqueRegression:
     coulomb: Coefficient
     viscous: Coefficient
     offset_nm: float
-    inertia_kg_m2: float
+    inertia: Coefficient
     residual_rms_nm: float
     samples: int
+
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Value of the inertia. [kg m^2]"""
+        return self.inertia.value
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -47,7 +47,7 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
         offset_nm=fit.coefficient("offset").value,
-        inertia_kg_m2=fit.coefficient("inertia").value,
+        inertia=fit.coefficient("inertia"),
         residual_rms_nm=float(np.sqrt(np.mean((torque - design @ fit.value[0]) ** 2))),
         samples=len(torque),
     )

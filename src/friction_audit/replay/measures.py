@@ -4,6 +4,8 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.replay.convergence import dissipation_removed, first_right, first_updated
+from friction_audit.replay.counterfactuals import Scene
+from friction_audit.replay.port import Port
 from friction_audit.replay.records import Record
 from friction_audit.replay.result import Numbers, Passivity, ReplayHistory, Signals, net_energy_j
 from friction_audit.replay.tally import (
@@ -44,22 +46,20 @@ def read_history(rows: Float, t: Float) -> ReplayHistory:
     )
 
 
-def measure(
-    without: Signals, replayed: Signals, history: ReplayHistory, tally: Record, *, recorded_nm: Float
-) -> Numbers:
+def measure(port: Port, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
     """Return what a replay comes to.
 
     Args:
+        port: The recording.
         without: The joint without a compensator.
         replayed: The joint with it, fewer samples if it diverged.
         history: Per cycle.
         tally: What was counted.
-        recorded_nm: Interaction torque as recorded, along the motion without. [N m]
     """
     samples = len(replayed.t)
     diverged = samples < len(without.t)
     return Numbers(
-        energy_recorded_j=work_j(without.t, without.dq, recorded_nm),
+        energy_recorded_j=work_j(port.t, port.dq, port.torque),
         energy_without_j=work_j(without.t, without.dq, without.interaction_nm),
         energy_with_j=work_j(replayed.t, replayed.dq, replayed.interaction_nm),
         dissipation_removed=dissipation_removed(history),
@@ -93,6 +93,16 @@ def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passiv
         active_fraction=float(tally["acting_s"]) / float(t[-1] - t[0]),
         hidden=bool(tally["hidden"]),
     )
+
+
+def model_error(scene: Scene, port: Port, without: Signals) -> float:
+    """Return how far the fitted joint's motion without a compensator is from the recorded one, over this.
+
+    NaN where there is no fitted joint, or a compensator was active in the recording: then it moves otherwise.
+    """
+    if scene.joint is None or len(port.logged) or len(without.t) < len(port.t):
+        return float("nan")
+    return float(np.sqrt(np.sum((without.dq - port.dq) ** 2) / max(np.sum(port.dq**2), np.finfo(float).tiny)))
 
 
 def work_j(t: Float, dq: Float, torque: Float) -> float:

@@ -10,26 +10,25 @@ from numpy.typing import NDArray
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import median_step
 from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, gravity_caution, seems_compensated
 from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
-from friction_audit.replay.counterfactual import COUNTERFACTUALS
+from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR
+from friction_audit.replay.counterfactuals import Scene, other_motion, run_scene, same_motion
+from friction_audit.replay.fitted_joint import fit_joint
 from friction_audit.replay.friction_step import find_recovery
 from friction_audit.replay.hand_cycles import hand_cuts
 from friction_audit.replay.limits import Limits, limits_of
-from friction_audit.replay.measures import measure, measure_passivity, read_history
+from friction_audit.replay.measures import measure, measure_passivity, model_error, read_history
+from friction_audit.replay.operator_fit import FittedOperator, fit_operator, given_operator
+from friction_audit.replay.port import Port, port_of
 from friction_audit.replay.reasons import missing_estimate
-from friction_audit.replay.records import fresh_memory, pack
 from friction_audit.replay.result import JointReplay, Replay, Signals
 from friction_audit.replay.settings import ReplaySettings
-from friction_audit.replay.tally import COLUMNS, fresh_tally
 
 LONGEST_STEP = 3.5
 """A step of the clock of this many median steps is a hole, however low the rate."""
-
-SHORTEST_CYCLE = 4
-"""Samples."""
 
 
 def replay(
@@ -89,10 +88,75 @@ def _replay_joint(
     cuts: NDArray[np.int64],
     column: int,
 ) -> JointReplay:
-    number = interaction.joint_numbers[column]
-    limits = settings.limits(limits_of(robot, number))
-    compensator = _in_force(settings.compensator, cycles, column, limits, median_step(interaction.t))
-    return _same_motion(interaction, friction.joints[column], compensator, limits, cuts, column)
+    found, port = friction.joints[column], port_of(interaction, column)
+    limits = settings.limits(limits_of(robot, found.joint))
+    chosen = _in_force(settings.compensator, cycles, column, limits, median_step(port.t))
+    scene = _scene(interaction, cycles, found, settings, port, cuts)
+    if isinstance(scene, str):
+        return _not_replayed(port, found, chosen, limits, scene)
+    run = run_scene(scene, chosen)
+    history = read_history(run.rows, port.t)
+    reason = missing_estimate(history, found, chosen)
+    if reason:
+        return _not_replayed(port, found, chosen, limits, reason)
+    without = _without(port) if scene.joint is None else run_scene(scene, None).signals
+    return JointReplay(
+        joint=found.joint,
+        name=found.name,
+        compensator=chosen,
+        limits=limits,
+        fitted=scene.joint,
+        operator=scene.operator,
+        model_error=model_error(scene, port, without),
+        without=without,
+        replayed=run.signals,
+        history=history,
+        numbers=measure(port, without, run.signals, history, run.tally),
+        passivity=measure_passivity(history, run.tally, run.signals.t),
+        recovery=find_recovery(history),
+    )
+
+
+def _scene(
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: JointFriction,
+    settings: ReplaySettings,
+    port: Port,
+    cuts: NDArray[np.int64],
+) -> Scene | str:
+    """Return what the compensator meets, or why nobody knows."""
+    if settings.assume == SAME_MOTION.name:
+        return same_motion(port, np.empty(0), cuts)
+    joint = fit_joint(friction)
+    if isinstance(joint, str):
+        return joint
+    operator: FittedOperator | str | None = None
+    if settings.assume == SAME_OPERATOR.name:
+        q = interaction.q[:, interaction.joint_numbers.index(friction.joint)]
+        operator = fit_operator(port, q) if settings.operator is None else given_operator(settings.operator)
+    if isinstance(operator, str):
+        return operator
+    return other_motion(interaction, cycles, friction, port, cuts, joint, operator)
+
+
+def _not_replayed(
+    port: Port, friction: JointFriction, compensator: Compensator, limits: Limits, reason: str
+) -> JointReplay:
+    return JointReplay(
+        joint=friction.joint,
+        name=friction.name,
+        compensator=compensator,
+        limits=limits,
+        without=_without(port),
+        reason=reason,
+    )
+
+
+def _without(port: Port) -> Signals:
+    """Return the recorded joint as it would have been without a compensator, moving the same."""
+    nothing = np.broadcast_to(0.0, len(port.t))
+    return Signals(t=port.t, dq=port.dq, interaction_nm=port.total, compensation_nm=nothing, passivity_nm=nothing)
 
 
 def _in_force(
@@ -109,55 +173,3 @@ def _in_force(
     guard = getattr(compensator, "guard", None)
     changed: Any = compensator
     return replace(changed, guard=replace(guard, **kept)) if isinstance(guard, Guard) else compensator
-
-
-def _same_motion(
-    interaction: Interaction,
-    friction: JointFriction,
-    compensator: Compensator,
-    limits: Limits,
-    cuts: NDArray[np.int64],
-    column: int,
-) -> JointReplay:
-    from friction_audit.replay.same_motion import Course, Port, run_same_motion
-
-    t, n = interaction.t, len(interaction.t)
-    port = Port(t, *(np.ascontiguousarray(signal) for signal in _columns(interaction, column)))
-    course = Course(np.empty(n), np.empty(n), np.empty(n))
-    records, memory, tally = pack([compensator], 1.0 / median_step(t)), fresh_memory(1), fresh_tally()
-    rows = np.empty((n // SHORTEST_CYCLE + 2, COLUMNS))
-    samples = run_same_motion(records[0], memory[0], tally[0], port, cuts, course, rows)
-    total = port.torque + port.logged if len(port.logged) else port.torque
-    nothing = np.broadcast_to(0.0, n)
-    without = Signals(t=t, dq=port.dq, interaction_nm=total, compensation_nm=nothing, passivity_nm=nothing)
-    replayed = Signals(
-        t=t[:samples],
-        dq=port.dq[:samples],
-        interaction_nm=course.interaction[:samples],
-        compensation_nm=course.compensation[:samples],
-        passivity_nm=course.passivity[:samples],
-    )
-    history = read_history(rows[: int(tally["cycles"][0])].copy(), t)
-    reason = missing_estimate(history, friction, compensator)
-    return JointReplay(
-        joint=friction.joint,
-        name=friction.name,
-        compensator=compensator,
-        limits=limits,
-        without=without,
-        replayed=replayed,
-        history=history,
-        numbers=None if reason else measure(without, replayed, history, tally[0], recorded_nm=port.torque),
-        passivity=None if reason else measure_passivity(history, tally[0], replayed.t),
-        recovery=None if reason else find_recovery(history),
-        reason=reason,
-    )
-
-
-def _columns(interaction: Interaction, column: int) -> tuple[Float, Float, Float]:
-    logged = interaction.compensation
-    return (
-        interaction.dq[:, column],
-        interaction.torque[:, column],
-        np.empty(0) if logged is None else logged[:, column],
-    )

@@ -9,7 +9,9 @@ from friction_audit.interaction.interaction import Caution
 from friction_audit.joint_log import Float
 from friction_audit.replay.compensators import Compensator
 from friction_audit.replay.counterfactual import Counterfactual
+from friction_audit.replay.fitted_joint import FittedJoint
 from friction_audit.replay.limits import Limits
+from friction_audit.replay.operator_fit import FittedOperator
 
 STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike")
 """Names of the values of ``status`` in ``records``: what came of a cycle."""
@@ -184,11 +186,14 @@ class JointReplay:
         compensator: What ran, thresholds and limits as in force.
         limits: Limits in force.
         without: The joint without a compensator.
-        replayed: The joint with it; up to where it diverged, if it did.
+        replayed: The joint with it, up to where it diverged, if it did; None where there is a reason, as below.
         history: Per cycle of the compensator.
-        numbers: What it comes to, or None where there is a reason.
-        passivity: Likewise.
+        numbers: What it comes to.
+        passivity: How passive it stayed.
         recovery: A step of friction in the log, or None.
+        fitted: The joint that moved otherwise than recorded, or None.
+        operator: The person who moved it, or None.
+        model_error: How far the fitted joint without a compensator is from the recorded motion, over this; or NaN.
         reason: Why the replay means nothing for this joint; empty if it does.
     """
 
@@ -197,11 +202,14 @@ class JointReplay:
     compensator: Compensator
     limits: Limits
     without: Signals
-    replayed: Signals
-    history: ReplayHistory
-    numbers: Numbers | None
-    passivity: Passivity | None
-    recovery: Recovery | None
+    replayed: Signals | None = None
+    history: ReplayHistory | None = None
+    numbers: Numbers | None = None
+    passivity: Passivity | None = None
+    recovery: Recovery | None = None
+    fitted: FittedJoint | None = None
+    operator: FittedOperator | None = None
+    model_error: float = float("nan")
     reason: str = ""
 
 

@@ -1,45 +1,14 @@
 """The recorded motion, and the torque the person would have needed: closed over the torque, not over the motion."""
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.replay.kernels import step
+from friction_audit.replay.port import Course, Port
 from friction_audit.replay.records import Record
 from friction_audit.replay.tally import close_row, count_energy, count_tick, largest_sample
-
-
-class Port(NamedTuple):
-    """What was recorded of one joint, n samples.
-
-    Attributes:
-        t: Time. [s]
-        dq: Velocity. [rad/s]
-        torque: Interaction torque F_m. [N m]
-        logged: Torque of a compensator that was active, shape (n,), or empty. [N m]
-    """
-
-    t: Float
-    dq: Float
-    torque: Float
-    logged: Float
-
-
-class Course(NamedTuple):
-    """What comes out, n samples; a torque at sample i is the one in force at t[i].
-
-    Attributes:
-        interaction: Torque that the person would have needed. [N m]
-        compensation: Torque of the compensator's law. [N m]
-        passivity: Torque of its passivity controller. [N m]
-    """
-
-    interaction: Float
-    compensation: Float
-    passivity: Float
 
 
 @compiled()

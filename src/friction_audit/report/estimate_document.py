@@ -34,8 +34,8 @@ def _joint(joint: JointFriction) -> Document:
         "cycles": joint.cycles,
         "rejected_cycles": joint.rejected_cycles,
         "moving_s": to_json(joint.moving_s),
-        "coulomb_nm": _coefficient(joint.coulomb),
-        "viscous_nms_per_rad": _coefficient(joint.viscous),
+        "coulomb_nm": coefficient_document(joint.coulomb),
+        "viscous_nms_per_rad": coefficient_document(joint.viscous),
         "offset_nm": to_json(joint.offset_nm),
         "gravity_error_nm": to_json(joint.gravity_error_nm),
         "condition_number": to_json(joint.condition_number),
@@ -46,7 +46,7 @@ def _joint(joint: JointFriction) -> Document:
     }
 
 
-def _coefficient(coefficient: Coefficient) -> Document | None:
+def coefficient_document(coefficient: Coefficient) -> Document | None:
     """Return value and interval; null for a coefficient that the model lacks or the log cannot determine."""
     value = to_json(coefficient.value)
     return None if value is None else {"value": value, "ci95": to_json([coefficient.low, coefficient.high])}
@@ -56,10 +56,11 @@ def _regression(regression: TorqueRegression | None) -> Document | None:
     if regression is None:
         return None
     return {
-        "coulomb_nm": _coefficient(regression.coulomb),
-        "viscous_nms_per_rad": _coefficient(regression.viscous),
+        "coulomb_nm": coefficient_document(regression.coulomb),
+        "viscous_nms_per_rad": coefficient_document(regression.viscous),
         "offset_nm": to_json(regression.offset_nm),
         "inertia_kg_m2": to_json(regression.inertia_kg_m2),
+        "inertia_kg_m2_ci95": to_json([regression.inertia.low, regression.inertia.high]),
         "residual_rms_nm": to_json(regression.residual_rms_nm),
         "samples": int(regression.samples),
     }

@@ -6,8 +6,11 @@ from types import MappingProxyType
 
 from friction_audit.audit import LogReplay
 from friction_audit.replay.compensators import kind_of
+from friction_audit.replay.fitted_joint import FittedJoint
+from friction_audit.replay.operator_fit import FittedOperator
 from friction_audit.replay.result import STATUSES, JointReplay, ReplayHistory
 from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
+from friction_audit.report.estimate_document import coefficient_document
 from friction_audit.report.notices import replay_notices
 
 
@@ -39,11 +42,14 @@ def _joint(joint: JointReplay) -> Document:
         "reason": joint.reason or None,
         "compensator": {"kind": kind_of(joint.compensator).name, **to_json(asdict(joint.compensator))},
         "limits": to_json(asdict(joint.limits)),
-        "cycles": len(joint.history.status),
+        "cycles": 0 if joint.history is None else len(joint.history.status),
         **_numbers(joint),
+        "fitted_joint": None if joint.fitted is None else _fitted(joint.fitted, FITTED),
+        "operator": None if joint.operator is None else _fitted(joint.operator, OPERATOR),
+        "model_error": to_json(joint.model_error),
         "passivity": None if joint.passivity is None else to_json(asdict(joint.passivity)),
         "friction_step": None if recovery is None else to_json(asdict(recovery)),
-        "history": _history(joint.history),
+        "history": [] if joint.history is None else _history(joint.history),
     }
 
 
@@ -52,6 +58,17 @@ def _numbers(joint: JointReplay) -> Document:
     if joint.numbers is None:
         return dict.fromkeys(NUMBERS)
     return {name: to_json(value) for name, value in asdict(joint.numbers).items()}
+
+
+FITTED = {"inertia": "inertia_kg_m2", "coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
+OPERATOR = {"inertia": "inertia_kg_m2", "damping": "damping_nms_per_rad", "stiffness": "stiffness_nm_per_rad"}
+"""Fields of ``FittedJoint`` and ``FittedOperator`` by their keys."""
+
+
+def _fitted(fitted: FittedJoint | FittedOperator, keys: Mapping[str, str]) -> Document:
+    """Return values and intervals; those of an impedance that was given are null."""
+    found: Document = {key: coefficient_document(getattr(fitted, name)) for name, key in keys.items()}
+    return found | ({"reversals": fitted.reversals} if isinstance(fitted, FittedOperator) else {})
 
 
 NUMBERS = (
