@@ -1,0 +1,1 @@
+"""Measured against simulated: where they disagree, what is missing, by name, and the gap after adding it."""

@@ -1,0 +1,55 @@
+"""What a candidate is: an effect that may be missing in a model, by the columns that it adds to a regression."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.joint_log import Float
+
+Shape = Mapping[str, float]
+"""Values of the numbers that enter a candidate nonlinearly."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Baseline:
+    """The declared model as fitted: what candidates may lean on. Never the measured torque itself.
+
+    Attributes:
+        inertia_kg_m2: Inertia. [kg m^2]
+        coulomb_nm: Coulomb friction. [N m]
+        viscous_nms_per_rad: Viscous friction. [N m s/rad]
+        torque: Torque that the model predicts, shape (n,). [N m]
+    """
+
+    inertia_kg_m2: float
+    coulomb_nm: float
+    viscous_nms_per_rad: float
+    torque: Float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Candidate:
+    """One effect, as a detector sees it.
+
+    Attributes:
+        name: From the vocabulary of the program.
+        label: A few words for people.
+        shapes: Values to try for the numbers that enter nonlinearly; one empty mapping if there are none.
+        columns: ``columns(data, baseline, shape)``: what the effect adds to the torque, shape (n, p), up to p factors.
+        column_units: Unit of each factor, e.g. ``("nm",)``.
+        untestable: ``untestable(data, baseline)``: why this log cannot show the effect, what motion is lacking; None if
+            it can.
+        admissible: ``admissible(factors, shape)``: whether sign and size are physically possible.
+        axis: The quantity on which it shows itself: speed, position, displacement, time, acceleration, load, neighbour.
+        same_as: Names that no motion of this kind tells apart from it.
+    """
+
+    name: str
+    label: str
+    shapes: tuple[Shape, ...]
+    columns: Callable[[JointData, Baseline, Shape], Float]
+    column_units: tuple[str, ...]
+    untestable: Callable[[JointData, Baseline], str | None]
+    admissible: Callable[[Float, Shape], bool]
+    axis: str
+    same_as: tuple[str, ...] = ()

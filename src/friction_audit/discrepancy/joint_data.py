@@ -1,0 +1,59 @@
+"""What one joint did and what drove it, on an even grid: the ground on which a model is held against a recording."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointData:
+    """One joint on an even grid of n samples; j joints in the log.
+
+    Torque and motion went through one and the same zero-phase low-pass, so that what holds between them still holds.
+
+    Attributes:
+        joint: Which joint, 0..j-1.
+        t: Time, shape (n,), evenly spaced. [s]
+        q: Position, shape (n,). [rad]
+        dq: Velocity. [rad/s]
+        ddq: Acceleration, the derivative of the filtered velocity. [rad/s^2]
+        torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
+        gravity: Gravity torque where it is known, else None. [N m]
+        temperature: Temperature where it was logged, else None. [degC]
+        others_dq: Velocities of all joints, shape (n, j). [rad/s]
+        others_ddq: Accelerations of all joints, shape (n, j). [rad/s^2]
+        others_torque: Torques of all joints, shape (n, j). [N m]
+        cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
+        moving: Samples in which the direction of motion is certain, shape (n,).
+        valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
+        dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
+    """
+
+    joint: int
+    t: Float
+    q: Float
+    dq: Float
+    ddq: Float
+    torque: Float
+    gravity: Float | None
+    temperature: Float | None
+    others_dq: Float
+    others_ddq: Float
+    others_torque: Float
+    cycle: NDArray[np.int64]
+    moving: NDArray[np.bool_]
+    valid: NDArray[np.bool_]
+    dead_speed_rad_s: float
+
+    @property
+    def used(self) -> NDArray[np.bool_]:
+        """Samples on which a model is fitted: moving, valid and in a cycle."""
+        return self.moving & self.valid & (self.cycle >= 0)
+
+    @property
+    def step_s(self) -> float:
+        """Spacing of the grid. [s]"""
+        return float(self.t[1] - self.t[0])
