@@ -83,8 +83,10 @@ def replay_log(log: JointLog, settings: AuditSettings, replay_settings: ReplaySe
     return replay_estimate(estimate_log(log, settings), replay_settings)
 
 
-def replay_estimate(estimate: Estimate, settings: ReplaySettings) -> LogReplay:
-    """Run a friction compensator on the joints of a log that was estimated before."""
+def replay_estimate(
+    estimate: Estimate, settings: ReplaySettings, *, joints: tuple[int, ...] | None = None
+) -> LogReplay:
+    """Run a friction compensator on a log that was estimated before, on some of its joints (by number) or on all."""
     robot = estimate.log.source.robot
-    found = replay(estimate.interaction, estimate.cycles, estimate.friction, settings, robot=robot)
+    found = replay(estimate.interaction, estimate.cycles, estimate.friction, settings, robot=robot, joints=joints)
     return LogReplay(estimate=estimate, replay=found, settings=settings)

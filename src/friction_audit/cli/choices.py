@@ -18,7 +18,8 @@ ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
 FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
-KINDS = (*FIGURES, "all")
+REPLAY_FIGURES = ("replay", "replay-velocity-torque")
+KINDS = (*FIGURES, *REPLAY_FIGURES, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
 
 

@@ -1,6 +1,7 @@
 """Estimate -> figure files in a folder."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -38,19 +39,44 @@ def write_figures(
     voice: Voice,
 ) -> list[FigureFile]:
     """Draw the kinds, all joints on a sheet and, if asked for, each joint alone; return the files."""
-    from friction_audit.report.figures import FIGURES
+    from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
 
+    chosen = {kind.name: partial(kind.draw, result) for kind in (*FIGURES, *REPLAY_FIGURES) if kind.name in kinds}
     numbers = result.interaction.joint_numbers
+    return draw_files(chosen, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice)
+
+
+def draw_files(
+    kinds: "Mapping[str, Callable[[int | None], Figure]]",
+    numbers: Sequence[int],
+    folder: Path,
+    formats: Sequence[str],
+    *,
+    each_joint: bool,
+    overwrite: bool,
+    voice: Voice,
+) -> list[FigureFile]:
+    """Draw figures of a sheet or of single joints.
+
+    Args:
+        kinds: By name, what draws one joint, given by its number, or with None all of them.
+        numbers: The joints.
+        folder: Where the files go.
+        formats: Suffixes.
+        each_joint: If True, each joint also alone.
+        overwrite: If True, files that exist are replaced.
+        voice: Told what is drawn.
+    """
     # A sheet of one joint is that joint's figure.
     sheet = numbers[0] if len(numbers) == 1 else None
     alone = numbers if each_joint and sheet is None else ()
     files = []
-    for kind in (figure for figure in FIGURES if figure.name in kinds):
-        for name, drawn, joint in ((kind.name, sheet, sheet), *((f"{kind.name}-joint{n}", n, n) for n in alone)):
+    for kind, draw in kinds.items():
+        for name, drawn, joint in ((kind, sheet, sheet), *((f"{kind}-joint{n}", n, n) for n in alone)):
             with voice.step(f"draw {name}"):
                 paths = [folder / f"{name}.{suffix}" for suffix in formats]
-                _write(kind.draw(result, drawn), paths, overwrite=overwrite)
-            files += [FigureFile(kind.name, joint, path) for path in paths]
+                _write(draw(drawn), paths, overwrite=overwrite)
+            files += [FigureFile(kind, joint, path) for path in paths]
     return files
 
 

@@ -1,14 +1,16 @@
 """``friction-audit replay``."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from friction_audit.cli import chain
+from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import (
     OUTPUT,
     AuditOptions,
@@ -34,7 +36,7 @@ EXAMPLES = """Examples:
   friction-audit replay run.parquet --factor 1.5 --no-passivity
   friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json"""
 
-DOCUMENT = "replay.json"
+DOCUMENT, HISTORY = "replay.json", "replay.csv"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -73,10 +75,19 @@ def command(
             "--output",
             "-o",
             metavar="DIR",
-            help=f"Also write {DOCUMENT} there.",
+            help=f"Also write {DOCUMENT}, {HISTORY} and the figures there.",
             rich_help_panel=OUTPUT,
         ),
     ] = None,
+    figures: Annotated[
+        list[str],
+        typer.Option(
+            metavar=choices.metavar(choices.IMAGE_FORMATS),
+            callback=choices.some_of(choices.IMAGE_FORMATS),
+            help="Formats of the figures in DIR; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["png"],  # noqa: B006 - Typer copies it
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
     if shared.general.dump_config:
@@ -86,7 +97,8 @@ def command(
     settings = replay_settings(options, shared.cycles)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
     if folder is not None:
-        chain.check_outputs([folder / DOCUMENT], overwrite=output.overwrite)
+        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
+        chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
         recorded = chain.read(log, reading, voice)
     estimate = chain.estimate(recorded, audit, voice)
@@ -99,7 +111,8 @@ def command(
     _require_a_joint(found)
     text = _document(found, chain.reading_settings(reading))
     if folder is not None:
-        _write(text, folder / DOCUMENT, overwrite=output.overwrite)
+        _write(found, text, folder, overwrite=output.overwrite)
+        _draw(found, folder, figures, overwrite=output.overwrite, voice=voice)
     _print(found, text, json=output.json)
     chain.exit_if_damaged(recorded)
 
@@ -134,11 +147,23 @@ def _document(found: "LogReplay", reading: dict[str, object]) -> str:
     return write_document(replay_document(found, reading))
 
 
-def _write(text: str, path: Path, *, overwrite: bool) -> None:
+def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) -> None:
+    from friction_audit.report.replay_history import replay_csv
     from friction_audit.whole_file import whole_file
 
-    with whole_file(path, overwrite=overwrite) as draft:
-        draft.write_text(text, encoding="utf-8")
+    for name, text in ((DOCUMENT, document), (HISTORY, replay_csv(found))):
+        with whole_file(folder / name, overwrite=overwrite) as draft:
+            draft.write_text(text, encoding="utf-8")
+
+
+def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bool, voice: Voice) -> None:
+    from friction_audit.report.figures.replay import draw_log_replay
+    from friction_audit.report.figures.replay_velocity_torque import draw_log_replay_velocity_torque
+
+    draws = (partial(draw_log_replay, found), partial(draw_log_replay_velocity_torque, found))
+    kinds = dict(zip(choices.REPLAY_FIGURES, draws, strict=True))
+    numbers = [joint.joint for joint in found.replay.joints]
+    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice)
 
 
 def _print(found: "LogReplay", document: str, *, json: bool) -> None:

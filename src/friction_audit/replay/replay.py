@@ -38,6 +38,7 @@ def replay(
     settings: ReplaySettings,
     *,
     robot: str = "unknown",
+    joints: tuple[int, ...] | None = None,
 ) -> Replay:
     """Run a compensator on the joints of a recording, as a controller would have.
 
@@ -47,16 +48,20 @@ def replay(
             compensators' cycles too.
         friction: What the log says about friction.
         settings: Assumption, compensator, limits.
+        joints: Numbers of the joints to replay, or None for all.
         robot: Whose limits hold unless the settings give others, as ``Source.robot`` names it.
     """
     cuts = _hand_cuts(interaction, cycles, settings.compensator)
     work = partial(_replay_joint, interaction, cycles, friction, settings, robot, cuts)
-    joints = tuple(per_joint(work, len(interaction.joint_numbers)))
-    found = [one for joint in joints for one in cautions_of(joint)]
-    suspicions = [one for joint in friction.joints for one in seems_compensated(interaction, joint, robot)]
+    numbers = interaction.joint_numbers
+    columns = [column for column, number in enumerate(numbers) if joints is None or number in joints]
+    replays = tuple(per_joint(lambda place: work(columns[place]), len(columns)))
+    found = [one for joint in replays for one in cautions_of(joint)]
+    several = [friction.joints[column] for column in columns]
+    suspicions = [one for joint in several for one in seems_compensated(interaction, joint, robot)]
     return Replay(
         counterfactual=next(one for one in COUNTERFACTUALS if one.name == settings.assume),
-        joints=joints,
+        joints=replays,
         warnings=(*gravity_caution(interaction), *suspicions, *found),
     )
 

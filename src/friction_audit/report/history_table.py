@@ -26,8 +26,9 @@ def history_csv(estimate: Estimate) -> str:
 
 def _rows(joint: JointFriction) -> list[list[str]]:
     columns = [np.asarray(getattr(joint.history, name)).tolist() for name in COLUMNS]
-    return [[str(joint.joint), joint.name, *map(_cell, row)] for row in zip(*columns, strict=True)]
+    return [[str(joint.joint), joint.name, *map(csv_cell, row)] for row in zip(*columns, strict=True)]
 
 
-def _cell(value: float) -> str:
+def csv_cell(value: float) -> str:
+    """Return a number as a cell; an empty one for NaN."""
     return "" if math.isnan(value) else f"{value:.10g}"

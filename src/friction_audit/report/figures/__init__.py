@@ -3,6 +3,8 @@
 from friction_audit.report.figures.coefficients import draw_coefficients
 from friction_audit.report.figures.energy import draw_energy
 from friction_audit.report.figures.figure_kind import FigureKind
+from friction_audit.report.figures.replay import draw_replay
+from friction_audit.report.figures.replay_velocity_torque import draw_replay_velocity_torque
 from friction_audit.report.figures.save import save_figure
 from friction_audit.report.figures.signals import draw_signals
 from friction_audit.report.figures.velocity_torque import draw_velocity_torque
@@ -30,4 +32,18 @@ FIGURES = (
     ),
 )
 
-__all__ = ["FIGURES", "FigureKind", "save_figure"]
+REPLAY_FIGURES = (
+    FigureKind(
+        name="replay",
+        draw=draw_replay,
+        summary="torque, net energy and coefficients with a compensator and without, its cycles shaded",
+    ),
+    FigureKind(
+        name="replay-velocity-torque",
+        draw=draw_replay_velocity_torque,
+        summary="interaction torque against velocity with a compensator and without, raw and filtered",
+    ),
+)
+"""What the default compensator would have done; ``replay`` draws the same with any settings."""
+
+__all__ = ["FIGURES", "REPLAY_FIGURES", "FigureKind", "save_figure"]

@@ -1,0 +1,197 @@
+"""The paper's Fig. 10 for any log: signals, net energy with and without a compensator, coefficients."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.audit import Estimate, LogReplay, replay_estimate
+from friction_audit.joint_log import Float
+from friction_audit.replay.result import JointReplay, ReplayHistory
+from friction_audit.replay.settings import ReplaySettings
+from friction_audit.report.estimate_table import joint_label
+from friction_audit.report.figures.layout import MOST_SHADED, add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.smoothing import cutoff_hz, smooth
+from friction_audit.report.figures.style import (
+    BORDER,
+    COLUMN_IN,
+    DISSIPATED,
+    FILTERED,
+    FITTED,
+    MUTED,
+    RAW,
+    SHADE,
+    SHEET_IN,
+    figure_style,
+)
+from friction_audit.report.figures.thinning import thin_extremes
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+POINTS = 4000
+"""Points of a curve: more than a column has pixels."""
+ROW_IN = 1.0
+DASHED = (0, (4, 1.5))
+LABELS = {"viscous": "viscous", "coulomb": "Coulomb"}
+SMALLEST_TORQUE_NM = 0.5
+"""Half height of the torque panel of a joint at rest, whose noise would fill it."""
+
+
+def draw_replay(estimate: Estimate, joint: int | None) -> "Figure":
+    """Draw what the default compensator would have done along the recorded motion."""
+    return draw_log_replay(replayed(estimate, joint), joint)
+
+
+def replayed(estimate: Estimate, joint: int | None) -> LogReplay:
+    """Replay one joint of a log, or all of them, with the default settings."""
+    return replay_estimate(estimate, ReplaySettings(), joints=None if joint is None else (joint,))
+
+
+def draw_log_replay(found: LogReplay, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet, a row for each."""
+    with figure_style():
+        title = found.replay.counterfactual.title
+        if joint is None:
+            return _draw_sheet(found.replay.joints, title)
+        return _draw_column(next(one for one in found.replay.joints if one.joint == joint), title)
+
+
+def _draw_column(joint: JointReplay, title: str) -> "Figure":
+    figure = new_figure(COLUMN_IN, 5.6)
+    panels = figure.subplots(5, 1, sharex=True)
+    handles = _draw_velocity(panels[0], joint) + _draw_torque(panels[1], joint)[2:]
+    handles += _draw_energy(panels[2], joint)
+    panels[0].set_ylabel("Velocity\n[rad/s]")
+    panels[1].set_ylabel("Torque\n[N m]")
+    panels[2].set_ylabel("Energy [J]")
+    _draw_coefficient(panels[3], joint, "viscous", FILTERED)
+    panels[3].set_ylabel("Viscous\n[N m s/rad]")
+    _draw_coefficient(panels[4], joint, "coulomb", DISSIPATED)
+    panels[4].set_ylabel("Coulomb\n[N m]")
+    titles = (f"{_name(joint)}, {title}", "", "", "", "")
+    _finish(panels, joint, titles)
+    add_legend(figure, handles)
+    panels[4].set_xlabel("Time [s]")
+    figure.align_ylabels()
+    return figure
+
+
+def _draw_sheet(joints: "Sequence[JointReplay]", title: str) -> "Figure":
+    figure = new_figure(SHEET_IN, 0.9 + ROW_IN * len(joints))
+    rows = figure.subplots(len(joints), 3, squeeze=False, sharex=True)
+    found: list[list[Artist]] = []
+    for row, joint in zip(rows, joints, strict=True):
+        handles = _draw_torque(row[0], joint) + _draw_energy(row[1], joint)[1:]
+        viscous = _draw_coefficient(row[2], joint, "viscous", FILTERED)
+        coulomb = _draw_coefficient(row[2], joint, "coulomb", DISSIPATED)
+        found.append([*handles, *viscous, *coulomb])
+        _finish(row, joint, ("", "", ""))
+        row[0].set_ylabel(_name(joint))
+    for axes, text in zip(rows[0], ("torque [N m]", "net energy [J]", "coefficients [N m], [N m s/rad]"), strict=True):
+        axes.set_title(text, loc="left")
+    figure.supxlabel(f"Time [s], {title}", fontsize=7.5)
+    add_legend(figure, max(found, key=len))
+    figure.align_ylabels()
+    return figure
+
+
+def _at_least(limits: tuple[float, float], reach: float) -> tuple[float, float]:
+    return min(limits[0], -reach), max(limits[1], reach)
+
+
+def _name(joint: JointReplay) -> str:
+    return f"joint {joint_label(joint.joint, joint.name)}"
+
+
+def _finish(panels: "Sequence[Axes]", joint: JointReplay, titles: tuple[str, ...]) -> None:
+    """Shade the cycles, name the panels, and say where there is nothing to see."""
+    for axes, text in zip(panels, titles, strict=True):
+        shade_replay(axes, joint)
+        label_panel(axes, text, across=6)
+        if joint.reason and len(axes.lines) <= 1:
+            axes.set_yticks([])
+    reason = f"not replayed: {joint.reason.partition(';')[0]}" if joint.reason else ""
+    middle = panels[len(panels) // 2]
+    say_in_panel(middle, reason, characters=30 if len(panels) == len(("torque", "energy", "both")) else 44)
+    if joint.replayed is not None and len(joint.replayed.t) < len(joint.without.t):
+        for axes in panels:
+            axes.axvline(joint.replayed.t[-1], color=FITTED, lw=0.8)
+        panels[0].annotate("diverges", (joint.replayed.t[-1], 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
+
+
+def shade_replay(axes: "Axes", joint: JointReplay) -> None:
+    """Shade every other cycle of the compensator and end the axis with the log."""
+    history = joint.history
+    if history is not None and len(history.stop) <= MOST_SHADED:
+        for start, stop in zip(history.start_s[::2], history.stop_s[::2], strict=True):
+            axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
+    axes.set_xlim(joint.without.t[0], joint.without.t[-1])
+
+
+def _draw_velocity(axes: "Axes", joint: JointReplay) -> "list[Artist]":
+    """Draw the velocity raw and filtered; return the legend's entries."""
+    shown = joint.without if joint.replayed is None else joint.replayed
+    t, signal = thin_extremes(shown.t, shown.dq, POINTS)
+    raw = axes.plot(t, signal, color=RAW, lw=0.5, label="raw", rasterized=True)
+    t, signal = thin_extremes(shown.t, smooth(shown.t, shown.dq), POINTS)
+    curve = axes.plot(t, signal, color=FILTERED, lw=0.7, label=f"filtered, {cutoff_hz(shown.t):.3g} Hz")
+    return [*raw, *curve]
+
+
+def _draw_torque(axes: "Axes", joint: JointReplay) -> "list[Artist]":
+    """Draw the interaction torque with compensator raw and filtered, and without it filtered."""
+    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+    handles: list[Artist] = []
+    shown = joint.replayed
+    if shown is not None and len(shown.t):
+        t, signal = thin_extremes(shown.t, shown.interaction_nm, POINTS)
+        handles += axes.plot(t, signal, color=RAW, lw=0.5, label="raw", rasterized=True)
+        t, signal = thin_extremes(shown.t, smooth(shown.t, shown.interaction_nm), POINTS)
+        label = f"filtered, {cutoff_hz(shown.t):.3g} Hz"
+        handles += axes.plot(t, signal, color=FILTERED, lw=0.7, label=label, zorder=4)
+    without = joint.without
+    t, signal = thin_extremes(without.t, smooth(without.t, without.interaction_nm), POINTS)
+    curve = axes.plot(t, signal, color=FITTED, lw=0.6, ls=DASHED, label="without compensator", zorder=3)
+    axes.set_ylim(*_at_least(axes.get_ylim(), SMALLEST_TORQUE_NM))
+    return [*handles, *curve]
+
+
+def _draw_energy(axes: "Axes", joint: JointReplay) -> "list[Artist]":
+    """Draw the net energy with and without the compensator, the ends of its cycles marked."""
+    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+    without, shown, history = joint.without, joint.replayed, joint.history
+    if shown is None or history is None:
+        return []
+    t, energy = thin_extremes(without.t, without.net_energy_j, POINTS)
+    handles: list[Artist] = list(axes.plot(t, energy, color=FITTED, lw=0.8, ls=DASHED, label="without"))
+    energy = shown.net_energy_j
+    handles += axes.plot(*thin_extremes(shown.t, energy, POINTS), color=FILTERED, label="with", zorder=4)
+    dots = axes.plot(history.stop_s, energy[history.stop], "o", color=BORDER, ms=1.8, mew=0, zorder=5)
+    dots[0].set_label("end of a cycle")
+    return [*handles[1:], *dots]
+
+
+def _draw_coefficient(axes: "Axes", joint: JointReplay, name: str, colour: str) -> "list[Artist]":
+    """Draw the coefficient compensated over time; return the legend's entry."""
+    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+    if joint.history is None or joint.replayed is None:
+        return []
+    t, value = applied(joint.history, name, float(joint.replayed.t[-1]))
+    return list(axes.step(t, value, where="post", color=colour, lw=0.9, label=LABELS[name], zorder=3))
+
+
+def applied(history: ReplayHistory, name: str, end_s: float) -> tuple[Float, Float]:
+    """Return times and values of a coefficient compensated, up to the end of the log; steps, the last one holds.
+
+    Args:
+        history: Of the replay.
+        name: ``"coulomb"`` or ``"viscous"``.
+        end_s: Where the last step ends. [s]
+    """
+    unit = "nm" if name == "coulomb" else "nms_per_rad"
+    value = getattr(history, f"{name}_applied_{unit}")
+    return np.append(history.start_s, end_s), np.append(value, value[-1:])
