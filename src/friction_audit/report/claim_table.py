@@ -3,6 +3,8 @@
 from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
+from friction_audit.report.plain_table import plain_lines
+
 if TYPE_CHECKING:
     from rich.console import RenderableType
     from rich.table import Table
@@ -24,7 +26,7 @@ def claim_table(claims: Iterable[Row]) -> "list[RenderableType]":
     rows = list(claims)
     reasons = [f"{row['figure']}: {row['note']}" for row in rows if not row["holds"] and row["note"]]
     count = f"{sum(bool(row['holds']) for row in rows)} of {len(rows)} claims hold"
-    return [Text(line) for line in (*_lines(_table(rows)), *reasons, count)]
+    return [Text(line) for line in (*plain_lines(_table(rows)), *reasons, count)]
 
 
 def _table(rows: list[Row]) -> "Table":
@@ -39,13 +41,3 @@ def _table(rows: list[Row]) -> "Table":
         texts = (row["figure"], row["claim"], row["paper"], row["ours"], "yes" if row["holds"] else "NO")
         table.add_row(*(Text(str(text)) for text in texts))
     return table
-
-
-def _lines(table: "Table") -> list[str]:
-    """Return the table as text as wide as the terminal, without spaces at the ends of its lines."""
-    from rich.console import Console
-
-    console = Console(highlight=False, color_system=None)
-    with console.capture() as captured:
-        console.print(table)
-    return [line.rstrip() for line in captured.get().splitlines()]

@@ -1,0 +1,173 @@
+"""``friction-audit compare``."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+
+if TYPE_CHECKING:
+    from friction_audit.compare import Comparison
+    from friction_audit.compare.scene import Scene
+
+COMPARISON = "Comparison"
+
+EXAMPLES = """Examples:
+  friction-audit compare
+  friction-audit compare --arm panda -o panda --format pdf
+  friction-audit compare --methods sigmoid,energy --effect stribeck:excess_nm=0.15
+  friction-audit compare --seeds 50 --set operator.stiffness_nm_per_rad=120 --json"""
+
+ARMS = ("joint", "panda")
+METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "energy", "oracle")
+"""Written down again, as in ``choices``, so that the help text loads no numerics."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ComparisonOptions:
+    """What is compared."""
+
+    arm: Annotated[
+        str,
+        typer.Option(
+            metavar=choices.metavar(ARMS),
+            callback=choices.one_of(ARMS),
+            help="What the methods are tried on: one joint moved by a person, or a Panda guided by a hand.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = "joint"
+    methods: Annotated[
+        list[str],
+        typer.Option(
+            "--methods",
+            metavar=choices.metavar(METHOD_NAMES),
+            callback=choices.some_of(METHOD_NAMES),
+            help="Methods; repeatable, or separated by commas. Default: all.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = METHOD_NAMES  # type: ignore[assignment]
+    seeds: Annotated[
+        int,
+        typer.Option(metavar="INT", min=2, max=1000, help="Persons simulated.", rich_help_panel=COMPARISON),
+    ] = 20
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SECONDS",
+            min=1.0,
+            help="Length of a trial. Default: 40 s of the joint, 24 s of the arm.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = None
+    effects: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--effect",
+            metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
+            help="Hide an effect that no method knows of, as in simulate. Repeatable.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = None
+    assignments: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE[@JOINTS]",
+            help="Another value for a setting of the simulation, as in simulate. Repeatable.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = None
+    ideal: Annotated[
+        bool, typer.Option("--ideal", help="Sensors without noise or resolution.", rich_help_panel=COMPARISON)
+    ] = False
+
+
+def command(
+    context: typer.Context,
+    comparison: ComparisonOptions,
+    output: OutputOptions,
+    general: GeneralOptions,
+    formats: Annotated[
+        list[str],
+        typer.Option(
+            "--format",
+            metavar=choices.metavar(choices.IMAGE_FORMATS),
+            callback=choices.some_of(choices.IMAGE_FORMATS),
+            help="Formats of the figures; repeatable, or separated by commas.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = ["png"],  # noqa: B006 - Typer copies it
+    folder: Annotated[
+        Path,
+        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
+    ] = Path("compared"),
+) -> None:
+    """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
+    if general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    chain.check_outputs([], overwrite=output.overwrite)
+    scene = _scene(comparison)
+    result = _compare(scene, comparison, voice)
+    _print(result, scene, [], json=output.json)
+
+
+def _scene(options: ComparisonOptions) -> "Scene":
+    """Return what the methods are tried on, changed as asked for."""
+    from friction_audit.compare import SCENES
+    from friction_audit.simulate.assign import assign_texts
+    from friction_audit.simulate.hide import hide
+    from friction_audit.simulate.settings import IDEAL_SENSORS
+
+    (scene,) = (one for one in SCENES if one.name == options.arm)
+    settings: Any = scene.settings
+    if options.duration is not None:
+        settings = replace(settings, duration_s=options.duration)
+    if options.ideal:
+        settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
+    settings = hide(assign_texts(settings, options.assignments or ()), options.effects or ())
+    return replace(scene, settings=settings)
+
+
+def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
+    from friction_audit.compare import METHODS, compare
+
+    chosen = [method for method in METHODS if method.name in options.methods]
+    with voice.progress("compare") as progress:
+        return compare(scene, options.seeds, chosen, progress)
+
+
+def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:
+    from friction_audit.compare.told import tell_curves, tell_rows
+    from friction_audit.report.compare_document import compare_document
+    from friction_audit.report.compare_table import compare_table
+    from friction_audit.report.document import write_document
+
+    rows = tell_rows(result)
+    if json:
+        document = compare_document(_tell_scene(result, scene), rows, tell_curves(result), files)
+        typer.echo(write_document(document), nl=False)
+        return
+    print_rich(compare_table(rows, len(result.seeds)))
+    for _, path in files:
+        typer.echo(path)
+
+
+def _tell_scene(result: "Comparison", scene: "Scene") -> dict[str, object]:
+    from friction_audit.simulate.hide import hidden_effects, settings_in_sight
+
+    return {
+        "arm": result.scene,
+        "duration_s": result.duration_s,
+        "seeds": result.seeds,
+        "tuning_seeds": result.tuning_seeds,
+        "settings": settings_in_sight(scene.settings),
+        "effects": [asdict(effect) for effect in hidden_effects(scene.settings)],
+    }

@@ -1,0 +1,238 @@
+"""Every method, every tuning, every person: sweeps first, then what is reported."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from multiprocessing import get_context
+from os import cpu_count
+from typing import Any, NamedTuple
+
+from friction_audit.compare.margin import amplified, find_margins
+from friction_audit.compare.method import BEST, OTHER, PAPER, Method, Sweep, Tuning
+from friction_audit.compare.methods import METHODS, NONE, TUNED_BY_HAND
+from friction_audit.compare.result import Comparison, Curve, Point, Row
+from friction_audit.compare.scene import Scene
+from friction_audit.compare.trial import Course, Outcome, Reference, find_reference, make_course, measure
+from friction_audit.errors import AnalysisError
+from friction_audit.simulate.dispatch import simulate
+
+Progress = Callable[[float], None]
+"""Told the share that is done, 0 to 1."""
+
+FIRST_TUNING_SEED = 10_000
+"""The sweeps are made for other persons than those that are reported."""
+
+MARGIN_TRIALS = 6
+"""Simulations that a stability margin takes, about."""
+
+
+class _Trial(NamedTuple):
+    """Everything that a trial takes, without what only this process knows."""
+
+    settings: Any
+    seed: int
+    reference: Reference
+    drawn: bool
+
+
+class _Candidate(NamedTuple):
+    """A row to be."""
+
+    method: Method
+    tuning: Tuning
+    role: str
+
+
+def compare(
+    scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
+) -> Comparison:
+    """Try all methods on the same operator, arm, noise and seeds.
+
+    Args:
+        scene: Who moves what.
+        seeds: Number of persons that are reported; their seeds are 0, 1, 2 and so on.
+        methods: The methods.
+        progress: Told how far it is.
+
+    Raises:
+        AnalysisError: If the trials are too short, or a method has no stable tuning.
+    """
+    with _pool(scene) as pool:
+        return _Experiment(scene, seeds, tuple(methods), pool, progress).run()
+
+
+@contextmanager
+def _pool(scene: Scene) -> Iterator[Executor]:
+    """Yield workers: threads where compiled loops give the interpreter away, else processes."""
+    workers = cpu_count() or 1
+    if scene.needs_processes:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as processes:
+            yield processes
+    else:
+        with ThreadPoolExecutor(workers, thread_name_prefix="trial") as threads:
+            yield threads
+
+
+class _Experiment:
+    """One comparison under way."""
+
+    def __init__(
+        self, scene: Scene, seeds: int, methods: tuple[Method, ...], pool: Executor, progress: Progress | None
+    ) -> None:
+        self.scene, self.methods, self.pool, self.progress = scene, methods, pool, progress
+        self.seeds = tuple(range(seeds))
+        self.tuning_seeds = tuple(FIRST_TUNING_SEED + n for n in range(scene.plan.tuning_seeds))
+        self._done, self._all = 0, self._count()
+
+    def _count(self) -> int:
+        """Return the number of trials, about."""
+        values = sum(len(self._values(sweep)) for method in self.methods for sweep in method.sweeps)
+        others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
+        rows = sum(2 if method.sweeps else 1 for method in self.methods) + others
+        references = len(self.seeds) + len(self.tuning_seeds)
+        return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + MARGIN_TRIALS)
+
+    def _values(self, sweep: Sweep) -> tuple[float, ...]:
+        return sweep.values[:: self.scene.plan.every]
+
+    def run(self) -> Comparison:
+        """Sweep, choose, try."""
+        references = self._references((*self.seeds, *self.tuning_seeds))
+        curves = self._sweep(references)
+        candidates = [one for method in self.methods for one in self._candidates(method, curves)]
+        return Comparison(
+            scene=self.scene.name,
+            title=self.scene.title,
+            duration_s=self.scene.settings.duration_s,
+            seeds=self.seeds,
+            tuning_seeds=self.tuning_seeds,
+            rows=self._try(candidates, references),
+            curves=curves,
+        )
+
+    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any], *, counts: int = 1) -> list[Any]:
+        """Work jobs off, in their order, and tell how far it is."""
+        results = []
+        for result in self.pool.map(work, list(jobs)):
+            results.append(result)
+            self._done += counts
+            if self.progress is not None:
+                self.progress(min(self._done / self._all, 1.0))
+        return results
+
+    def _references(self, seeds: Sequence[int]) -> dict[int, Reference]:
+        settings = self.scene.compensated(_nothing())
+        found = self._map(_refer, [(settings, seed) for seed in seeds])
+        return dict(zip(seeds, found, strict=True))
+
+    def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
+        """Make the sweeps of all methods, all trials in one heap."""
+        sweeps = [(method, sweep) for method in self.methods for sweep in method.sweeps]
+        tunings = [sweep.at(value) for _, sweep in sweeps for value in self._values(sweep)]
+        heaps = iter(self._trials(tunings, self.tuning_seeds, references))
+        curves = []
+        for method, sweep in sweeps:
+            values = self._values(sweep)
+            points = tuple(Point(value=value, tuning=sweep.at(value), outcomes=next(heaps)[0]) for value in values)
+            curves.append(
+                Curve(method=method.name, label=method.label, name=sweep.name, axis=sweep.axis, points=points)
+            )
+        return tuple(curves)
+
+    def _trials(
+        self, tunings: Sequence[Tuning], seeds: Sequence[int], references: dict[int, Reference], *, drawn: bool = False
+    ) -> list[tuple[tuple[Outcome, ...], Course | None]]:
+        """Return the outcomes of every tuning, one per seed, and the course of the first if it is to be drawn."""
+        settings = [self.scene.compensated(tuning) for tuning in tunings]
+        jobs = [_Trial(one, seed, references[seed], drawn and seed == seeds[0]) for one in settings for seed in seeds]
+        done = self._map(_work, jobs)
+        heaps = [done[first : first + len(seeds)] for first in range(0, len(done), len(seeds))]
+        return [(tuple(outcome for outcome, _ in heap), heap[0][1]) for heap in heaps]
+
+    def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[_Candidate]:
+        """Yield the tunings of a method that are reported."""
+        mine = [curve for curve in curves if curve.method == method.name]
+        yield _Candidate(method, _papers(method, mine), PAPER)
+        if mine:
+            yield _Candidate(method, _best(method, mine), BEST)
+        if self.scene.plan.with_others:
+            for tuning in method.others:
+                yield _Candidate(method, tuning, OTHER)
+
+    def _try(self, candidates: Sequence[_Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
+        tried = self._trials([one.tuning for one in candidates], self.seeds, references, drawn=True)
+        margins = self._margins([one.tuning for one in candidates])
+        return tuple(
+            Row(
+                method=one.method.name,
+                label=one.method.label,
+                tuning=one.tuning,
+                role=one.role,
+                outcomes=outcomes,
+                margin=margin,
+                course=_drawn(course),
+            )
+            for one, (outcomes, course), margin in zip(candidates, tried, margins, strict=True)
+        )
+
+    def _margins(self, tunings: Sequence[Tuning]) -> list[float]:
+        """Return the stability margins, of one person of the sweeps."""
+        seed, settings = self.tuning_seeds[0], self.scene.settings
+        short = replace(self.scene, settings=replace(settings, duration_s=self.scene.plan.margin_s))
+        reference = _refer((short.compensated(_nothing()), seed))
+
+        def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
+            bolder = [short.compensated(amplified(tunings[number], factor)) for number, factor in asked]
+            done = self._map(_work, [_Trial(settings, seed, reference, drawn=False) for settings in bolder])
+            return [outcome.stable for outcome, _ in done]
+
+        return find_margins(len(tunings), hold)
+
+
+def _refer(job: tuple[Any, int]) -> Reference:
+    settings, seed = job
+    return find_reference(simulate(settings, seed))
+
+
+def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
+    simulation = simulate(trial.settings, trial.seed)
+    course = make_course(simulation, trial.reference) if trial.drawn else None
+    return measure(simulation, trial.reference), course
+
+
+def _drawn(course: Course | None) -> Course:
+    if course is None:
+        raise AssertionError("the first seed of what is reported is drawn")
+    return course
+
+
+def _nothing() -> Tuning:
+    """Return the tuning of what everything is held against."""
+    (tuning,) = (method.paper for method in METHODS if method.name == NONE and isinstance(method.paper, Tuning))
+    return tuning
+
+
+def _papers(method: Method, curves: Sequence[Curve]) -> Tuning:
+    """Return the paper's kind of tuning."""
+    if isinstance(method.paper, Tuning):
+        return method.paper
+    by_hand = method.paper
+    (sweep,) = (sweep for sweep in method.sweeps if sweep.name == by_hand.sweep)
+    (curve,) = (curve for curve in curves if curve.name == by_hand.sweep)
+    if curve.boldest_stable is None:
+        raise AnalysisError(
+            f"compare: {method.label}: no stable tuning: not even {curve.points[0].tuning.meaning} holds; "
+            "choose a smaller effect or other settings"
+        )
+    tuning = sweep.at(by_hand.back * curve.boldest_stable)
+    return replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
+
+
+def _best(method: Method, curves: Sequence[Curve]) -> Tuning:
+    """Return the stable tuning of all sweeps whose energy slope is closest to zero."""
+    points = [point for curve in curves for point in curve.points]
+    best = min(points, key=lambda point: point.off_w)
+    if not best.stable:
+        raise AnalysisError(f"compare: {method.label}: no stable tuning in any sweep; choose other settings")
+    return best.tuning

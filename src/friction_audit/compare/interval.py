@@ -1,0 +1,30 @@
+"""Mean of a measure over seeds, and how well it is known."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+CONFIDENCE = 0.95
+
+
+class Interval(NamedTuple):
+    """A mean and the bounds of its confidence interval (Student's t); NaN where there are too few values."""
+
+    value: float
+    low: float
+    high: float
+
+
+def mean_interval(values: Sequence[float]) -> Interval:
+    """Return the mean of independent values and its 95 % interval."""
+    from scipy.stats import t
+
+    known = np.array([value for value in values if np.isfinite(value)])
+    if not len(known):
+        return Interval(np.nan, np.nan, np.nan)
+    mean = float(known.mean())
+    if len(known) == 1:
+        return Interval(mean, np.nan, np.nan)
+    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * known.std(ddof=1) / np.sqrt(len(known)))
+    return Interval(mean, mean - half, mean + half)

@@ -1,0 +1,204 @@
+"""The methods that are compared, each with its tunings."""
+
+from friction_audit.compare.method import ByHand, Joint, Make, Method, Sweep, Tuning
+from friction_audit.replay.compensators import (
+    Compensator,
+    DisturbanceObserver,
+    EnergyCompensator,
+    FixedCompensation,
+    Guard,
+    LugreCompensation,
+    SigmoidCompensation,
+    TorqueRegulation,
+)
+from friction_audit.replay.compensators.sigmoid import PUBLISHED, fit_sigmoid
+
+NONE = "none"
+"""The method that everything is held against."""
+
+TOP_SPEED_RAD_S = 1.5
+"""Up to this speed the sigmoid is fitted to the true friction."""
+
+SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)
+"""Friction of a model, over the true one."""
+
+WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)
+"""Cycles per estimate."""
+
+OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
+
+INERTIA_RATIOS = (1.0, 0.8, 1.2, 0.5, 1.5)
+"""Motor inertia as assumed, over the true one."""
+
+SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
+"""Desired motor inertia B_theta over the true one."""
+
+TUNED_BY_HAND = "gain raised until it rings, then halved"
+
+
+def _guard(joint: Joint) -> Guard:
+    return Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s)
+
+
+def _idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
+    """Return a compensator that does nothing, but counts the cycles."""
+    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+
+def _oracle(joint: Joint) -> Compensator:
+    true = joint.parameters
+    return FixedCompensation(coulomb_nm=true.coulomb_nm, viscous_nms_per_rad=true.viscous_nms_per_rad)
+
+
+def _published(joint: Joint) -> SigmoidCompensation:
+    law = PUBLISHED[joint.column]
+    return SigmoidCompensation(
+        height_nm=law.height_nm,
+        steepness_s_per_rad=law.steepness_s_per_rad,
+        shift_rad_s=law.shift_rad_s,
+        guard=_guard(joint),
+    )
+
+
+def _sigmoid(scale: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        true = joint.parameters
+        law = fit_sigmoid(scale * true.coulomb_nm, scale * true.viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S)
+        return SigmoidCompensation(
+            height_nm=law.height_nm, steepness_s_per_rad=law.steepness_s_per_rad, guard=_guard(joint)
+        )
+
+    return _modelled(scale, make)
+
+
+def _lugre(scale: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        true = joint.parameters
+        return _bristles(joint, scale * true.coulomb_nm, scale * true.viscous_nms_per_rad)
+
+    return _modelled(scale, make)
+
+
+def _bristles(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> LugreCompensation:
+    return LugreCompensation(
+        coulomb_nm=coulomb_nm,
+        breakaway_nm=coulomb_nm,
+        viscous_nms_per_rad=viscous_nms_per_rad,
+        guard=_guard(joint),
+    )
+
+
+def _lugre_of_another_arm(joint: Joint) -> Compensator:
+    return _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2, 0.0)
+
+
+def _modelled(scale: float, make: Make) -> Tuning:
+    name = "right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %"
+    meaning = "the true friction" if scale == 1.0 else f"friction {scale:g} times the true one"
+    return Tuning(name=name, meaning=meaning, make=make)
+
+
+def _observer(inertia_ratio: float, gain_per_s: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        return DisturbanceObserver(
+            inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
+            observer_gain_per_s=gain_per_s,
+            guard=_guard(joint),
+        )
+
+    return Tuning(
+        name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s",
+        meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s",
+        make=make,
+    )
+
+
+def _observer_sweep(ratio: float) -> Sweep:
+    return Sweep(
+        name=f"{ratio:g} B",
+        axis="observer gain [1/s]",
+        values=OBSERVER_GAINS_PER_S,
+        at=lambda gain_per_s: _observer(ratio, gain_per_s),
+    )
+
+
+def _regulation(gain: float) -> Tuning:
+    """Return a torque regulation by its torque gain B / B_theta - 1."""
+
+    def make(joint: Joint) -> Compensator:
+        inertia = joint.parameters.inertia_kg_m2
+        return TorqueRegulation(
+            inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia / (1.0 + gain), guard=_guard(joint)
+        )
+
+    ratio = 1.0 / (1.0 + gain)
+    return Tuning(
+        name=f"B_theta = {ratio:.2g} B", meaning=f"desired motor inertia {ratio:.2g} times the true one", make=make
+    )
+
+
+def _energy(window: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        return EnergyCompensator(
+            model="combined",
+            window=int(window),
+            max_torque_nm=joint.max_torque_nm,
+            max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
+        )
+
+    return Tuning(name=f"k = {window:g}", meaning=f"estimated from {window:g} cycles", make=make)
+
+
+METHODS: tuple[Method, ...] = (
+    Method(
+        name=NONE,
+        label="none",
+        paper=Tuning(name="none", meaning="no compensation", make=_idle),
+    ),
+    Method(
+        name="sigmoid",
+        label="model-based",
+        paper=Tuning(name="another arm", meaning="as published for another Panda", make=_published),
+        others=(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
+        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_sigmoid),),
+    ),
+    Method(
+        name="lugre",
+        label="LuGre",
+        paper=Tuning(name="another arm", meaning="plateaus as published for another Panda", make=_lugre_of_another_arm),
+        others=(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
+        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_lugre),),
+    ),
+    Method(
+        name="disturbance_observer",
+        label="disturbance observer",
+        paper=ByHand(sweep="0.8 B"),
+        sweeps=tuple(map(_observer_sweep, INERTIA_RATIOS)),
+    ),
+    Method(
+        name="torque_regulation",
+        label="torque regulation",
+        paper=ByHand(sweep="B_theta"),
+        sweeps=(
+            Sweep(
+                name="B_theta",
+                axis="torque gain $B / B_\\theta - 1$",
+                values=tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS),
+                at=_regulation,
+            ),
+        ),
+    ),
+    Method(
+        name="energy",
+        label="proposed (energy)",
+        paper=_energy(2.0),
+        others=(_energy(4.0),),
+        sweeps=(Sweep(name="k", axis="cycles per estimate $k$", values=WINDOWS, at=_energy),),
+    ),
+    Method(
+        name="oracle",
+        label="oracle",
+        paper=Tuning(name="true friction", meaning="told the true Coulomb and viscous friction", make=_oracle),
+    ),
+)
+"""In the order of the paper's figures, the oracle last."""

@@ -1,0 +1,144 @@
+"""What a comparison gives."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf, isfinite
+
+from friction_audit.compare.interval import Interval, mean_interval
+from friction_audit.compare.method import Tuning
+from friction_audit.compare.trial import Course, Outcome
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Point:
+    """One value of a sweep, tried by the persons who are not reported.
+
+    Attributes:
+        value: The value.
+        tuning: The tuning that it makes.
+        outcomes: One per seed.
+    """
+
+    value: float
+    tuning: Tuning
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def stable(self) -> bool:
+        """True if no seed lost the loop."""
+        return all(outcome.stable for outcome in self.outcomes)
+
+    @property
+    def energy_slope_w(self) -> Interval:
+        """Slope of the net energy. [W]"""
+        return mean_interval([outcome.energy_slope_w for outcome in self.outcomes])
+
+    @property
+    def rms_torque_nm(self) -> Interval:
+        """Rms interaction torque. [N m]"""
+        return mean_interval([outcome.rms_torque_nm for outcome in self.outcomes])
+
+    @property
+    def off_w(self) -> float:
+        """Mean distance of the slope from zero, infinite where the loop was lost. [W]"""
+        slopes = [abs(outcome.energy_slope_w) for outcome in self.outcomes]
+        return sum(slopes) / len(slopes) if self.stable else inf
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Curve:
+    """A sweep that was made.
+
+    Attributes:
+        method: Name of the method.
+        label: Its label.
+        name: Name of the sweep.
+        axis: What was varied.
+        points: From careful to bold.
+    """
+
+    method: str
+    label: str
+    name: str
+    axis: str
+    points: tuple[Point, ...]
+
+    @property
+    def boldest_stable(self) -> float | None:
+        """The last value before the first at which the loop was lost; None if it is lost at once."""
+        stable: float | None = None
+        for point in self.points:
+            if not point.stable:
+                break
+            stable = point.value
+        return stable
+
+    @property
+    def limited(self) -> bool:
+        """True if the loop was lost at some value."""
+        return not all(point.stable for point in self.points)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Row:
+    """A method with a tuning, tried by all persons.
+
+    Attributes:
+        method: Name of the method.
+        label: Its label.
+        tuning: The tuning.
+        role: ``"paper"``, ``"best"`` or ``"other"``.
+        outcomes: One per seed.
+        margin: Factor by which the gain may grow, see ``margin``; infinite if more than anybody asks for.
+        course: What figures show of the first seed.
+    """
+
+    method: str
+    label: str
+    tuning: Tuning
+    role: str
+    outcomes: tuple[Outcome, ...]
+    margin: float
+    course: Course
+
+    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
+        """Return mean and interval of a measure over the seeds in which the loop held."""
+        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+
+    @property
+    def stable_share(self) -> float:
+        """Share of the seeds in which the loop held."""
+        return sum(outcome.stable for outcome in self.outcomes) / len(self.outcomes)
+
+    @property
+    def lost_s(self) -> tuple[float, ...]:
+        """When the loop was lost, of the seeds in which it was. [s]"""
+        return tuple(outcome.lost_s for outcome in self.outcomes if isfinite(outcome.lost_s))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Comparison:
+    """All methods side by side.
+
+    Attributes:
+        scene: Name of what they were tried on.
+        title: The same in words.
+        duration_s: Length of a trial. [s]
+        seeds: Seeds that are reported.
+        tuning_seeds: Seeds of the sweeps.
+        rows: Methods and tunings, in the order of the methods.
+        curves: The sweeps.
+    """
+
+    scene: str
+    title: str
+    duration_s: float
+    seeds: tuple[int, ...]
+    tuning_seeds: tuple[int, ...]
+    rows: tuple[Row, ...]
+    curves: tuple[Curve, ...]
+
+    def row(self, method: str, role: str) -> Row | None:
+        """Return the row of a method and a role; a method without sweep is at its best as it is."""
+        mine = [row for row in self.rows if row.method == method]
+        return next((row for row in mine if row.role == role), mine[0] if len(mine) == 1 else None)

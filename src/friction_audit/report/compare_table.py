@@ -1,0 +1,70 @@
+"""Comparison of methods -> the table that people read."""
+
+from collections.abc import Iterable, Mapping
+from math import inf, isnan
+from typing import TYPE_CHECKING, Any
+
+from friction_audit.report.plain_table import plain_lines
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+Row = Mapping[str, Any]
+
+ROLES = {"paper": "*", "best": "+", "other": " "}
+
+LEGEND = "* the paper's kind of tuning   + best stable tuning of the sweeps (chosen for other persons)   +- 95 %"
+
+ENDLESS = ">32"
+"""Margin beyond what is searched."""
+
+
+def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
+    """Return a row per method and tuning, and the losses of those that did not hold.
+
+    Args:
+        rows: Entries of ``methods`` in the document.
+        seeds: How many persons.
+    """
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    told = list(rows)
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
+    for title in ("method", "tuning"):
+        table.add_column(title)
+    for title in ("slope [mW]", "peak [N m]", "rms [N m]", "stable", "margin"):
+        table.add_column(title, no_wrap=True, justify="right")
+    for row in told:
+        table.add_row(*(Text(text) for text in _cells(row)))
+    losses = [_loss(row, seeds) for row in told if row["lost_s"]]
+    return [Text(line) for line in (*plain_lines(table), LEGEND, *losses)]
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    return (
+        row["label"],
+        f"{ROLES[row['role']]} {row['tuning']}",
+        _with_interval(row["energy_slope_w"], 1000.0, 1),
+        _with_interval(row["peak_torque_nm"], 1.0, 2),
+        _with_interval(row["rms_torque_nm"], 1.0, 3),
+        f"{row['stable_share']:.0%}",
+        ENDLESS if row["stability_margin"] == inf else f"{row['stability_margin']:.1f}",
+    )
+
+
+def _with_interval(told: Mapping[str, Any], factor: float, digits: int) -> str:
+    value, low = told["value"], told["ci95"][0]
+    if isnan(value):
+        return "-"
+    half = "" if isnan(low) else f" +-{factor * (value - low):.{digits}f}"
+    return f"{factor * value:.{digits}f}{half}"
+
+
+def _loss(row: Row, seeds: int) -> str:
+    lost = row["lost_s"]
+    return (
+        f"{row['label']}, {row['tuning']}: the loop was lost in {len(lost)} of {seeds} seeds, first after "
+        f"{min(lost):.1f} s; figures end there"
+    )
