@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -13,6 +13,7 @@ from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
     from friction_audit.replay.compensators import Coefficients, EnergyCompensator
+    from friction_audit.replay.rivals import Rival
     from friction_audit.replay.settings import OperatorImpedance, ReplaySettings
 
 REPLAY = "Replay"
@@ -31,6 +32,15 @@ class ReplayOptions:
             rich_help_panel=REPLAY,
         ),
     ] = "same-motion"
+    compensator: Annotated[
+        str,
+        typer.Option(
+            metavar=choices.metavar(choices.COMPENSATORS),
+            callback=choices.one_of(choices.COMPENSATORS),
+            help="energy: the paper's; fixed: the log's own coefficients; the others: its rivals.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = "energy"
     model: Annotated[
         str | None,
         typer.Option(
@@ -85,6 +95,26 @@ class ReplayOptions:
             rich_help_panel=REPLAY,
         ),
     ] = None
+    observer_gain: Annotated[
+        float | None,
+        typer.Option(metavar="1/S", help="Of the disturbance observer [1/s]. Default: 20.", rich_help_panel=REPLAY),
+    ] = None
+    motor_inertia: Annotated[
+        float | None,
+        typer.Option(
+            metavar="KG_M2",
+            help="That disturbance-observer and torque-regulation assume [kg m^2]. Default: as fitted to the log.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    desired_inertia: Annotated[
+        float | None,
+        typer.Option(
+            metavar="KG_M2",
+            help="That torque-regulation shapes [kg m^2]. Default: half the motor's.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
     operator: Annotated[
         str | None,
         typer.Option(
@@ -105,8 +135,25 @@ class ReplayOptions:
         unused = [name for name, given in idle if given]
         if self.fixed is not None and unused:
             raise UsageError(f"--fixed {self.fixed}: nothing is estimated, so leave {', '.join(unused)} away")
+        self._check_rival(unused)
         if self.no_passivity and self.max_damping is not None:
             raise UsageError("--no-passivity --max-damping: without the controller nothing is damped; leave one away")
+
+    def _check_rival(self, unused: list[str]) -> None:
+        """Refuse options that the compensator chosen has no use for."""
+        paper = (*unused, *(["--fixed"] if self.fixed else []), *(["--max-damping"] if self.max_damping else []))
+        paper = (*paper, *(["--no-passivity"] if self.no_passivity else []))
+        if self.compensator != "energy" and paper:
+            raise UsageError(f"--compensator {self.compensator}: has no use for {', '.join(paper)}; leave it away")
+        inertial = ("disturbance-observer", "torque-regulation")
+        tuning = (
+            ("--observer-gain", self.observer_gain, inertial[:1]),
+            ("--motor-inertia", self.motor_inertia, inertial),
+            ("--desired-inertia", self.desired_inertia, inertial[1:]),
+        )
+        idle = [name for name, given, users in tuning if given is not None and self.compensator not in users]
+        if idle:
+            raise UsageError(f"--compensator {self.compensator}: has no use for {', '.join(idle)}; leave it away")
 
 
 def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySettings":
@@ -120,10 +167,25 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
     return ReplaySettings(
         assume=options.assume,
         compensator=_compensator(options, cycles),
+        rival=_rival(options),
         operator=None if options.operator is None else _operator(options.operator),
         max_torque_nm=options.max_torque,
         max_torque_rate_nm_s=options.max_rate,
     )
+
+
+def _rival(options: ReplayOptions) -> "Rival | None":
+    from friction_audit.replay.rivals import Rival
+
+    if options.compensator == "energy":
+        return None
+    tuning = {
+        "observer_gain_per_s": options.observer_gain,
+        "motor_inertia_kg_m2": options.motor_inertia,
+        "desired_inertia_kg_m2": options.desired_inertia,
+    }
+    given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
+    return Rival(name=options.compensator, **given)
 
 
 def _operator(text: str) -> "OperatorImpedance":

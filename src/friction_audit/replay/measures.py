@@ -7,7 +7,7 @@ from friction_audit.replay.convergence import dissipation_removed, first_right, 
 from friction_audit.replay.counterfactuals import Scene
 from friction_audit.replay.port import Port
 from friction_audit.replay.records import Record
-from friction_audit.replay.result import Numbers, Passivity, ReplayHistory, Signals, net_energy_j
+from friction_audit.replay.result import Numbers, Passivity, ReplayHistory, Signals
 from friction_audit.replay.tally import (
     ACTED,
     COULOMB_APPLIED,
@@ -56,23 +56,27 @@ def measure(port: Port, without: Signals, replayed: Signals, history: ReplayHist
         history: Per cycle.
         tally: What was counted.
     """
+    from friction_audit.replay.sums import largest_sum, sum_up
+
     samples = len(replayed.t)
-    diverged = samples < len(without.t)
+    recorded = sum_up(port.t, port.dq, port.torque)
+    before = sum_up(without.t, without.dq, without.interaction_nm)
+    after = sum_up(replayed.t, replayed.dq, replayed.interaction_nm)
     return Numbers(
-        energy_recorded_j=work_j(port.t, port.dq, port.torque),
-        energy_without_j=work_j(without.t, without.dq, without.interaction_nm),
-        energy_with_j=work_j(replayed.t, replayed.dq, replayed.interaction_nm),
+        energy_recorded_j=recorded[0],
+        energy_without_j=before[0],
+        energy_with_j=after[0],
         dissipation_removed=dissipation_removed(history),
         dissipation_removed_updated=dissipation_removed(history, first_updated(history)),
-        peak_torque_without_nm=peak(without.interaction_nm),
-        peak_torque_with_nm=peak(replayed.interaction_nm),
-        rms_torque_without_nm=rms(without.t, without.interaction_nm),
-        rms_torque_with_nm=rms(replayed.t, replayed.interaction_nm),
-        peak_compensation_nm=peak(replayed.compensation_nm + replayed.passivity_nm),
+        peak_torque_without_nm=before[2],
+        peak_torque_with_nm=after[2],
+        rms_torque_without_nm=before[1],
+        rms_torque_with_nm=after[1],
+        peak_compensation_nm=largest_sum(replayed.compensation_nm, replayed.passivity_nm),
         peak_rate_nm_s=float(tally["fastest_nm_s"]),
-        limited_fraction=float(tally["limited"]) / max(samples, 1),
+        limited_fraction=float(tally["limited"]) / samples,
         cycles_to_converge=first_right(history),
-        diverged_s=float(without.t[samples]) if diverged else float("nan"),
+        diverged_s=float(port.t[samples]) if samples < len(port.t) else float("nan"),
     )
 
 
@@ -103,20 +107,3 @@ def model_error(scene: Scene, port: Port, without: Signals) -> float:
     if scene.joint is None or len(port.logged) or len(without.t) < len(port.t):
         return float("nan")
     return float(np.sqrt(np.sum((without.dq - port.dq) ** 2) / max(np.sum(port.dq**2), np.finfo(float).tiny)))
-
-
-def work_j(t: Float, dq: Float, torque: Float) -> float:
-    """Return the integral of a torque over the motion, trapezoids on the real stamps. [J]"""
-    return float(net_energy_j(t, dq, torque)[-1]) if len(t) else float("nan")
-
-
-def peak(torque: Float) -> float:
-    """Return the largest magnitude; NaN of nothing."""
-    return max(float(torque.max()), -float(torque.min())) if len(torque) else float("nan")
-
-
-def rms(t: Float, torque: Float) -> float:
-    """Return the root mean square over the time; NaN of nothing."""
-    if len(torque) < 2:  # noqa: PLR2004
-        return float("nan")
-    return float(np.sqrt(np.trapezoid(torque * torque, t) / (t[-1] - t[0])))

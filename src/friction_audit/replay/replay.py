@@ -25,8 +25,11 @@ from friction_audit.replay.operator_fit import FittedOperator, fit_operator, giv
 from friction_audit.replay.port import Port, port_of
 from friction_audit.replay.reasons import missing_estimate
 from friction_audit.replay.result import JointReplay, Replay, Signals
+from friction_audit.replay.rivals import tune
 from friction_audit.replay.settings import ReplaySettings
 
+FEWEST_SAMPLES = 2
+DIVERGED_AT_ONCE = "the compensated loop diverges within a sample; lower its gain"
 LONGEST_STEP = 3.5
 """A step of the clock of this many median steps is a hole, however low the rate."""
 
@@ -95,13 +98,16 @@ def _replay_joint(
 ) -> JointReplay:
     found, port = friction.joints[column], port_of(interaction, column)
     limits = settings.limits(limits_of(robot, found.joint))
-    chosen = _in_force(settings.compensator, cycles, column, limits, median_step(port.t))
+    wanted = settings.compensator if settings.rival is None else tune(settings.rival, found, robot)
+    if isinstance(wanted, str):
+        return _not_replayed(port, found, settings.compensator, limits, wanted)
+    chosen = _in_force(wanted, cycles, column, limits, median_step(port.t))
     scene = _scene(interaction, cycles, found, settings, port, cuts)
     if isinstance(scene, str):
         return _not_replayed(port, found, chosen, limits, scene)
     run = run_scene(scene, chosen)
     history = read_history(run.rows, port.t)
-    reason = missing_estimate(history, found, chosen)
+    reason = DIVERGED_AT_ONCE if len(run.signals.t) < FEWEST_SAMPLES else missing_estimate(history, found, chosen)
     if reason:
         return _not_replayed(port, found, chosen, limits, reason)
     without = _without(port) if scene.joint is None else run_scene(scene, None).signals

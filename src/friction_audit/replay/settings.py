@@ -4,17 +4,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from friction_audit.errors import UsageError
-from friction_audit.replay.compensators import (
-    Compensator,
-    DisturbanceObserver,
-    EnergyCompensator,
-    TorqueRegulation,
-)
+from friction_audit.replay.compensators import Compensator, DisturbanceObserver, EnergyCompensator, TorqueRegulation
 from friction_audit.replay.counterfactual import ASSUMPTIONS, SAME_MOTION, SAME_OPERATOR
 from friction_audit.replay.limits import Limits
-
-FEED_BACK = (DisturbanceObserver, TorqueRegulation)
-"""Compensators that close a loop over the motion itself: without that loop their result means nothing."""
+from friction_audit.replay.rivals import FEED_BACK, Rival
 
 DEFAULT_MODEL = "combined"
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
@@ -66,6 +59,7 @@ class ReplaySettings:
     Attributes:
         assume: ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``.
         compensator: What runs on every joint; its thresholds give way to those of the segmentation.
+        rival: What runs instead, tuned from the log; None for ``compensator``.
         operator: Impedance of the person with ``"same-operator"``; None to fit it from the log.
         max_torque_nm: Limit of the torque, or None for the arm's own. [N m]
         max_torque_rate_nm_s: Limit of its change, or None for the arm's own. [N m/s]
@@ -76,6 +70,7 @@ class ReplaySettings:
 
     assume: str = SAME_MOTION.name
     compensator: Compensator = field(default_factory=energy_compensator)
+    rival: Rival | None = None
     operator: OperatorImpedance | None = None
     max_torque_nm: float | None = None
     max_torque_rate_nm_s: float | None = None
@@ -88,7 +83,9 @@ class ReplaySettings:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
             )
-        if self.assume == SAME_MOTION.name and isinstance(self.compensator, FEED_BACK):
+        feeds_back = self.rival is not None and self.rival.name in FEED_BACK
+        feeds_back = feeds_back or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation)
+        if self.assume == SAME_MOTION.name and feeds_back:
             raise UsageError(
                 "this compensator feeds the motion back, which --assume same-motion holds fixed; expected "
                 "--assume same-torque or same-operator"

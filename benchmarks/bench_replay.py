@@ -1,0 +1,60 @@
+"""`friction-audit replay` beside `friction-audit estimate` on the same file: seven joints at 1 kHz in Parquet.
+
+    python benchmarks/bench_replay.py [--runs 3] [--hours 1]
+
+The file is that of bench_parquet.py. Every run is a process of its own; the two commands take turns.
+"""
+
+import argparse
+import multiprocessing
+import statistics
+import sys
+import tempfile
+from pathlib import Path
+
+from bench_parquet import CASES, Run, run, write_log
+
+GOAL = 2.0
+"""Times the time of ``estimate``, along the recorded motion."""
+
+COMMANDS = {
+    "`estimate`": ("estimate",),
+    "`replay`": ("replay",),
+    "`replay --assume same-torque`": ("replay", "--assume", "same-torque"),
+    "`replay --assume same-operator`": ("replay", "--assume", "same-operator", "--operator", "0.3,9,60"),
+}
+
+
+def main() -> None:
+    """Print a table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument("--hours", type=float, default=1.0)
+    arguments = parser.parse_args()
+    taken: dict[str, list[Run]] = {name: [] for name in COMMANDS}
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.parquet"
+        # A process of its own: the parent's memory would count for its children until they run another program.
+        writer = multiprocessing.get_context("spawn").Process(target=write_log, args=(path, CASES[0], arguments.hours))
+        writer.start()
+        writer.join()
+        for _ in range(arguments.runs + 1):
+            for name, words in COMMANDS.items():
+                command, *options = words
+                taken[name].append(run([sys.executable, "-m", "friction_audit", command, str(path), *options, "-q"]))
+    base = statistics.median(one.wall_s for one in taken["`estimate`"][1:])
+    print("| command | wall [s], median (range) | CPU [s] | times `estimate` | peak [MB] |")
+    print("| --- | --- | --- | --- | --- |")
+    for name, (_, *runs) in taken.items():  # the first run of each compiles what no cache holds
+        walls = sorted(one.wall_s for one in runs)
+        middle, cpu = statistics.median(walls), statistics.median(one.cpu_s for one in runs)
+        goal = f" (goal {GOAL:g})" if name == "`replay`" else ""
+        peak = max(one.peak_mb for one in runs)
+        print(
+            f"| {name} | {middle:.2f} ({walls[0]:.2f} to {walls[-1]:.2f}) | {cpu:.2f} | {middle / base:.2f}{goal} "
+            f"| {peak:.0f} |"
+        )
+
+
+if __name__ == "__main__":
+    main()
