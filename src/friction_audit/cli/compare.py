@@ -10,6 +10,7 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ EXAMPLES = """Examples:
   friction-audit compare --seeds 50 --set operator.stiffness_nm_per_rad=120 --json"""
 
 ARMS = ("joint", "panda")
+FIGURES = ("energy", "velocity-torque", "sweep", "summary")
 METHOD_NAMES = ("none", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "energy", "oracle")
 """Written down again, as in ``choices``, so that the help text loads no numerics."""
 
@@ -113,10 +115,12 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    chain.check_outputs([], overwrite=output.overwrite)
+    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in FIGURES}
+    chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
     scene = _scene(comparison)
     result = _compare(scene, comparison, voice)
-    _print(result, scene, [], json=output.json)
+    files = _draw(result, paths, voice, overwrite=output.overwrite)
+    _print(result, scene, files, json=output.json)
 
 
 def _scene(options: ComparisonOptions) -> "Scene":
@@ -142,6 +146,19 @@ def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Compa
     chosen = [method for method in METHODS if method.name in options.methods]
     with voice.progress("compare") as progress:
         return compare(scene, options.seeds, chosen, progress)
+
+
+def _draw(
+    result: "Comparison", paths: dict[str, list[Path]], voice: Voice, *, overwrite: bool
+) -> list[tuple[str, str]]:
+    """Write the figures that there are; return their names and paths."""
+    from friction_audit.compare.draw import draw
+
+    with voice.step("draw"):
+        figures = draw(result)
+        for name, figure in figures.items():
+            save_everywhere(figure, paths[name], overwrite=overwrite)
+    return [(name, str(path)) for name in figures for path in paths[name]]
 
 
 def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:

@@ -75,12 +75,13 @@ def draw_files(
         for name, drawn, joint in ((kind, sheet, sheet), *((f"{kind}-joint{n}", n, n) for n in alone)):
             with voice.step(f"draw {name}"):
                 paths = [folder / f"{name}.{suffix}" for suffix in formats]
-                _write(draw(drawn), paths, overwrite=overwrite)
+                save_everywhere(draw(drawn), paths, overwrite=overwrite)
             files += [FigureFile(kind, joint, path) for path in paths]
     return files
 
 
-def _write(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
+def save_everywhere(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
+    """Write a figure to several files, in the formats that their suffixes name."""
     from friction_audit.report.figures import save_figure
     from friction_audit.whole_file import whole_file
 

@@ -10,11 +10,10 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from friction_audit.reproduce import Claim, Reproduction
 
 SIMULATION = "Simulation"
@@ -92,17 +91,8 @@ def _reproduce(
     for one in chosen:
         with voice.step(f"check and draw figure {one.figure}"):
             claims += one.check(simulations)
-            _save(one.draw(simulations), paths[one.figure], overwrite=overwrite)
+            save_everywhere(one.draw(simulations), paths[one.figure], overwrite=overwrite)
     return chosen, claims
-
-
-def _save(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
-    from friction_audit.report.figures import save_figure
-    from friction_audit.whole_file import whole_file
-
-    for path in paths:
-        with whole_file(path, overwrite=overwrite) as draft:
-            save_figure(figure, draft)
 
 
 def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:

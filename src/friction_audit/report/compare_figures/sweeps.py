@@ -1,0 +1,90 @@
+"""How much a method depends on its tuning, and where its loop is lost."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+from friction_audit.report.compare_figures.look import LOOKS, LOST
+from friction_audit.report.figures.layout import label_panel, new_figure
+from friction_audit.report.figures.style import COLUMN_IN, MUTED, SHADE, figure_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+Sweep = Mapping[str, Any]
+
+ACROSS = 2
+WIDE = 8.0
+"""Largest over smallest value from which the axis is logarithmic."""
+MARKERS = ("o", "s", "^", "v", "D")
+SHADES = (1.0, 0.75, 0.75, 0.45, 0.45)
+MILLI = 1000.0
+
+
+def draw_sweeps(sweeps: Iterable[Sweep], none_w: float) -> "Figure":
+    """Draw the energy slope over the setting, a panel for every method, and shade where a loop was lost.
+
+    Args:
+        sweeps: Entries of ``sweeps`` in the document.
+        none_w: Energy slope without compensation. [W]
+    """
+    told = list(sweeps)
+    methods = list(dict.fromkeys(sweep["method"] for sweep in told))
+    across = min(ACROSS, len(methods))
+    with figure_style():
+        figure = new_figure(COLUMN_IN, 0.2 + 1.5 * ceil(len(methods) / across))
+        panels = figure.subplots(ceil(len(methods) / across), across, squeeze=False, sharey=True)
+        for axes, method in zip(panels.flat, methods, strict=False):
+            _draw_method(axes, [sweep for sweep in told if sweep["method"] == method], none_w)
+        for axes in panels.flat[len(methods) :]:
+            axes.set_visible(False)
+        figure.supylabel("Slope of the net energy [mW]", fontsize=7.5)
+        return figure
+
+
+def _draw_method(axes: "Axes", sweeps: Sequence[Sweep], none_w: float) -> None:
+    label_panel(axes, sweeps[0]["label"])
+    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+    axes.axhline(MILLI * none_w, color=MUTED, lw=0.6, ls=(0, (1, 1)), zorder=1)
+    values = [point["value"] for sweep in sweeps for point in sweep["points"]]
+    if max(values) > WIDE * min(values):
+        axes.set_xscale("log")
+    for number, sweep in enumerate(sweeps):
+        _draw_sweep(axes, sweep, number, alone=len(sweeps) == 1)
+    _shade_limit(axes, sweeps, max(values))
+    axes.set_xlabel(sweeps[0]["axis"])
+    if len(sweeps) > 1:
+        axes.legend(loc="lower left", fontsize=5.5, handlelength=1.2, borderaxespad=0.1, labelspacing=0.2)
+
+
+def _draw_sweep(axes: "Axes", sweep: Sweep, number: int, *, alone: bool) -> None:
+    """Draw the stable points with their intervals, and a cross where the loop was lost for the first time."""
+    held = [point for point in sweep["points"] if point["stable"]]
+    slopes = [MILLI * point["energy_slope_w"]["value"] for point in held]
+    axes.plot(
+        [point["value"] for point in held],
+        slopes,
+        color=LOOKS[sweep["method"]].colour,
+        alpha=SHADES[number % len(SHADES)],
+        marker=MARKERS[0 if alone else number % len(MARKERS)],
+        ms=2.6,
+        mew=0,
+        lw=0.8,
+        label=sweep["sweep"],
+        zorder=3,
+    )
+    lost = next((point["value"] for point in sweep["points"] if not point["stable"]), None)
+    if lost is not None and held:
+        axes.plot(lost, slopes[-1], "x", color=LOST, ms=3.5, mew=0.8, zorder=4)
+
+
+def _shade_limit(axes: "Axes", sweeps: Sequence[Sweep], last: float) -> None:
+    """Shade the values at which every sweep of a method has lost its loop."""
+    first = [next((p["value"] for p in sweep["points"] if not p["stable"]), None) for sweep in sweeps]
+    lost = [value for value in first if value is not None]
+    if len(lost) < len(first):
+        return
+    start = max(lost)
+    axes.axvspan(start, last, facecolor=SHADE, edgecolor="none", zorder=0)
+    axes.text(0.97, 0.95, "loop lost", transform=axes.transAxes, ha="right", va="top", fontsize=6, color=MUTED)
