@@ -26,6 +26,8 @@ TITLES = (
     "passive\n(out)",
 )
 
+DIVERGED = "div."
+
 
 def replay_table(found: LogReplay) -> "list[RenderableType]":
     """Return what was assumed, a row per joint, steps of friction, and the reasons of the joints without a result."""
@@ -85,16 +87,17 @@ def _row(joint: JointReplay) -> tuple[str, ...]:
     numbers, passivity = joint.numbers, joint.passivity
     if numbers is None or passivity is None:
         return label, *(NOTHING for _ in TITLES[1:])
+    diverged = not math.isnan(numbers.diverged_s)
     converged = numbers.cycles_to_converge
     return (
         label,
         _energy(numbers.energy_without_j),
         _energy(numbers.energy_with_j),
-        _percent(numbers.dissipation_removed),
-        _percent(numbers.dissipation_removed_updated),
+        NOTHING if diverged else _percent(numbers.dissipation_removed),
+        NOTHING if diverged else _percent(numbers.dissipation_removed_updated),
         f"{numbers.peak_torque_without_nm:.3f}",
         f"{numbers.peak_torque_with_nm:.3f}",
-        NOTHING if converged is None else str(converged),
+        DIVERGED if diverged else NOTHING if converged is None else str(converged),
         _energy(passivity.injected_j),
         f"{'yes' if passivity.violations == 0 else 'no'} ({passivity.active_cycles})",
     )
