@@ -63,7 +63,7 @@ class ComparisonOptions:
         typer.Option(
             metavar="SECONDS",
             min=1.0,
-            help="Length of a trial. Default: 40 s of the joint, 24 s of the arm.",
+            help="Length of a trial. Default: 40 s of the joint, 20 s of the arm.",
             rich_help_panel=COMPARISON,
         ),
     ] = None

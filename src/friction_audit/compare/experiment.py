@@ -87,7 +87,7 @@ class _Experiment:
 
     def _count(self) -> int:
         """Return the number of trials, about."""
-        values = sum(len(self._values(sweep)) for method in self.methods for sweep in method.sweeps)
+        values = sum(len(self._values(sweep)) for _, sweep in self._sweeps())
         others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
         rows = sum(2 if method.sweeps else 1 for method in self.methods) + others
         references = len(self.seeds) + len(self.tuning_seeds)
@@ -95,6 +95,9 @@ class _Experiment:
 
     def _values(self, sweep: Sweep) -> tuple[float, ...]:
         return sweep.values[:: self.scene.plan.every]
+
+    def _sweeps(self) -> list[tuple[Method, Sweep]]:
+        return [(method, sweep) for method in self.methods for sweep in method.sweeps[: self.scene.plan.sweeps]]
 
     def run(self) -> Comparison:
         """Sweep, choose, try."""
@@ -128,7 +131,7 @@ class _Experiment:
 
     def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
         """Make the sweeps of all methods, all trials in one heap."""
-        sweeps = [(method, sweep) for method in self.methods for sweep in method.sweeps]
+        sweeps = self._sweeps()
         tunings = [sweep.at(value) for _, sweep in sweeps for value in self._values(sweep)]
         heaps = iter(self._trials(tunings, self.tuning_seeds, references))
         curves = []
@@ -157,7 +160,9 @@ class _Experiment:
         if mine:
             yield _Candidate(method, _best(method, mine), BEST)
         if self.scene.plan.with_others:
-            for tuning in method.others:
+            # A further tuning that is the best one has its row already.
+            told = {_papers(method, mine).name, _best(method, mine).name} if mine else set()
+            for tuning in (one for one in method.others if one.name not in told):
                 yield _Candidate(method, tuning, OTHER)
 
     def _try(self, candidates: Sequence[_Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:

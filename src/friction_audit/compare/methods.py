@@ -1,5 +1,7 @@
 """The methods that are compared, each with its tunings."""
 
+from dataclasses import replace
+
 from friction_audit.compare.method import ByHand, Joint, Make, Method, Sweep, Tuning
 from friction_audit.replay.compensators import (
     Compensator,
@@ -24,6 +26,9 @@ SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)
 
 WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)
 """Cycles per estimate."""
+
+GENTLE_NMS_PER_RAD = 1.0
+"""Damping of the passivity controller that an elastic joint bears without a knock."""
 
 OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
 
@@ -137,16 +142,28 @@ def _regulation(gain: float) -> Tuning:
     )
 
 
-def _energy(window: float) -> Tuning:
+def _energy(window: float, max_damping_nms_per_rad: float | None = None) -> Tuning:
+    """Return the proposed method; the damping of its passivity controller is bounded as usual, or as told."""
+
     def make(joint: Joint) -> Compensator:
-        return EnergyCompensator(
+        usual = EnergyCompensator(
             model="combined",
             window=int(window),
             max_torque_nm=joint.max_torque_nm,
             max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
         )
+        bounded = max_damping_nms_per_rad is not None
+        return replace(usual, max_damping_nms_per_rad=max_damping_nms_per_rad) if bounded else usual
 
-    return Tuning(name=f"k = {window:g}", meaning=f"estimated from {window:g} cycles", make=make)
+    name, meaning = f"k = {window:g}", f"estimated from {window:g} cycles"
+    if max_damping_nms_per_rad is not None:
+        name += ", gentle"
+        meaning += f", passivity controller of at most {max_damping_nms_per_rad:g} N m s/rad"
+    return Tuning(name=name, meaning=meaning, make=make)
+
+
+def _gentle_energy(window: float) -> Tuning:
+    return _energy(window, GENTLE_NMS_PER_RAD)
 
 
 METHODS: tuple[Method, ...] = (
@@ -192,8 +209,11 @@ METHODS: tuple[Method, ...] = (
         name="energy",
         label="proposed (energy)",
         paper=_energy(2.0),
-        others=(_energy(4.0),),
-        sweeps=(Sweep(name="k", axis="cycles per estimate $k$", values=WINDOWS, at=_energy),),
+        others=(_energy(4.0), _gentle_energy(2.0)),
+        sweeps=(
+            Sweep(name="as published", axis="cycles per estimate $k$", values=WINDOWS, at=_energy),
+            Sweep(name="gentle", axis="cycles per estimate $k$", values=WINDOWS, at=_gentle_energy),
+        ),
     ),
     Method(
         name="oracle",

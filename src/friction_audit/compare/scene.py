@@ -21,12 +21,14 @@ class Plan:
     Attributes:
         tuning_seeds: Persons for whom the sweeps are made; none of them is reported.
         every: Of the values of a sweep, every so manyth is tried.
+        sweeps: So many sweeps of a method are made.
         with_others: Whether tunings beside the paper's kind and the best one are reported.
         margin_s: Length of the simulations that look for the stability margin. [s]
     """
 
     tuning_seeds: int
     every: int
+    sweeps: int
     with_others: bool
     margin_s: float
 
@@ -67,13 +69,13 @@ SCENES: tuple[Scene, ...] = (
         name="joint",
         title="joint 1 of a Panda, elastic, moved by a person",
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
-        plan=Plan(tuning_seeds=5, every=1, with_others=True, margin_s=20.0),
+        plan=Plan(tuning_seeds=5, every=1, sweeps=5, with_others=True, margin_s=20.0),
     ),
     Scene(
         name="panda",
         title="a Panda, its joints elastic, guided by a hand",
-        settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=24.0),
-        plan=Plan(tuning_seeds=1, every=2, with_others=False, margin_s=12.0),
+        settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=20.0),
+        plan=Plan(tuning_seeds=1, every=2, sweeps=2, with_others=False, margin_s=8.0),
         needs_processes=True,
     ),
 )

@@ -13,6 +13,9 @@ from friction_audit.simulate.simulation import Motion, Simulation
 VIBRATION_S = 0.1
 """What is faster than a moving average over this time is no motion of a person. [s]"""
 
+RINGING_SHARE = 0.5
+"""Share of a second."""
+
 MOVING_RAD_S = 0.05
 """Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]"""
 
@@ -184,15 +187,16 @@ def feel(motion: Motion, joint: int, after: int) -> Float:
 def find_loss(simulation: Simulation, reference: Reference) -> float:
     """Return when a loop was lost, or infinity. [s]
 
-    It is lost when its compensator gives up, or when the interaction torque vibrates, averaged over a second, by more
-    than a person's whole effort without any compensation.
+    It is lost when its compensator gives up, or when it rings: when for half of a second the interaction torque of a
+    joint vibrates by more than the rms effort that the joint takes without any compensation. For a sinusoid that is an
+    rms of just that; a single knock, however hard, is no ringing.
     """
     from scipy.ndimage import uniform_filter1d
 
     motion = simulation.truth.motion
     unstable = simulation.truth.compensators["unstable"].any(axis=1)
-    squares = uniform_filter1d(vibration_nm(motion.interaction_nm) ** 2, int(CONTROL_RATE_HZ), axis=0)
-    rings = (squares > reference.rms_torque_nm**2).any(axis=1)
+    loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
+    rings = (uniform_filter1d(loud.astype(np.float64), int(CONTROL_RATE_HZ), axis=0) > RINGING_SHARE).any(axis=1)
     lost = np.flatnonzero(unstable | rings)
     return float(motion.t[lost[0]]) if len(lost) else np.inf
 

@@ -32,11 +32,12 @@ def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
 
     told = list(rows)
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
-    for title in ("method", "tuning"):
-        table.add_column(title)
+    table.add_column("method and tuning", no_wrap=True)
     for title in ("slope [mW]", "peak [N m]", "rms [N m]", "stable", "margin"):
         table.add_column(title, no_wrap=True, justify="right")
-    for row in told:
+    for before, row in zip((None, *told), told, strict=False):
+        if before is None or before["method"] != row["method"]:
+            table.add_row(Text(row["label"]))
         table.add_row(*(Text(text) for text in _cells(row)))
     losses = [_loss(row, seeds) for row in told if row["lost_s"]]
     return [Text(line) for line in (*plain_lines(table), LEGEND, *losses)]
@@ -44,7 +45,6 @@ def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
 
 def _cells(row: Row) -> tuple[str, ...]:
     return (
-        row["label"],
         f"{ROLES[row['role']]} {row['tuning']}",
         _with_interval(row["energy_slope_w"], 1000.0, 1),
         _with_interval(row["peak_torque_nm"], 1.0, 2),

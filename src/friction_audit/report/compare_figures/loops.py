@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from math import ceil
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
 
 DRAWN = 3000
 ACROSS = 3
+LONGEST_TITLE = 16
+"""Characters above a panel."""
 GROUND = "#c8c8c8"
 """Colour of what every method is held against."""
 
@@ -32,7 +35,7 @@ def draw_loops(courses: Sequence[TrialCourse], joint: int) -> "Figure":
     """
     rows = ceil(len(courses) / ACROSS)
     with figure_style():
-        figure = new_figure(COLUMN_IN, 0.3 + 1.2 * rows)
+        figure = new_figure(COLUMN_IN, 0.3 + 1.3 * rows)
         panels = figure.subplots(rows, min(ACROSS, len(courses)), squeeze=False, sharex=True, sharey=True)
         for axes, course in zip(panels.flat, courses, strict=False):
             if course is not courses[0]:
@@ -53,7 +56,7 @@ def draw_loops(courses: Sequence[TrialCourse], joint: int) -> "Figure":
 def _finish(axes: "Axes", course: TrialCourse) -> None:
     axes.axhline(0.0, color=MUTED, lw=0.3, zorder=0)
     axes.axvline(0.0, color=MUTED, lw=0.3, zorder=0)
-    label_panel(axes, course.label, across=3)
+    label_panel(axes, fill(course.label, LONGEST_TITLE), across=3)
     if course.lost:
         axes.text(0.04, 0.96, "loop lost", transform=axes.transAxes, va="top", fontsize=6.5, color=LOST)
 

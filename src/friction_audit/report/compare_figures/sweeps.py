@@ -55,7 +55,16 @@ def _draw_method(axes: "Axes", sweeps: Sequence[Sweep], none_w: float) -> None:
     _shade_limit(axes, sweeps, max(values))
     axes.set_xlabel(sweeps[0]["axis"])
     if len(sweeps) > 1:
-        axes.legend(loc="lower left", fontsize=5.5, handlelength=1.2, borderaxespad=0.1, labelspacing=0.2)
+        axes.legend(
+            loc="upper center",
+            bbox_to_anchor=(0.45, 0.93),
+            ncols=2,
+            fontsize=5.5,
+            handlelength=1.2,
+            columnspacing=0.8,
+            borderaxespad=0.1,
+            labelspacing=0.2,
+        )
 
 
 def _draw_sweep(axes: "Axes", sweep: Sweep, number: int, *, alone: bool) -> None:
@@ -87,4 +96,14 @@ def _shade_limit(axes: "Axes", sweeps: Sequence[Sweep], last: float) -> None:
         return
     start = max(lost)
     axes.axvspan(start, last, facecolor=SHADE, edgecolor="none", zorder=0)
-    axes.text(0.97, 0.95, "loop lost", transform=axes.transAxes, ha="right", va="top", fontsize=6, color=MUTED)
+    axes.text(
+        (start * last) ** 0.5,
+        0.5,
+        "loop lost",
+        transform=axes.get_xaxis_transform(),
+        ha="center",
+        va="center",
+        rotation=90,
+        fontsize=6,
+        color=MUTED,
+    )
