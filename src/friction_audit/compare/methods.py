@@ -152,8 +152,9 @@ def _energy(window: float, max_damping_nms_per_rad: float | None = None) -> Tuni
             max_torque_nm=joint.max_torque_nm,
             max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
         )
-        bounded = max_damping_nms_per_rad is not None
-        return replace(usual, max_damping_nms_per_rad=max_damping_nms_per_rad) if bounded else usual
+        if max_damping_nms_per_rad is None:
+            return usual
+        return replace(usual, max_damping_nms_per_rad=max_damping_nms_per_rad)
 
     name, meaning = f"k = {window:g}", f"estimated from {window:g} cycles"
     if max_damping_nms_per_rad is not None:
