@@ -50,9 +50,14 @@ def seems_compensated(interaction: Interaction, friction: JointFriction, robot: 
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
     negative = [name for name, found in coefficients.items() if found.high < 0]
     low = _far_below(friction, robot)
-    if not negative and not low:
+    if negative:
+        what = f"negative {' and '.join(negative)} friction"
+    elif interaction.choice.sign_turned:
+        what = "with the usual sign of the torque the joint gives out energy, as negative friction would"
+    elif low:
+        what = low
+    else:
         return
-    what = f"negative {' and '.join(negative)} friction" if negative else low
     message = (
         f"joint {friction.joint} ({friction.name}): {what}, as if a friction compensator had been active, and no "
         "column says so; then the replay comes on top of it and means little; map its torque "

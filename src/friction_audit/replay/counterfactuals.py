@@ -97,6 +97,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
     records, memory, tally = pack([compensator], 1.0 / median_step(t)), fresh_memory(1), fresh_tally()
     rows = np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS))
     signals = (_along if scene.joint is None else _closed)(scene, records[0], memory[0], tally[0], rows)
+    tally["diverged"] = len(signals.t) < len(t)
     return Run(signals=signals, rows=rows[: int(tally["cycles"][0])].copy(), tally=tally[0])
 
 

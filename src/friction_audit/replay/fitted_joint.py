@@ -12,6 +12,9 @@ from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 from friction_audit.model import JointModel, simple_model
 
+LEAST_INERTIA_KG_M2 = 1e-3
+"""No motor with its gear has less; what seems to have was recorded without its inertia. [kg m^2]"""
+
 CUTOFF_HZ = 20.0
 """Of the acceleration, as in the torque regression."""
 
@@ -48,7 +51,7 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
     if found is None:
         return "too few moving samples or strokes to fit inertia and friction; record more strokes back and forth"
     joint = FittedJoint(inertia=found.inertia, coulomb=found.coulomb, viscous=found.viscous)
-    if not found.inertia.low > 0.0:
+    if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
         return (
             f"its inertia is not determined ({_text(found.inertia)} kg m^2), and without it nobody knows how it would "
             "have moved; record brisker strokes with quick reversals, or use --assume same-motion"

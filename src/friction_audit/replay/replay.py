@@ -15,7 +15,7 @@ from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, gravity_caution, seems_compensated
 from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
 from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR
-from friction_audit.replay.counterfactuals import Scene, other_motion, run_scene, same_motion
+from friction_audit.replay.counterfactuals import Run, Scene, other_motion, run_scene, same_motion
 from friction_audit.replay.fitted_joint import fit_joint
 from friction_audit.replay.friction_step import find_recovery
 from friction_audit.replay.hand_cycles import hand_cuts
@@ -24,7 +24,7 @@ from friction_audit.replay.measures import measure, measure_passivity, model_err
 from friction_audit.replay.operator_fit import FittedOperator, fit_operator, given_operator
 from friction_audit.replay.port import Port, port_of
 from friction_audit.replay.reasons import missing_estimate
-from friction_audit.replay.result import JointReplay, Replay, Signals
+from friction_audit.replay.result import JointReplay, Replay, ReplayHistory, Signals
 from friction_audit.replay.rivals import tune
 from friction_audit.replay.settings import ReplaySettings
 
@@ -107,7 +107,7 @@ def _replay_joint(
         return _not_replayed(port, found, chosen, limits, scene)
     run = run_scene(scene, chosen)
     history = read_history(run.rows, port.t)
-    reason = DIVERGED_AT_ONCE if len(run.signals.t) < FEWEST_SAMPLES else missing_estimate(history, found, chosen)
+    reason = _reason(run, history, found, chosen)
     if reason:
         return _not_replayed(port, found, chosen, limits, reason)
     without = _without(port) if scene.joint is None else run_scene(scene, None).signals
@@ -126,6 +126,14 @@ def _replay_joint(
         passivity=measure_passivity(history, run.tally, run.signals.t),
         recovery=find_recovery(history),
     )
+
+
+def _reason(run: Run, history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
+    """Say why the run means nothing; empty if it does, or if it diverged before there was any estimate."""
+    samples = len(run.signals.t)
+    if samples < FEWEST_SAMPLES:
+        return DIVERGED_AT_ONCE
+    return "" if run.tally["diverged"] else missing_estimate(history, friction, compensator)
 
 
 def _scene(
@@ -174,13 +182,16 @@ def _in_force(
     compensator: Compensator, cycles: EnergyCycles, column: int, limits: Limits, step_s: float
 ) -> Compensator:
     """Return the compensator with the limits, and the thresholds where it finds cycles itself."""
-    kept: dict[str, Any] = {"max_torque_nm": limits.torque_nm, "max_torque_rate_nm_s": limits.rate_nm_s}
+    guard = compensator if isinstance(compensator, EnergyCompensator) else getattr(compensator, "guard", Guard())
+    kept: dict[str, Any] = {
+        "max_torque_nm": min(guard.max_torque_nm, limits.torque_nm),
+        "max_torque_rate_nm_s": min(guard.max_torque_rate_nm_s, limits.rate_nm_s),
+    }
     if isinstance(compensator, EnergyCompensator):
         if cycles.speed_unit == "rad/s" and not compensator.zero_crossings:
             kept["initiation_rad_s"] = float(cycles.initiation[column])
             kept["termination_rad_s"] = float(cycles.termination[column])
         kept["maximum_gap_s"] = max(compensator.maximum_gap_s, LONGEST_STEP * step_s)
         return replace(compensator, **kept)
-    guard = getattr(compensator, "guard", None)
     changed: Any = compensator
-    return replace(changed, guard=replace(guard, **kept)) if isinstance(guard, Guard) else compensator
+    return replace(changed, guard=replace(guard, **kept)) if hasattr(compensator, "guard") else compensator

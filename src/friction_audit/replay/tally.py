@@ -48,6 +48,7 @@ TALLY = np.dtype(
         ("unserved_j", "f8"),
         ("injected_j", "f8"),
         ("hidden", "i8"),
+        ("diverged", "i8"),
     ]
 )
 """``friction_j``: what friction took. ``net_j``: that less what the compensator gave, the rest being the person's.
@@ -55,7 +56,7 @@ TALLY = np.dtype(
 from the start and since the compensator became active. ``activation``: sample of that, -1 before; ``reserve_j``: the
 ledger then. ``active_friction_j``: what friction took since. ``limited``: samples at a limit of torque or rate.
 ``hidden``: 1 once the joint has given out GIVEN_OUT of what friction took since the compensator became active, and the
-reserve from before it kept the ledger from showing it.
+reserve from before it kept the ledger from showing it. ``diverged``: 1 if the loop ran away.
 """
 
 GIVEN_OUT = 0.05

@@ -194,4 +194,6 @@ def applied(history: ReplayHistory, name: str, end_s: float) -> tuple[Float, Flo
     """
     unit = "nm" if name == "coulomb" else "nms_per_rad"
     value = getattr(history, f"{name}_applied_{unit}")
-    return np.append(history.start_s, end_s), np.append(value, value[-1:])
+    if not len(value):
+        return np.array([0.0, end_s]), np.zeros(2)
+    return np.append(history.start_s, end_s), np.append(value, value[-1])
