@@ -83,6 +83,7 @@ class ReplaySettings:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
             )
+        self.limits(Limits())
         feeds_back = self.rival is not None and self.rival.name in FEED_BACK
         feeds_back = feeds_back or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation)
         if self.assume == SAME_MOTION.name and feeds_back:

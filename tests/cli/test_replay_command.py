@@ -1,0 +1,102 @@
+import csv
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.conftest import Run
+
+WRITTEN = {"replay.json", "replay.csv", "replay.png", "replay-velocity-torque.png"}
+
+
+def test_the_table_names_the_assumption(run: Run, logs: Path) -> None:
+    answer = run("replay", logs / "moved2.csv")
+    assert answer.code == 0
+    assert "same-motion: assumes that the joint would have moved exactly as recorded" in answer.out
+    rows = [line for line in answer.out.splitlines() if line[:2] in ("1 ", "2 ")]
+    assert len(rows) == 2
+    assert all(float(row.split()[2]) < float(row.split()[1]) for row in rows)
+
+
+def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
+    answer = run("replay", logs / "moved2.csv", "--joints", "2", "--json", "--window", "5", "--max-torque", "50")
+    document = answer.document()
+    assert answer.err == ""
+    assert document["assume"] == "same-motion"
+    assert document["settings"]["replay"]["compensator"]["window"] == 5
+    (joint,) = document["joints"]
+    assert joint["compensator"]["kind"] == "energy"
+    assert joint["limits"] == {"torque_nm": 50.0, "rate_nm_s": None}
+    assert joint["cycles"] == len(joint["history"])
+    assert joint["energy_with_j"] < joint["energy_without_j"]
+
+
+def test_a_folder_gets_document_history_and_figures(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("replay", logs / "moved1.csv", "-o", "out/deep", "--json")
+    folder = tmp_path / "out" / "deep"
+    assert {path.name for path in folder.iterdir()} == WRITTEN
+    assert json.loads((folder / "replay.json").read_text()) == answer.document()
+    rows = list(csv.DictReader((folder / "replay.csv").read_text().splitlines()))
+    history = answer.document()["joints"][0]["history"]
+    assert [row["status"] for row in rows] == [cycle["status"] for cycle in history]
+    assert [float(row["net_energy_j"]) for row in rows] == pytest.approx([one["net_energy_j"] for one in history])
+
+
+@pytest.mark.parametrize("name", sorted(WRITTEN))
+def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("old")
+    answer = run("replay", logs / "absent.csv", "-o", "out")
+    assert answer.code == 2
+    assert f"{name}: exists already" in answer.err
+
+
+def test_a_joint_at_rest_is_no_replay(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("replay", logs / "still.csv", "-o", "out")
+    assert answer.code == 4
+    assert "joint 1: did not move" in answer.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_damage_is_said(run: Run, logs: Path) -> None:
+    assert run("replay", logs / "damaged.csv", "-q").code == 6
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--fixed", "coulomb=0.2", "--window", "3"], "nothing is estimated"),
+        (["--fixed", "coulomb=0.2", "--factor", "2"], "leave --factor away"),
+        (["--fixed", "stiction=0.2"], "expected coulomb=NUMBER,viscous=NUMBER"),
+        (["--fixed", "coulomb=x"], "expected coulomb=NUMBER"),
+        (["--no-passivity", "--max-damping", "3"], "nothing is damped"),
+        (["--compensator", "sigmoid", "--fixed", "coulomb=0.2"], "has no use for --fixed"),
+        (["--compensator", "lugre", "--observer-gain", "5"], "has no use for --observer-gain"),
+        (["--compensator", "disturbance-observer"], "feeds the motion back"),
+        (["--operator", "0.3,9,60"], "ask for --assume same-operator"),
+        (["--assume", "same-operator", "--operator", "0.3,9"], "expected 3"),
+        (["--assume", "same-operator", "--operator", "0,0,0"], "at least one of them"),
+        (["--assume", "nothing"], "expected one of same-motion"),
+        (["--model", "viscous", "--window", "0"], "window 0"),
+        (["--max-torque", "-1"], "above zero"),
+        (["--cycles-from", "hand"], ""),
+    ],
+)
+def test_wrong_usage(options: list[str], message: str, run: Run, logs: Path) -> None:
+    answer = run("replay", logs / "moved1.csv", *options)
+    assert answer.code == 2
+    assert message in answer.err
+    assert answer.out == ""
+
+
+def test_an_assumption_that_the_log_does_not_carry(run: Run, logs: Path) -> None:
+    answer = run("replay", logs / "moved1.csv", "--assume", "same-operator")
+    assert answer.code == 4
+    assert "impedance" in answer.err or "inertia" in answer.err
+
+
+@pytest.mark.parametrize("kind", ["replay", "replay-velocity-torque"])
+def test_plot_draws_a_replay(kind: str, run: Run, logs: Path) -> None:
+    answer = run("plot", logs / "moved2.csv", "--kind", kind, "-o", "x")
+    assert answer.code == 0
+    assert answer.out.split() == [f"x/{kind}.png", f"x/{kind}-joint1.png", f"x/{kind}-joint2.png"]
