@@ -1,6 +1,7 @@
 """A whole arm, its hand guided by a person or its joints moved by its own motors; Pinocchio does the dynamics."""
 
 from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -42,6 +43,11 @@ class Servo:
     stiffness_nm_per_rad: float = 600.0
     damping_nms_per_rad: float = 50.0
     motion: Commanded = field(default_factory=Commanded)
+
+    def __post_init__(self) -> None:
+        """Check the signs."""
+        names = ("stiffness_nm_per_rad", "damping_nms_per_rad")
+        require_within("servo", 0.0, inf, **{name: getattr(self, name) for name in names})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -124,7 +130,7 @@ def simulate_arm(
     """
     streams = make_streams(seed, len(settings.joints))
     mechanism, gravity = move(settings, streams, progress)
-    motion = make_motion(mechanism, driven=settings.driven)
+    motion = make_motion(mechanism, path, driven=settings.driven)
     truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
     channels = _channels(settings, motion, mechanism, gravity)
     names = load_arm().joint_names

@@ -11,6 +11,7 @@ from friction_audit.replay.compensator import Compensator
 from friction_audit.replay.records import TRACE
 from friction_audit.simulate import reading
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, count_ticks
+from friction_audit.simulate.divergence import require_sane
 from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.mechanics import rows
 from friction_audit.simulate.mechanism import Mechanism, assemble, rotor_mass
@@ -97,7 +98,7 @@ def simulate_bench(
     """
     streams = make_streams(seed, 1)
     mechanism = move(settings, streams, progress)
-    motion = make_motion(mechanism, driven=settings.driven)
+    motion = make_motion(mechanism, path, driven=settings.driven)
     truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
     channels = _channels(settings, motion, mechanism)
     log = reading.write_down(settings, channels, ("joint1",), path, streams, robot="unknown")
@@ -147,12 +148,16 @@ def _hold(mechanism: Mechanism, hand: Operator, rotor: Float) -> None:
     body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
 
 
-def make_motion(mechanism: Mechanism, *, driven: bool) -> Motion:
-    """Return the truth by its names."""
+def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> Motion:
+    """Return the truth by its names.
+
+    Raises:
+        AnalysisError: If the simulation diverged; it names the path of the log that is not made.
+    """
     row = np.swapaxes(mechanism.out, 0, 1)
     ticks = np.arange(len(mechanism.out), dtype=np.float64)
     link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
-    return Motion(
+    motion = Motion(
         t=ticks * mechanism.clock.dt,
         q=row[link],
         dq=row[speed],
@@ -169,6 +174,7 @@ def make_motion(mechanism: Mechanism, *, driven: bool) -> Motion:
         dissipated_j=row[rows.DISSIPATED],
         warmth=row[rows.WARMTH],
     )
+    return require_sane(motion, path)
 
 
 def make_traces(mechanism: Mechanism) -> dict[str, Float]:

@@ -103,7 +103,7 @@ def simulate_hand_guided_panda(
     """
     streams, arm = make_streams(seed, JOINTS), load_arm()
     mechanism = _move(settings, arm, streams, progress)
-    motion = _among_the_others(settings, make_motion(mechanism, driven=False), arm)
+    motion = _among_the_others(settings, make_motion(mechanism, path, driven=False), arm)
     loop = _all_noise(settings, mechanism, streams)
     gravity = arm.gravity(motion.q)
     channels = reading.arm_channels(settings, motion, loop, gravity, driven=False)
