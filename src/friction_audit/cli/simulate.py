@@ -231,12 +231,18 @@ def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa:
     from friction_audit.simulate.hide import hide
     from friction_audit.simulate.settings import IDEAL_SENSORS
 
-    asked = {"duration_s": options.duration, "rate_hz": options.rate}
+    numbers = {"duration_s": options.duration, "rate_hz": options.rate}
+    asked = {name: value for name, value in numbers.items() if value is not None}
     settings: Any = scenario.settings
-    settings = replace(settings, **{name: value for name, value in asked.items() if value is not None})
+    settings = replace(settings, **asked)
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
-    return hide(assign_texts(settings, options.assignments or ()), options.effects or ())
+    settings = assign_texts(settings, options.assignments or ())
+    for name, value in asked.items():
+        if getattr(settings, name) != value:
+            option = name.partition("_")[0]
+            raise UsageError(f"--{option} {value:g}: --set {name} says otherwise; leave one of them out")
+    return hide(settings, options.effects or ())
 
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:

@@ -24,7 +24,8 @@ def require_within(where: str, low: float, high: float, **numbers: float) -> Non
     """
     for name, number in numbers.items():
         if not low <= number <= high or number == inf:
-            expected = "zero or more" if (low, high) == (0, inf) else f"a number from {low:g} to {high:g}"
+            least = "zero or more" if low == 0 else f"{low:g} or more"
+            expected = least if high == inf else f"a number from {low:g} to {high:g}"
             raise UsageError(f"{where}: {name} {number:g}: expected {expected}")
 
 

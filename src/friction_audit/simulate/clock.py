@@ -14,18 +14,23 @@ HALF_SUBSTEPS = 5
 
 FEWEST_TICKS = 2
 
+LONGEST_S = 7200.0
+"""Every tick is kept in memory: two hours of one joint take about a gigabyte. [s]"""
+
 
 def count_ticks(duration_s: float, rate_hz: float) -> int:
     """Return the number of the controller's ticks in a recording, after checking its length and its rate.
 
     Raises:
-        UsageError: If the recording is too short, or the rate is above that of the controller.
+        UsageError: If the recording is too short or too long, or the rate is above that of the controller.
     """
     require_positive("simulation", duration_s=duration_s, rate_hz=rate_hz)
     if rate_hz > CONTROL_RATE_HZ:
         raise UsageError(
             f"simulation: rate_hz {rate_hz:g}: expected at most {CONTROL_RATE_HZ:g}, the rate of the controller"
         )
+    if duration_s > LONGEST_S:
+        raise UsageError(f"simulation: duration_s {duration_s:g}: expected at most {LONGEST_S:g}; make several logs")
     if duration_s * rate_hz < FEWEST_TICKS:
         raise UsageError(
             f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"

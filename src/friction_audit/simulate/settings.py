@@ -8,6 +8,12 @@ from friction_audit.simulate.checks import require_positive, require_within
 
 HIGHEST_SHARE = 0.5
 
+LARGEST = 1e3
+"""What no error of a sensor comes near, in whatever unit."""
+
+FINEST_STEP = 1e-9
+"""Readings are kept to so many places (``sensors.BINARY_NOISE_DIGITS``): a finer resolution cannot be told."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters:
@@ -63,7 +69,11 @@ class Sensors:
 
     def __post_init__(self) -> None:
         """Check signs and shares."""
-        require_within("sensors", 0, inf, **{item.name: getattr(self, item.name) for item in fields(self)})
+        numbers = {item.name: getattr(self, item.name) for item in fields(self)}
+        require_within("sensors", 0, LARGEST, **numbers)
+        for name, number in numbers.items():
+            if "_step_" in name and 0 < number < FINEST_STEP:
+                raise UsageError(f"sensors: {name} {number:g}: expected 0, for none, or at least {FINEST_STEP:g}")
         if self.slow_noise_share > 1:
             raise UsageError(f"sensors: slow_noise_share {self.slow_noise_share:g}: expected a share from 0 to 1")
         if max(self.stale, self.lost) > HIGHEST_SHARE or self.longest_loss < 1:

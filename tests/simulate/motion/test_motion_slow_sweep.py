@@ -75,7 +75,7 @@ def test_range_and_speeds_hold(seed: int, fastest: float, low: float, high: floa
         ({"speeds_rad_s": (0.0, 1.0)}, "slowest_rad_s 0: expected a number above zero"),
         ({"speeds_rad_s": (1.0, 0.5)}, "speeds_rad_s 1, 0.5: expected the smaller number first"),
         ({"steps": 0}, "steps 0"),
-        ({"reversals": -1}, "reversals -1: expected zero or more"),
+        ({"reversals": -1}, "reversals -1: expected a number from 0 to 1000"),
         ({"ease_s": 4.0}, "ease_s 4: expected at most 3, longest_s or, with reversals, reversal_s"),
         ({"ease_s": 0.6, "reversals": 2}, "ease_s 0.6: expected at most 0.5"),
         ({"range_rad": (-0.1, 0.6)}, "range_rad -0.1, 0.6: expected a range around the start at 0, from -0.2 or less"),

@@ -9,6 +9,9 @@ from friction_audit.errors import UsageError
 
 FORM = "form"
 
+LARGEST = 1e4
+"""What no parameter of a joint comes near, in whatever unit: larger ones are slips, infinite ones no numbers."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Parameter:
@@ -81,10 +84,11 @@ class Effect:
             value = float(text)
         except ValueError:
             value = float("nan")
-        if not parameter.low <= value <= parameter.high:
+        low, high = max(parameter.low, -LARGEST), min(parameter.high, LARGEST)
+        if not low <= value <= high:
             raise UsageError(
-                f"--effect {self.name}: {parameter.name}={text}: expected a number from {parameter.low:g} to "
-                f"{parameter.high:g}: {parameter.meaning}"
+                f"--effect {self.name}: {parameter.name}={text}: expected a number from {low:g} to {high:g}: "
+                f"{parameter.meaning}"
             )
         return value
 

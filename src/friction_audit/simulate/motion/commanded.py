@@ -6,13 +6,16 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulate.checks import require_order, require_positive
+from friction_audit.simulate.checks import require_order, require_positive, require_within
 from friction_audit.simulate.motion.intention import Intention, tick_times
 from friction_audit.simulate.motion.minimum_jerk import rising, slope
 from friction_audit.simulate.motion.motion import Motion
 
 STRIDE = 7
 """A joint takes every so-manieth frequency; arms with more joints take as many as they have joints."""
+
+MOST_SINES = 100
+"""Hundreds of sines are noise, and take as many primes."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -41,7 +44,8 @@ class Commanded:
 
     def __post_init__(self) -> None:
         """Check signs and the range."""
-        require_positive(MOTION.name, lowest_hz=self.lowest_hz, sines=self.sines, ease_s=self.ease_s)
+        require_positive(MOTION.name, lowest_hz=self.lowest_hz, ease_s=self.ease_s)
+        require_within(MOTION.name, 1, MOST_SINES, sines=self.sines)
         require_positive(MOTION.name, peak_speed_rad_s=self.peak_speed_rad_s)
         require_order(MOTION.name, range_rad=self.range_rad)
         low, high = self.range_rad

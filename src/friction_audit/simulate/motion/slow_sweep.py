@@ -17,6 +17,9 @@ from friction_audit.simulate.motion.motion import Motion
 Target = tuple[float, float]
 """A place to go to [rad] and the speed to go with [rad/s]."""
 
+MOST = 1000
+"""No pass has more speeds or more small reversals: it would outlast every recording."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SlowSweep:
@@ -55,9 +58,10 @@ class SlowSweep:
         """Check signs, the order of the pairs and the room."""
         where = MOTION.name
         require_positive(where, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
-        require_positive(where, steps=self.steps, longest_s=self.longest_s, reversal_s=self.reversal_s)
-        require_positive(where, ease_s=self.ease_s)
-        require_within(where, 0, inf, dwell_s=self.dwell_s, reversals=self.reversals)
+        require_positive(where, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
+        require_within(where, 1, MOST, steps=self.steps)
+        require_within(where, 0, MOST, reversals=self.reversals)
+        require_within(where, 0, inf, dwell_s=self.dwell_s)
         pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
         require_order(where, **pairs)
         shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s

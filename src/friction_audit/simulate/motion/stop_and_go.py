@@ -19,6 +19,9 @@ STRATA = 10
 TINY = 1e-9
 """Keeps a rank off 0, whose normal deviate is infinite."""
 
+SHORTEST_STROKE_S = 0.01
+"""Nobody moves a joint and stops it again in less. [s]"""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StopAndGo:
@@ -49,7 +52,8 @@ class StopAndGo:
         """Check signs and the order of the pairs."""
         where, pairs = MOTION.name, ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
         require_positive(where, speed_rad_s=self.speed_rad_s)
-        require_positive(where, shortest_stroke_s=self.stroke_s[0], slowest_rad_s=self.speed_limits_rad_s[0])
+        require_positive(where, slowest_rad_s=self.speed_limits_rad_s[0])
+        require_within(where, SHORTEST_STROKE_S, inf, shortest_stroke_s=self.stroke_s[0])
         require_within(where, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
         require_within(where, 0, 1, reversing=self.reversing)
         require_order(where, **{name: getattr(self, name) for name in pairs})
