@@ -77,7 +77,8 @@ class Simulation:
 
 def make_log(t: Float, channels: Mapping[str, Float], names: tuple[str, ...], path: str, *, robot: str) -> JointLog:
     """Return a log whose source tells nothing about how it was made."""
-    columns = {name: np.asfortranarray(channel) for name, channel in channels.items()}
+    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
+    columns = {name: np.asfortranarray(channel + 0.0) for name, channel in channels.items()}
     digest = hashlib.sha256(t.tobytes())
     for column in columns.values():
         digest.update(column.tobytes(order="F"))
