@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
+from math import nan
 from multiprocessing import get_context
 from os import cpu_count
 from typing import Any, NamedTuple
@@ -184,7 +185,10 @@ class _Experiment:
     def _margins(self, tunings: Sequence[Tuning]) -> list[float]:
         """Return the stability margins, of one person of the sweeps."""
         seed, settings = self.tuning_seeds[0], self.scene.settings
-        short = replace(self.scene, settings=replace(settings, duration_s=self.scene.plan.margin_s))
+        length_s = self.scene.plan.margin_share * settings.duration_s
+        if length_s == 0.0:
+            return [nan] * len(tunings)
+        short = replace(self.scene, settings=replace(settings, duration_s=length_s))
         reference = _refer((short.compensated(_nothing()), seed))
 
         def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:

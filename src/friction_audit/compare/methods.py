@@ -32,8 +32,8 @@ GENTLE_NMS_PER_RAD = 1.0
 
 OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
 
-INERTIA_RATIOS = (1.0, 0.8, 1.2, 0.5, 1.5)
-"""Motor inertia as assumed, over the true one."""
+INERTIA_RATIOS = (0.8, 1.0, 1.2, 0.5, 1.5)
+"""Motor inertia as assumed, over the true one; the first is the paper's kind, which knows it only about."""
 
 SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
 """Desired motor inertia B_theta over the true one."""

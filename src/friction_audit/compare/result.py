@@ -89,7 +89,8 @@ class Row:
         tuning: The tuning.
         role: ``"paper"``, ``"best"`` or ``"other"``.
         outcomes: One per seed.
-        margin: Factor by which the gain may grow, see ``margin``; infinite if more than anybody asks for.
+        margin: Factor by which the gain may grow, see ``margin``; infinite if more than anybody asks for, NaN if not
+            looked for.
         course: What figures show of the first seed.
     """
 

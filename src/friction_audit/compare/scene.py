@@ -23,14 +23,14 @@ class Plan:
         every: Of the values of a sweep, every so manyth is tried.
         sweeps: So many sweeps of a method are made.
         with_others: Whether tunings beside the paper's kind and the best one are reported.
-        margin_s: Length of the simulations that look for the stability margin. [s]
+        margin_share: Of the length of a trial, what looking for the stability margin takes; 0 not to look.
     """
 
     tuning_seeds: int
     every: int
     sweeps: int
     with_others: bool
-    margin_s: float
+    margin_share: float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -69,13 +69,13 @@ SCENES: tuple[Scene, ...] = (
         name="joint",
         title="joint 1 of a Panda, elastic, moved by a person",
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
-        plan=Plan(tuning_seeds=5, every=1, sweeps=5, with_others=True, margin_s=20.0),
+        plan=Plan(tuning_seeds=5, every=1, sweeps=5, with_others=True, margin_share=0.5),
     ),
     Scene(
         name="panda",
         title="a Panda, its joints elastic, guided by a hand",
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=20.0),
-        plan=Plan(tuning_seeds=1, every=2, sweeps=2, with_others=False, margin_s=8.0),
+        plan=Plan(tuning_seeds=1, every=2, sweeps=2, with_others=False, margin_share=0.6),
         needs_processes=True,
     ),
 )

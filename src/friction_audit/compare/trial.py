@@ -141,7 +141,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     resting = reference.resting
     changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
     return Outcome(
-        stable=np.isinf(lost),
+        stable=bool(np.isinf(lost)),
         lost_s=lost,
         energy_slope_w=energy_slope_w(net_energy_j(motion), motion.t, reference),
         peak_torque_nm=float(np.abs(torque[after:]).max()),
@@ -191,12 +191,12 @@ def find_loss(simulation: Simulation, reference: Reference) -> float:
     joint vibrates by more than the rms effort that the joint takes without any compensation. For a sinusoid that is an
     rms of just that; a single knock, however hard, is no ringing.
     """
-    from scipy.ndimage import uniform_filter1d
-
-    motion = simulation.truth.motion
+    motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
     unstable = simulation.truth.compensators["unstable"].any(axis=1)
     loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
-    rings = (uniform_filter1d(loud.astype(np.float64), int(CONTROL_RATE_HZ), axis=0) > RINGING_SHARE).any(axis=1)
+    counts = np.cumsum(loud, axis=0)
+    counts[second:] -= counts[:-second].copy()
+    rings = (counts > RINGING_SHARE * second).any(axis=1)
     lost = np.flatnonzero(unstable | rings)
     return float(motion.t[lost[0]]) if len(lost) else np.inf
 

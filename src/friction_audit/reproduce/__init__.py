@@ -9,6 +9,8 @@ from friction_audit.reproduce.fig9 import FIGURE_9
 from friction_audit.reproduce.fig10 import FIGURE_10
 from friction_audit.reproduce.fig11 import FIGURE_11
 from friction_audit.reproduce.fig12 import FIGURE_12
+from friction_audit.reproduce.fig13 import FIGURE_13
+from friction_audit.reproduce.fig14 import FIGURE_14
 from friction_audit.reproduce.reproduction import Reproduction, Simulations
 from friction_audit.reproduce.run import simulate_figures
 
@@ -21,6 +23,8 @@ REPRODUCTIONS: tuple[Reproduction, ...] = (
     FIGURE_10,
     FIGURE_11,
     FIGURE_12,
+    FIGURE_13,
+    FIGURE_14,
 )
 """The figures, in the paper's order."""
 
