@@ -30,7 +30,7 @@ def cautions_of(joint: JointReplay) -> Iterator[Caution]:
         yield Caution(code="diverged", joint=joint.joint, message=message)
     if passivity.hidden:
         message = (
-            f"{where}: over-compensated, and the passivity controller does not notice: the first cycles left "
+            f"{where}: at times over-compensated, and the passivity controller does not notice: the first cycles left "
             f"{passivity.reserve_j:.3g} J in its ledger, which hides the {-passivity.lowest_since_activation_j:.3g} J "
             "that the joint has given out since the compensator acts"
         )
@@ -45,14 +45,14 @@ def cautions_of(joint: JointReplay) -> Iterator[Caution]:
 
 def seems_compensated(interaction: Interaction, friction: JointFriction, robot: str) -> Iterator[Caution]:
     """Yield a caution where friction looks as if a compensator had been active, and no column tells of one."""
-    if interaction.compensation is not None or friction.reason:
+    if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
     negative = [name for name, found in coefficients.items() if found.high < 0]
     low = _far_below(friction, robot)
     if negative:
         what = f"negative {' and '.join(negative)} friction"
-    elif interaction.choice.sign_turned:
+    elif interaction.choice.sign_turned and interaction.choice.source == "interaction":
         what = "with the usual sign of the torque the joint gives out energy, as negative friction would"
     elif low:
         what = low
@@ -76,8 +76,14 @@ def _far_below(friction: JointFriction, robot: str) -> str:
     return f"Coulomb friction of {friction.coulomb.value:.3f} N m, far below the {usual:.2f} N m of such a joint"
 
 
-def gravity_caution(interaction: Interaction) -> Iterator[Caution]:
-    """Yield a caution where gravity is still in the torque."""
+def log_cautions(interaction: Interaction) -> Iterator[Caution]:
+    """Yield cautions where nobody moved the arm by hand, or gravity is still in the torque."""
+    if interaction.choice.drive != "hand":
+        message = (
+            "the arm moved by itself, and the compensator is made for a person who moves it: what is given for the "
+            "person is what the arm's own drive would have needed"
+        )
+        yield Caution(code="nobody_moves_the_arm", message=message)
     if interaction.choice.gravity_in_torque:
         message = (
             "gravity is still in the torque: a compensator would take what it gives and takes within a cycle for "

@@ -12,7 +12,7 @@ from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import median_step
 from friction_audit.per_joint import per_joint
-from friction_audit.replay.cautions import cautions_of, gravity_caution, seems_compensated
+from friction_audit.replay.cautions import cautions_of, log_cautions, seems_compensated
 from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
 from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR
 from friction_audit.replay.counterfactuals import Run, Scene, other_motion, run_scene, same_motion
@@ -65,7 +65,7 @@ def replay(
     return Replay(
         counterfactual=next(one for one in COUNTERFACTUALS if one.name == settings.assume),
         joints=replays,
-        warnings=(*gravity_caution(interaction), *suspicions, *found),
+        warnings=(*log_cautions(interaction), *suspicions, *found),
     )
 
 

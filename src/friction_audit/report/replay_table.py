@@ -27,6 +27,8 @@ TITLES = (
 )
 
 DIVERGED = "div."
+WORST = -9.99
+"""Share of the dissipation below which a removal is no number any more."""
 
 
 def replay_table(found: LogReplay) -> "list[RenderableType]":
@@ -91,27 +93,27 @@ def _row(joint: JointReplay) -> tuple[str, ...]:
     converged = numbers.cycles_to_converge
     return (
         label,
-        _energy(numbers.energy_without_j),
-        _energy(numbers.energy_with_j),
+        _number(numbers.energy_without_j),
+        _number(numbers.energy_with_j),
         NOTHING if diverged else _percent(numbers.dissipation_removed),
         NOTHING if diverged else _percent(numbers.dissipation_removed_updated),
-        f"{numbers.peak_torque_without_nm:.3f}",
-        f"{numbers.peak_torque_with_nm:.3f}",
+        _number(numbers.peak_torque_without_nm),
+        _number(numbers.peak_torque_with_nm),
         DIVERGED if diverged else NOTHING if converged is None else str(converged),
-        _energy(passivity.injected_j),
+        _number(passivity.injected_j),
         f"{'yes' if passivity.violations == 0 else 'no'} ({passivity.active_cycles})",
     )
 
 
-def _energy(energy_j: float) -> str:
-    return f"{energy_j:.3f}" if abs(energy_j) < MILLIJOULES_UP_TO_J else f"{energy_j:.0f}"
-
-
-MILLIJOULES_UP_TO_J = 100.0
-"""Above this, nobody wants to know."""
+def _number(value: float) -> str:
+    """Return a number in five characters or so."""
+    size = abs(value)
+    return f"{value:.3f}" if size < 10.0 else f"{value:.2f}" if size < 100.0 else f"{value:.0f}"  # noqa: PLR2004
 
 
 def _percent(share: float) -> str:
+    if share < WORST:
+        return f"<{100 * WORST:.0f}"
     return NOTHING if math.isnan(share) else f"{100 * share:.1f}"
 
 
