@@ -1,0 +1,234 @@
+"""Is anything missing at all? A wild cluster bootstrap over cycles of the largest score among all candidates.
+
+References:
+    A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference with clustered errors,
+    Review of Economics and Statistics 90 (2008) 414: the bootstrap with the null imposed.
+    M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of Economics 56
+    (2023) 839 (working paper 2014): weights for few clusters.
+    J. P. Romano, M. Wolf, Exact and approximate stepdown methods for multiple hypothesis testing, Journal of the
+    American Statistical Association 100 (2005) 94: the maximum, and the step-down.
+    J. G. MacKinnon, M. O. Nielsen, M. D. Webb, Fast and reliable jackknife and bootstrap methods for cluster-robust
+    inference, Journal of Applied Econometrics 38 (2023) 671: scores of each cluster from a fit without it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.discrepancy.search import Group
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+FEW_CYCLES = 13
+"""Below this number of cycles two-point signs give too few different draws (Webb 2023, section 3)."""
+MIN_SPARE_CYCLES = 3
+"""Cycles that must remain beyond the number of base and candidate columns."""
+WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
+"""The six points of Webb (2023), eq. (7), each with probability 1/6: mean 0, variance 1."""
+MIN_FRACTION_LEFT = 1e-8
+"""Share of a column's square that must be left after the base: below it, the candidate is in the base already."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Omnibus:
+    """Outcome of the test.
+
+    Attributes:
+        p_value: Probability, with nothing missing, of so large a maximum over all candidates and shapes.
+        names: Names of the candidates.
+        statistic: Of each candidate the largest over its shapes, shape (m,); -ln of a marginal p-value.
+        best_shape: Shape at which it is largest, shape (m,).
+        adjusted_p: Step-down family-wise p-value of each candidate, shape (m,).
+        critical: Statistic that is exceeded with probability alpha if nothing is missing.
+        cycles: Number of cycles.
+    """
+
+    p_value: float
+    names: tuple[str, ...]
+    statistic: Float
+    best_shape: Index
+    adjusted_p: Float
+    critical: float
+    cycles: int
+
+
+def omnibus_test(
+    y: Float,
+    base: Float,
+    groups: Sequence[Group],
+    cycle: Index,
+    rng: np.random.Generator,
+    *,
+    draws: int = 999,
+    alpha: float = 0.05,
+) -> Omnibus:
+    """Tests all candidates at once; the family-wise error holds under correlated candidates and serial dependence.
+
+    With W the columns of a candidate free of the base, M the projection off the base and e the residual of the base,
+    the score of cycle c is s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle
+    a weight g_c and refits the base to g_c e_c, so that s*_c = g_c s_c - W_c' X_c h, h = (X'X)^-1 sum g_c X_c' e_c
+    (Cameron, Gelbach and Miller 2008, section III.B). All of it follows from sums over each cycle: no draw touches
+    a sample. Candidates of different width are compared through the p-value that q / cycles would have as
+    Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores.
+
+    Args:
+        y: Response, shape (n,).
+        base: Columns of the declared model, shape (n, b).
+        groups: Candidates.
+        cycle: Number of the cycle of each sample, shape (n,).
+        rng: Source of randomness.
+        draws: Number of bootstrap draws.
+        alpha: Family-wise error for ``critical``.
+
+    Returns:
+        The test.
+
+    Raises:
+        AnalysisError: Fewer cycles than columns allow.
+    """
+    _, number = np.unique(cycle, return_inverse=True)
+    cycles = int(number.max()) + 1
+    _check_cycles(cycles, base.shape[1], groups)
+    base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
+    weights = bootstrap_weights(rng, draws, cycles)
+    observed, drawn, best = [], [], []
+    scores = _CycleScores(y, base, number, cycles)
+    for group in groups:
+        pair = [scores.statistics(shape, weights) for shape in group.shapes]
+        first = np.array([a for a, _ in pair])
+        best.append(int(np.argmax(first)))
+        observed.append(first.max())
+        drawn.append(np.max([b for _, b in pair], axis=0))
+    return _outcome(groups, np.array(observed), np.array(drawn), np.array(best), alpha, cycles)
+
+
+def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:
+    """Weights of mean 0 and variance 1, shape (draws, cycles): signs, or Webb's six points for few cycles."""
+    points = WEBB if cycles < FEW_CYCLES else np.array([-1.0, 1.0])
+    return rng.choice(points, size=(draws, cycles))
+
+
+def step_down(observed: Float, drawn: Float) -> Float:
+    """Family-wise p-values by step-down maxima (Romano and Wolf 2005, algorithm 4.1 and remark 4.1).
+
+    Args:
+        observed: Statistic of each hypothesis, shape (m,).
+        drawn: The same under the null, shape (m, draws).
+
+    Returns:
+        Adjusted p-values, shape (m,).
+    """
+    order = np.argsort(-observed, kind="stable")
+    # From the smallest statistic up: the maximum over all hypotheses that are not yet rejected.
+    maxima = np.maximum.accumulate(drawn[order][::-1], axis=0)[::-1]
+    p = (1.0 + np.sum(maxima >= observed[order][:, None], axis=1)) / (drawn.shape[1] + 1.0)
+    adjusted = np.empty_like(observed)
+    adjusted[order] = np.maximum.accumulate(p)
+    return adjusted
+
+
+class _CycleScores:
+    """Sums over cycles of base and residual, and the statistic of one set of columns with all its draws."""
+
+    def __init__(self, y: Float, base: Float, number: Index, cycles: int) -> None:
+        order = np.argsort(number, kind="stable")
+        self.order = order
+        self.starts = np.searchsorted(number[order], np.arange(cycles))
+        self.cycles = cycles
+        self.base = base[order]
+        self.inverse = np.linalg.pinv(self.base.T @ self.base, rcond=1e-12, hermitian=True)
+        self.residual = y[order] - self.base @ (self.inverse @ (self.base.T @ y[order]))
+        self.base_score = self._per_cycle(self.base * self.residual[:, None])
+
+    def _per_cycle(self, values: Float) -> Float:
+        summed: Float = np.add.reduceat(values, self.starts, axis=0)
+        return summed
+
+    def statistics(self, columns: Float, weights: Float) -> tuple[float, Float]:
+        """Statistic of the data, and of each draw (draws,)."""
+        w = self._orthonormal(columns[self.order])
+        p, b = w.shape[1], self.base.shape[1]
+        if p == 0:
+            return 0.0, np.zeros(len(weights))
+        s = self._per_cycle(w * self.residual[:, None])
+        A = self._per_cycle((w[:, :, None] * self.base[:, None, :]).reshape(-1, p * b)).reshape(-1, p, b)
+        h = weights @ self.base_score @ self.inverse
+        q = quadratic_form(weights @ s, _refitted_spread(s, A, weights, h))
+        own = quadratic_form(s.sum(axis=0)[None], (s.T @ s)[None])
+        evidence = marginal_evidence(np.concatenate([own, q]), self.cycles, p)
+        return float(evidence[0]), evidence[1:]
+
+    def _orthonormal(self, columns: Float) -> Float:
+        """An orthonormal basis of what the base leaves of the columns, shape (n, r)."""
+        norm = np.linalg.norm(columns, axis=0)
+        scaled = columns / np.where(norm > 0, norm, 1.0)
+        free = scaled - self.base @ (self.inverse @ (self.base.T @ scaled))
+        value, vector = np.linalg.eigh(free.T @ free)
+        good = value > MIN_FRACTION_LEFT
+        basis: Float = free @ (vector[:, good] / np.sqrt(value[good]))
+        return basis
+
+
+def _refitted_spread(s: Float, A: Float, weights: Float, h: Float) -> Float:
+    """Sum over cycles of s*_c s*_c' for every draw, shape (draws, p, p), from products of small matrices only."""
+    cycles, p = s.shape
+    draws, b = h.shape
+    ss = (weights**2) @ (s[:, :, None] * s[:, None, :]).reshape(cycles, -1)
+    cross = weights @ (s[:, :, None, None] * A[:, None, :, :]).reshape(cycles, -1)
+    mixed = np.einsum("dpqb,db->dpq", cross.reshape(draws, p, p, b), h)
+    AA = np.einsum("cpa,cqb->pqab", A, A).reshape(p * p, b * b)
+    hh = (h[:, :, None] * h[:, None, :]).reshape(draws, b * b) @ AA.T
+    spread: Float = ss.reshape(draws, p, p) - mixed - mixed.transpose(0, 2, 1) + hh.reshape(draws, p, p)
+    return spread
+
+
+def quadratic_form(total: Float, spread: Float) -> Float:
+    """total' spread^-1 total, shape (d,), for totals (d, p) and spreads (d, p, p); 0 where nothing spreads."""
+    if total.shape[1] == 1:
+        v = spread[:, 0, 0]
+        form: Float = np.where(v > 0, total[:, 0] ** 2 / np.where(v > 0, v, 1.0), 0.0)
+        return form
+    size = np.trace(spread, axis1=1, axis2=2)
+    # A ridge at the level of rounding: a direction in which no cycle has any score carries no evidence.
+    safe = spread + (np.where(size > 0, size, 1.0) * 1e-10)[:, None, None] * np.eye(total.shape[1])
+    solved = np.linalg.solve(safe, total[:, :, None])[:, :, 0]
+    return np.sum(total * solved, axis=1)
+
+
+def marginal_evidence(q: Float, cycles: int, p: int) -> Float:
+    """-ln of the p-value of q / cycles as a Beta(p/2, (cycles - p)/2) variate, shape of q.
+
+    For independent normal scores q / cycles has this distribution exactly (it is Hotelling's T squared about zero).
+    """
+    from scipy.special import betaincc
+
+    share = np.clip(q / cycles, 0.0, 1.0)
+    tail = betaincc(p / 2.0, (cycles - p) / 2.0, share)
+    evidence: Float = -np.log(np.maximum(tail, 1e-300))
+    return evidence
+
+
+def _check_cycles(cycles: int, base: int, groups: Sequence[Group]) -> None:
+    widest = max((shape.shape[1] for group in groups for shape in group.shapes), default=0)
+    needed = base + widest + MIN_SPARE_CYCLES
+    if cycles < needed:
+        raise AnalysisError(
+            f"omnibus test: {cycles} cycles, expected at least {needed} for {base} base and {widest} candidate columns;"
+            " record more cycles"
+        )
+
+
+def _outcome(groups: Sequence[Group], observed: Float, drawn: Float, best: Index, alpha: float, cycles: int) -> Omnibus:
+    maxima = drawn.max(axis=0)
+    return Omnibus(
+        p_value=float((1 + np.sum(maxima >= observed.max())) / (len(maxima) + 1)),
+        names=tuple(group.name for group in groups),
+        statistic=observed,
+        best_shape=best,
+        adjusted_p=step_down(observed, drawn),
+        critical=float(np.quantile(maxima, 1.0 - alpha, method="higher")),
+        cycles=cycles,
+    )

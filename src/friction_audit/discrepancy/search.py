@@ -1,0 +1,391 @@
+"""Which effects to add: forward search with exchange and backward deletion, judged by what the samples are worth.
+
+Reference: J. Chen, Z. Chen, Extended Bayesian information criteria for model selection with large model spaces,
+Biometrika 95 (2008) 759; P. Pudil et al., Floating search methods in feature selection, Pattern Recognition
+Letters 15 (1994) 1119.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+MIN_FRACTION_LEFT = 1e-8
+"""Share of a column's square that must be left after what is in the model: below it, the column is a copy."""
+MAX_BLOCKS = 40
+"""More blocks of cycles than this add nothing to a bootstrap and cost memory with the square of the columns."""
+
+
+def any_factors(_factors: Float, _shape: int) -> bool:
+    """The rule of a candidate whose factors may have any sign and size."""
+    return True
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Group:
+    """The columns of one candidate, which enter together.
+
+    Attributes:
+        name: Name of the candidate.
+        shapes: Columns for each value of the shape, each of shape (n, p).
+        admissible: ``admissible(factors, shape)`` with factors (p,) and the index of the shape: physically possible?
+    """
+
+    name: str
+    shapes: tuple[Float, ...]
+    admissible: Callable[[Float, int], bool] = any_factors
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Unit:
+    """One candidate with one shape: what can enter a model.
+
+    Attributes:
+        group: Index of the candidate.
+        shape: Index of the shape.
+        columns: Columns of the products, shape (p,).
+    """
+
+    group: int
+    shape: int
+    columns: Index
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class CycleProducts:
+    """Cross products of response, base and candidates by block of cycles: all that a search needs of the samples.
+
+    Columns are in the order response, base (b), units, and have a root mean square of 1, so that nothing depends on
+    units of measurement.
+
+    Attributes:
+        gram: Cross products of each block, shape (g, k, k).
+        scale: Root mean square of each column, shape (k,).
+        samples: Samples of each block, shape (g,).
+        base: Number of base columns.
+        names: Names of the candidates.
+        units: All candidates with all their shapes.
+        admissible: Rule of each candidate.
+    """
+
+    gram: Float
+    scale: Float
+    samples: Index
+    base: int
+    names: tuple[str, ...]
+    units: tuple[Unit, ...]
+    admissible: tuple[Callable[[Float, int], bool], ...]
+
+    @property
+    def always(self) -> Index:
+        """Columns of the base, shape (b,)."""
+        return np.arange(1, 1 + self.base)
+
+    def total(self, weights: Float | None = None) -> Float:
+        """Cross products over all blocks, each taken so many times, shape (k, k)."""
+        summed: Float = self.gram.sum(axis=0) if weights is None else np.tensordot(weights, self.gram, axes=1)
+        return summed
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Chosen:
+    """One effect in the model.
+
+    Attributes:
+        name: Name of the candidate.
+        unit: Index in the units of the products.
+        shape: Index of its shape.
+        factors: Its factors with everything fitted together, in the units of its columns.
+        score: n_eff ln(RSS without / RSS with) - p ln(n_eff) - 2 ln(M).
+    """
+
+    name: str
+    unit: int
+    shape: int
+    factors: tuple[float, ...]
+    score: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Search:
+    """Outcome of a search.
+
+    Attributes:
+        chosen: Effects in the model, the strongest first.
+        base_factors: Factors of the base columns, shape (b,).
+        rss_base: Residual sum of squares of the base alone, in the square of the response's unit.
+        rss: Residual sum of squares of the model.
+        tried: Number of candidates with all their shapes, M.
+    """
+
+    chosen: tuple[Chosen, ...]
+    base_factors: Float
+    rss_base: float
+    rss: float
+    tried: int
+
+
+def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index) -> CycleProducts:
+    """Reads the samples once: cross products by block of whole cycles.
+
+    Args:
+        y: Response, shape (n,).
+        base: Columns that are always in the model, shape (n, b).
+        groups: Candidates.
+        cycle: Number of the cycle of each sample, shape (n,).
+
+    Returns:
+        The products; neighbouring cycles are put together where there are more than 40.
+    """
+    z, units = _stack(y, base, groups)
+    scale = np.sqrt(np.mean(z**2, axis=0))
+    scale[scale == 0.0] = 1.0
+    z /= scale
+    block = _blocks(cycle)
+    order = np.argsort(block, kind="stable")
+    bounds = np.searchsorted(block[order], np.arange(block.max() + 2))
+    parts = [z[order[a:b]] for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    return CycleProducts(
+        gram=np.stack([part.T @ part for part in parts]),
+        scale=scale,
+        samples=np.diff(bounds),
+        base=base.shape[1],
+        names=tuple(group.name for group in groups),
+        units=units,
+        admissible=tuple(group.admissible for group in groups),
+    )
+
+
+def search(products: CycleProducts, n_eff: float, weights: Float | None = None) -> Search:
+    """Adds effects while the score allows it; after each, exchanges and deletes.
+
+    A candidate enters with all its columns and its best admissible shape if (EBIC, Chen and Chen 2008, eq. (1) with
+    gamma = 1, on the effective number of samples)
+    ``n_eff ln(RSS0 / RSS1) - p ln(n_eff) - 2 ln(M) > 0``. Then every effect is exchanged for whatever takes its place
+    better, its own other shapes included, and those that the others made superfluous or impossible leave (floating
+    search, Pudil 1994). All factors are always fitted together.
+
+    Args:
+        products: Cross products of the data.
+        n_eff: Number of independent samples that the data are worth.
+        weights: How many times each block counts, shape (g,); once each if None.
+
+    Returns:
+        The effects found.
+    """
+    state = _State(products, products.total(weights), n_eff)
+    active: list[int] = []
+    seen: set[frozenset[int]] = {frozenset()}
+    while (best := state.best_addition(active)) is not None:
+        active = state.settle([*active, best])
+        # An effect that leaves as impossible may be what lets the next one in again: a round trip ends the search.
+        if frozenset(active) in seen:
+            break
+        seen.add(frozenset(active))
+    return state.result(active)
+
+
+def inclusion_frequency(
+    products: CycleProducts, n_eff: float, rng: np.random.Generator, draws: int = 100
+) -> dict[str, float]:
+    """In which share of bootstraps over cycles the search takes each candidate.
+
+    Whole blocks of cycles are drawn with replacement (pairs cluster bootstrap; Cameron, Gelbach, Miller 2008,
+    section III.A). An effect that depends on a few cycles is missing in many draws.
+
+    Args:
+        products: Cross products of the data.
+        n_eff: Number of independent samples that the data are worth.
+        rng: Source of randomness.
+        draws: Number of bootstraps.
+
+    Returns:
+        For each name the share, 0..1.
+    """
+    blocks = len(products.gram)
+    counts = rng.multinomial(blocks, np.full(blocks, 1.0 / blocks), size=draws).astype(float)
+    found = [{c.name for c in search(products, n_eff, weights).chosen} for weights in counts]
+    return {name: float(np.mean([name in names for names in found])) for name in products.names}
+
+
+class _State:
+    """One total of cross products, and the scores of sets of units on it."""
+
+    def __init__(self, products: CycleProducts, gram: Float, n_eff: float) -> None:
+        self.products = products
+        self.gram = gram
+        self.n_eff = n_eff
+        self.diagonal = np.diag(gram)
+        self.by_width = _by_width(products.units)
+        self.width = np.array([len(unit.columns) for unit in products.units])
+        self.penalty = self.width * np.log(n_eff) + 2.0 * np.log(max(1, len(products.units)))
+
+    def columns(self, active: Sequence[int]) -> Index:
+        """Columns of the base and of some units."""
+        return np.concatenate([self.products.always, *(self.products.units[u].columns for u in active)])
+
+    def factors(self, active: Sequence[int]) -> Float:
+        """Factors of all columns fitted together, of columns with a root mean square of 1."""
+        cols = self.columns(active)
+        solved: Float = np.linalg.lstsq(self.gram[np.ix_(cols, cols)], self.gram[cols, 0], rcond=1e-12)[0]
+        return solved
+
+    def rss(self, active: Sequence[int]) -> float:
+        """Residual sum of squares of the scaled response."""
+        cols = self.columns(active)
+        return max(float(self.gram[0, 0] - self.gram[cols, 0] @ self.factors(active)), 1e-14 * float(self.gram[0, 0]))
+
+    def objective(self, active: Sequence[int]) -> float:
+        """What the search makes large: n_eff ln(1 / RSS) less all penalties."""
+        return float(-self.n_eff * np.log(self.rss(active)) - self.penalty[list(active)].sum())
+
+    def admissible(self, active: Sequence[int], unit: int) -> bool:
+        """Whether one unit's factors are possible with everything fitted together."""
+        entry = self.products.units[unit]
+        return self.products.admissible[entry.group](self.unit_factors(active, unit), entry.shape)
+
+    def unit_factors(self, active: Sequence[int], unit: int) -> Float:
+        """Factors of one unit in its own unit of measurement, shape (p,)."""
+        cols = self.products.units[unit].columns
+        place = np.searchsorted(np.sort(self.columns(active)), cols)
+        ordered: Float = self.factors(active)[np.argsort(self.columns(active))][place]
+        return ordered * self.products.scale[0] / self.products.scale[cols]
+
+    def reductions(self, active: Sequence[int]) -> Float:
+        """By how much each unit alone would lower the residual sum of squares, shape (m,); 0 for copies.
+
+        With the residualised products R = W'M W and r = W'M y it is r' R^-1 r (Frisch and Waugh 1933).
+        """
+        cols = self.columns(active)
+        left, projected = _eigen_root(self.gram[np.ix_(cols, cols)]), self.gram[cols]
+        inside = left @ projected
+        outcome = np.zeros(len(self.products.units))
+        for where, table in self.by_width:
+            outcome[where] = self._reductions_of(table, inside)
+        return outcome
+
+    def _reductions_of(self, table: Index, inside: Float) -> Float:
+        """The same for units of one width, columns (m, p)."""
+        taken = inside[:, table]
+        r = self.gram[table, 0] - np.einsum("amp,a->mp", taken, inside[:, 0])
+        R = self.gram[table[:, :, None], table[:, None, :]] - np.einsum("amp,amq->mpq", taken, taken)
+        own = self.diagonal[table]
+        norm = np.sqrt(np.where(own > 0, own, 1.0))
+        R = R / (norm[:, :, None] * norm[:, None, :])
+        value, vector = np.linalg.eigh(R)
+        good = value > MIN_FRACTION_LEFT
+        along = np.einsum("mpe,mp->me", vector, r / norm)
+        return np.where(good, along**2 / np.where(good, value, 1.0), 0.0).sum(axis=1) * good.any(axis=1)
+
+    def scores(self, active: Sequence[int]) -> Float:
+        """Score of adding each unit, shape (m,); minus infinity for candidates already in."""
+        rss = self.rss(active)
+        left = np.maximum(rss - self.reductions(active), 1e-14 * float(self.gram[0, 0]))
+        score: Float = self.n_eff * np.log(rss / left) - self.penalty
+        groups = {self.products.units[u].group for u in active}
+        score[[unit.group in groups for unit in self.products.units]] = -np.inf
+        return score
+
+    def best_addition(self, active: Sequence[int]) -> int | None:
+        """The unit with the highest score above 0 whose factors are possible; None if there is none."""
+        score = self.scores(active)
+        for unit in np.argsort(-score, kind="stable"):
+            if not score[unit] > 0:
+                return None
+            if self.admissible([*active, int(unit)], int(unit)):
+                return int(unit)
+        return None
+
+    def settle(self, active: list[int]) -> list[int]:
+        """Exchanges and deletes until nothing moves; each exchange raises the objective, each deletion shortens."""
+        while True:
+            exchanged = self._exchange(active)
+            kept = self._delete(exchanged)
+            if kept == active:
+                return kept
+            active = kept
+
+    def _exchange(self, active: list[int]) -> list[int]:
+        """Replaces each effect by what serves better in its place."""
+        for place in range(len(active)):
+            others = active[:place] + active[place + 1 :]
+            best = self.best_addition(others)
+            if best is None or best == active[place]:
+                continue
+            trial = [*active[:place], best, *active[place + 1 :]]
+            if self.objective(trial) > self.objective(active) + 1e-9 * self.n_eff:
+                active = trial
+        return active
+
+    def _delete(self, active: list[int]) -> list[int]:
+        """Removes, the worst first, effects that are not worth their penalty or are impossible among the others."""
+        while active:
+            worth = [self.worth(active, u) if self.admissible(active, u) else -np.inf for u in active]
+            worst = int(np.argmin(worth))
+            if worth[worst] > 0:
+                break
+            active = active[:worst] + active[worst + 1 :]
+        return active
+
+    def worth(self, active: Sequence[int], unit: int) -> float:
+        """Score of one effect given all the others."""
+        return self.objective(active) - self.objective([u for u in active if u != unit])
+
+    def result(self, active: list[int]) -> Search:
+        """The outcome in the units of the columns."""
+        chosen = [self._chosen(active, u) for u in active]
+        scale = self.products.scale
+        return Search(
+            chosen=tuple(sorted(chosen, key=lambda c: -c.score)),
+            base_factors=self.factors(active)[: self.products.base] * scale[0] / scale[self.products.always],
+            rss_base=self.rss([]) * float(scale[0]) ** 2,
+            rss=self.rss(active) * float(scale[0]) ** 2,
+            tried=len(self.products.units),
+        )
+
+    def _chosen(self, active: list[int], unit: int) -> Chosen:
+        entry = self.products.units[unit]
+        return Chosen(
+            name=self.products.names[entry.group],
+            unit=unit,
+            shape=entry.shape,
+            factors=tuple(float(f) for f in self.unit_factors(active, unit)),
+            score=self.worth(active, unit),
+        )
+
+
+def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple[Unit, ...]]:
+    """All columns side by side, and where each unit's are."""
+    columns, units, start = [y[:, None], base], [], 1 + base.shape[1]
+    for g, group in enumerate(groups):
+        for s, shape in enumerate(group.shapes):
+            columns.append(shape)
+            units.append(Unit(group=g, shape=s, columns=np.arange(start, start + shape.shape[1])))
+            start += shape.shape[1]
+    return np.concatenate(columns, axis=1, dtype=float), tuple(units)
+
+
+def _blocks(cycle: Index) -> Index:
+    """Numbers of blocks of neighbouring whole cycles, at most 40 of them, shape (n,)."""
+    _, number = np.unique(cycle, return_inverse=True)
+    cycles = int(number.max()) + 1
+    return np.asarray(number * min(cycles, MAX_BLOCKS) // cycles, dtype=np.int64)
+
+
+def _by_width(units: Sequence[Unit]) -> list[tuple[Index, Index]]:
+    """Units of equal width together: their numbers (m,) and their columns (m, p)."""
+    width = np.array([len(unit.columns) for unit in units], dtype=np.int64)
+    numbers = [np.flatnonzero(width == p) for p in np.unique(width)]
+    return [(where, np.stack([units[u].columns for u in where])) for where in numbers]
+
+
+def _eigen_root(gram: Float) -> Float:
+    """L with L' L = the pseudoinverse of a matrix of cross products, shape (a, a)."""
+    value, vector = np.linalg.eigh(gram)
+    good = value > 1e-12 * value[-1]
+    root: Float = np.where(good, 1.0 / np.sqrt(np.where(good, value, 1.0)), 0.0)[:, None] * vector.T
+    return root
