@@ -17,9 +17,7 @@ SHORT = BenchSettings(duration_s=5.0)
 @pytest.mark.parametrize("stiffness", [1e9, 1e300])
 def test_a_grip_too_stiff_for_the_step_is_told(stiffness: float) -> None:
     settings = replace(SHORT, operator=Operator(stiffness_nm_per_rad=stiffness))
-    with pytest.raises(
-        AnalysisError, match=r"stiff\.csv: the simulation diverged: joint 1 has a speed above 1000 rad/s"
-    ):
+    with pytest.raises(AnalysisError, match=r"stiff\.csv: .* diverged: joint 1 has a speed above 1000 rad/s"):
         simulate_bench(settings, 1, path="stiff.csv")
 
 

@@ -90,7 +90,7 @@ def test_bounds_hold(seed: int, reach: float, sideways: float, rotation: float, 
 @pytest.mark.parametrize(
     ("wrong", "words"),
     [
-        ({"reach_m": 0.0}, "reach_m 0: expected a number above zero"),
+        ({"reach_m": 0.0}, "reach_m 0: expected 0.001 or more"),
         ({"rotation_rad": 3.2}, "rotation_rad 3.2: expected less than half a turn"),
         ({"rotation_rad": -0.1}, "rotation_rad -0.1: expected zero or more"),
         ({"stroke_s": (0.0, 1.0)}, "shortest_stroke_s 0"),

@@ -9,9 +9,12 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulate.checks import require_order, require_positive, require_within
 from friction_audit.simulate.motion.intention import tick_times
-from friction_audit.simulate.motion.minimum_jerk import PEAK, REST_S, course, latest, slope
+from friction_audit.simulate.motion.minimum_jerk import PEAK, REST_S, SHORTEST_S, course, latest, slope
 
 WHERE = "hand path"
+
+SHORTEST_M = 1e-3
+"""A hand that reaches less far stands still. [m]"""
 
 SMALL_RAD = 1e-3
 """Below this angle, the series of the Jacobian are exact to rounding."""
@@ -47,8 +50,9 @@ class HandPath:
 
     def __post_init__(self) -> None:
         """Check signs, the order of the pairs and the rotation."""
-        require_positive(WHERE, reach_m=self.reach_m, sideways=self.sideways, turning_rad_s=self.turning_rad_s)
-        require_positive(WHERE, shortest_stroke_s=self.stroke_s[0], slowest_m_s=self.speed_m_s[0])
+        require_positive(WHERE, sideways=self.sideways, turning_rad_s=self.turning_rad_s, slowest_m_s=self.speed_m_s[0])
+        require_within(WHERE, SHORTEST_M, inf, reach_m=self.reach_m)
+        require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
         require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
         require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
         if self.rotation_rad >= pi:

@@ -10,6 +10,9 @@ PEAK = 1.875
 REST_S = 0.5
 """Rest before the first stroke of a motion and after the last. [s]"""
 
+SHORTEST_S = 0.01
+"""Nobody starts a stroke and ends it in less. [s]"""
+
 
 def course(x: Float) -> Float:
     """Return the share of the way covered at the share x of the time, in [0, 1]."""

@@ -41,6 +41,7 @@ class Sinusoid:
     def __post_init__(self) -> None:
         """Check signs and the spread."""
         require_positive(MOTION.name, amplitude_rad=self.amplitude_rad, period_s=self.period_s)
+        require_within(MOTION.name, SHORTEST_S, inf, period_s=self.period_s)
         require_within(MOTION.name, 0, WIDEST, spread=self.spread)
         require_within(MOTION.name, 0, inf, ease_s=self.ease_s)
 

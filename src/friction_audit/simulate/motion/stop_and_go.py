@@ -10,7 +10,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulate.checks import require_order, require_positive, require_within
 from friction_audit.simulate.motion.intention import Intention, tick_times
-from friction_audit.simulate.motion.minimum_jerk import PEAK, REST_S, course, latest, slope
+from friction_audit.simulate.motion.minimum_jerk import PEAK, REST_S, SHORTEST_S, course, latest, slope
 from friction_audit.simulate.motion.motion import Motion
 
 STRATA = 10
@@ -18,9 +18,6 @@ STRATA = 10
 
 TINY = 1e-9
 """Keeps a rank off 0, whose normal deviate is infinite."""
-
-SHORTEST_STROKE_S = 0.01
-"""Nobody moves a joint and stops it again in less. [s]"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -53,7 +50,7 @@ class StopAndGo:
         where, pairs = MOTION.name, ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
         require_positive(where, speed_rad_s=self.speed_rad_s)
         require_positive(where, slowest_rad_s=self.speed_limits_rad_s[0])
-        require_within(where, SHORTEST_STROKE_S, inf, shortest_stroke_s=self.stroke_s[0])
+        require_within(where, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
         require_within(where, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
         require_within(where, 0, 1, reversing=self.reversing)
         require_order(where, **{name: getattr(self, name) for name in pairs})
