@@ -1,5 +1,6 @@
 """Stability margin: bisection, and what a gain is."""
 
+from collections.abc import Sequence
 from math import inf
 
 import pytest
@@ -19,7 +20,7 @@ LIMITS = (0.5, 1.3, 7.0, 1000.0)
 
 
 def test_limits_are_found_side_by_side() -> None:
-    def hold(asked: "list[tuple[int, float]] | tuple[tuple[int, float], ...]") -> list[bool]:
+    def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
         return [factor <= LIMITS[number] for number, factor in asked]
 
     margins = find_margins(len(LIMITS), hold)

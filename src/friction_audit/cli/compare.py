@@ -50,7 +50,7 @@ class ComparisonOptions:
             "--methods",
             metavar=choices.metavar(METHOD_NAMES),
             callback=choices.some_of(METHOD_NAMES),
-            help="Methods; repeatable, or separated by commas. Default: all.",
+            help="Methods beside none; repeatable, or separated by commas. Default: all.",
             rich_help_panel=COMPARISON,
         ),
     ] = METHOD_NAMES  # type: ignore[assignment]
@@ -142,8 +142,9 @@ def _scene(options: ComparisonOptions) -> "Scene":
 
 def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
     from friction_audit.compare import METHODS, compare
+    from friction_audit.compare.methods import NONE
 
-    chosen = [method for method in METHODS if method.name in options.methods]
+    chosen = [method for method in METHODS if method.name in (NONE, *options.methods)]
     with voice.progress("compare") as progress:
         return compare(scene, options.seeds, chosen, progress)
 

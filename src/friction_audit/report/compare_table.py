@@ -13,7 +13,10 @@ Row = Mapping[str, Any]
 
 ROLES = {"paper": "*", "best": "+", "other": " "}
 
-LEGEND = "* the paper's kind of tuning   + best stable tuning of the sweeps (chosen for other persons)   +- 95 %"
+LEGEND = (
+    "* the paper's kind of tuning; + the best stable one of the sweeps, chosen for other persons",
+    "intervals are 95 %; margin: factor by which the gain may grow before the loop is lost",
+)
 
 ENDLESS = ">32"
 """Margin beyond what is searched."""
@@ -34,13 +37,13 @@ def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False)
     table.add_column("method and tuning", no_wrap=True)
     for title in ("slope [mW]", "peak [N m]", "rms [N m]", "stable", "margin"):
-        table.add_column(title, no_wrap=True, justify="right")
+        table.add_column(Text(title), no_wrap=True, justify="right")
     for before, row in zip((None, *told), told, strict=False):
         if before is None or before["method"] != row["method"]:
             table.add_row(Text(row["label"]))
         table.add_row(*(Text(text) for text in _cells(row)))
     losses = [_loss(row, seeds) for row in told if row["lost_s"]]
-    return [Text(line) for line in (*plain_lines(table), LEGEND, *losses)]
+    return [Text(line) for line in (*plain_lines(table), *LEGEND, *losses)]
 
 
 def _cells(row: Row) -> tuple[str, ...]:
@@ -58,7 +61,7 @@ def _with_interval(told: Mapping[str, Any], factor: float, digits: int) -> str:
     value, low = told["value"], told["ci95"][0]
     if isnan(value):
         return "-"
-    half = "" if isnan(low) else f" +-{factor * (value - low):.{digits}f}"
+    half = "" if isnan(low) else f" ± {factor * (value - low):.{digits}f}"
     return f"{factor * value:.{digits}f}{half}"
 
 

@@ -1,0 +1,94 @@
+"""``compare``: table, document, figures, and what it refuses."""
+
+from pathlib import Path
+
+import pytest
+
+from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
+from friction_audit.compare import METHODS, SCENES, draw
+from tests.cli.conftest import Run
+
+SHORT = ("--seeds", "2", "--duration", "20", "--methods", "none,oracle", "-q")
+
+
+def test_names_are_those_of_the_package() -> None:
+    assert tuple(method.name for method in METHODS) == METHOD_NAMES
+    assert tuple(scene.name for scene in SCENES) == ARMS
+    assert draw.FIGURES == FIGURES
+
+
+def test_table_and_figures(run: Run, tmp_path: Path) -> None:
+    answer = run("compare", *SHORT, "-o", "out")
+    assert answer.code == 0
+    assert answer.err == ""
+    assert "* no compensation" not in answer.out
+    for word in ("oracle", "slope [mW]", "stable", "100%", ">32", "out/energy.png"):
+        assert word in answer.out
+    written = {path.name for path in (tmp_path / "out").iterdir()}
+    assert written == {"energy.png", "velocity-torque.png", "summary.png"}
+
+
+def test_document(run: Run) -> None:
+    answer = run("compare", *SHORT, "--json", "--effect", "stribeck", "--set", "operator.inertia_kg_m2=0.2", "--ideal")
+    document = answer.document()
+    assert document["schema"] == "friction-audit/compare/1"
+    assert (document["arm"], document["seeds"], document["duration_s"]) == ("joint", [0, 1], 20.0)
+    assert [row["method"] for row in document["methods"]] == ["none", "oracle"]
+    assert document["settings"]["operator"]["inertia_kg_m2"] == 0.2
+    assert {effect["name"] for effect in document["effects"]} == {"stribeck", "joint_elasticity"}
+    none, oracle = document["methods"]
+    assert none["energy_slope_w"]["value"] > oracle["energy_slope_w"]["value"]
+    assert none["stability_margin"] is None
+    assert none["stable_share"] == 1.0
+
+
+def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
+    answer = run("compare", *SHORT[:5], "none,torque_regulation", "-q", "--json", "--format", "svg")
+    document = answer.document()
+    (sweep,) = document["sweeps"]
+    assert sweep["method"] == "torque_regulation"
+    stable = [point["stable"] for point in sweep["points"]]
+    assert stable[0]
+    assert not stable[-1]
+    assert sweep["boldest_stable"] == [point["value"] for point in sweep["points"] if point["stable"]][-1]
+    assert (tmp_path / "compared" / "sweep.svg").read_text().startswith("<?xml")
+
+
+def test_older_figures_are_kept(run: Run, tmp_path: Path) -> None:
+    older = tmp_path / "compared" / "energy.png"
+    older.parent.mkdir()
+    older.write_text("older")
+    answer = run("compare", *SHORT)
+    assert answer.code == 2
+    assert "exists already" in answer.err
+    assert older.read_text() == "older"
+
+
+@pytest.mark.parametrize(
+    ("words", "expected"),
+    [
+        (("--methods", "energie"), "did you mean energy?"),
+        (("--arm", "ur5"), "expected one of joint, panda"),
+        (("--set", "operator.inertia=1"), "operator.inertia_kg_m2"),
+        (("--effect", "stribek"), "stribeck"),
+        (("--seeds", "1"), "2"),
+        (("--set", "driven=true"), "driven"),
+    ],
+)
+def test_wrong_words_are_refused(run: Run, words: tuple[str, ...], expected: str) -> None:
+    answer = run("compare", *words)
+    assert answer.code == 2
+    assert expected in answer.err
+    assert answer.out == ""
+
+
+def test_too_short_a_trial_is_an_analysis_error(run: Run) -> None:
+    answer = run("compare", *SHORT, "--duration", "3")
+    assert answer.code == 4
+    assert "longer --duration" in answer.err
+
+
+def test_dump_config(run: Run) -> None:
+    answer = run("compare", "--seeds", "7", "--dump-config")
+    assert answer.code == 0
+    assert "seeds = 7" in answer.out
