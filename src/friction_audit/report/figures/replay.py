@@ -39,6 +39,10 @@ DASHED = (0, (4, 1.5))
 LABELS = {"viscous": "viscous", "coulomb": "Coulomb"}
 SMALLEST_TORQUE_NM = 0.5
 """Half height of the torque panel of a joint at rest, whose noise would fill it."""
+SMALLEST_SPEED_RAD_S = 0.1
+"""Half width of the panel of a joint that stands still. [rad/s]"""
+MOST_OF_WITHOUT = 3.0
+"""Times the largest speed and torque without a compensator beyond which a diverging one is cut off."""
 
 
 def draw_replay(estimate: Estimate, joint: int | None) -> "Figure":
@@ -99,8 +103,10 @@ def _draw_sheet(joints: "Sequence[JointReplay]", title: str) -> "Figure":
     return figure
 
 
-def _at_least(limits: tuple[float, float], reach: float) -> tuple[float, float]:
-    return min(limits[0], -reach), max(limits[1], reach)
+def _within(limits: tuple[float, float], least: float, most: float) -> tuple[float, float]:
+    """Return limits that reach at least so far to both sides, and at most so far."""
+    most = max(most, least)
+    return max(min(limits[0], -least), -most), min(max(limits[1], least), most)
 
 
 def _name(joint: JointReplay) -> str:
@@ -119,7 +125,7 @@ def _finish(panels: "Sequence[Axes]", joint: JointReplay, titles: tuple[str, ...
     say_in_panel(middle, reason, characters=30 if len(panels) == len(("torque", "energy", "both")) else 44)
     if joint.replayed is not None and len(joint.replayed.t) < len(joint.without.t):
         for axes in panels:
-            axes.axvline(joint.replayed.t[-1], color=FITTED, lw=0.8)
+            axes.axvline(joint.replayed.t[-1], color=BORDER, lw=0.8)
         panels[0].annotate("diverges", (joint.replayed.t[-1], 0.9), xycoords=("data", "axes fraction"), fontsize=6.5)
 
 
@@ -135,10 +141,15 @@ def shade_replay(axes: "Axes", joint: JointReplay) -> None:
 def _draw_velocity(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     """Draw the velocity raw and filtered; return the legend's entries."""
     shown = joint.without if joint.replayed is None else joint.replayed
+    if joint.fitted is not None:
+        t, signal = thin_extremes(joint.without.t, joint.without.dq, POINTS)
+        axes.plot(t, signal, color=FITTED, lw=0.6, ls=DASHED, zorder=3)
     t, signal = thin_extremes(shown.t, shown.dq, POINTS)
     raw = axes.plot(t, signal, color=RAW, lw=0.5, label="raw", rasterized=True)
     t, signal = thin_extremes(shown.t, smooth(shown.t, shown.dq), POINTS)
     curve = axes.plot(t, signal, color=FILTERED, lw=0.7, label=f"filtered, {cutoff_hz(shown.t):.3g} Hz")
+    reach = float(np.abs(joint.without.dq).max())
+    axes.set_ylim(*_within(axes.get_ylim(), 0.0, MOST_OF_WITHOUT * max(reach, SMALLEST_SPEED_RAD_S)))
     return [*raw, *curve]
 
 
@@ -154,9 +165,10 @@ def _draw_torque(axes: "Axes", joint: JointReplay) -> "list[Artist]":
         label = f"filtered, {cutoff_hz(shown.t):.3g} Hz"
         handles += axes.plot(t, signal, color=FILTERED, lw=0.7, label=label, zorder=4)
     without = joint.without
+    reach = float(np.abs(without.interaction_nm).max())
     t, signal = thin_extremes(without.t, smooth(without.t, without.interaction_nm), POINTS)
     curve = axes.plot(t, signal, color=FITTED, lw=0.6, ls=DASHED, label="without compensator", zorder=3)
-    axes.set_ylim(*_at_least(axes.get_ylim(), SMALLEST_TORQUE_NM))
+    axes.set_ylim(*_within(axes.get_ylim(), SMALLEST_TORQUE_NM, MOST_OF_WITHOUT * reach))
     return [*handles, *curve]
 
 
@@ -169,7 +181,7 @@ def _draw_energy(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     t, energy = thin_extremes(without.t, without.net_energy_j, POINTS)
     handles: list[Artist] = list(axes.plot(t, energy, color=FITTED, lw=0.8, ls=DASHED, label="without"))
     energy = shown.net_energy_j
-    handles += axes.plot(*thin_extremes(shown.t, energy, POINTS), color=FILTERED, label="with", zorder=4)
+    handles += axes.plot(*thin_extremes(shown.t, energy, POINTS), color=FILTERED, label="with compensator", zorder=4)
     dots = axes.plot(history.stop_s, energy[history.stop], "o", color=BORDER, ms=1.8, mew=0, zorder=5)
     dots[0].set_label("end of a cycle")
     return [*handles[1:], *dots]

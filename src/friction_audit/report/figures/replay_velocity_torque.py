@@ -8,7 +8,7 @@ from friction_audit.audit import Estimate, LogReplay
 from friction_audit.replay.result import JointReplay, Signals
 from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
-from friction_audit.report.figures.replay import replayed
+from friction_audit.report.figures.replay import MOST_OF_WITHOUT, SMALLEST_SPEED_RAD_S, replayed
 from friction_audit.report.figures.smoothing import CUTOFF_HZ, cutoff_hz, median_rate_hz, smooth
 from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, MUTED, RAW, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import every_nth
@@ -22,8 +22,6 @@ COLUMNS = 4
 RAW_WITHOUT = "#f6cfb0"
 """As pale beside its curve as RAW is beside FILTERED."""
 DOTS = 8000
-SMALLEST_SPEED_RAD_S = 0.1
-"""Half width of the panel of a joint that stands still. [rad/s]"""
 LOOP_POINTS = 12_000
 POINTS_PER_PERIOD = 10
 
@@ -57,10 +55,9 @@ def _draw_panel(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=0)
     axes.axvline(0.0, color=MUTED, lw=0.4, zorder=0)
     handles = _draw_curve(axes, joint.without, (RAW_WITHOUT, FITTED), "without")
-    reach = max(
-        SMALLEST_SPEED_RAD_S,
-        1.05 * max(float(np.abs(one.dq).max()) for one in (joint.without, joint.replayed) if one is not None),
-    )
+    speeds = [float(np.abs(one.dq).max()) for one in (joint.without, joint.replayed) if one is not None]
+    reach = min(1.05 * max(speeds), MOST_OF_WITHOUT * max(speeds[0], SMALLEST_SPEED_RAD_S))
+    reach = max(reach, SMALLEST_SPEED_RAD_S)
     axes.set_xlim(-reach, reach)
     label_panel(axes, f"joint {joint_label(joint.joint, joint.name)}", across=4)
     if joint.replayed is None or joint.history is None:
@@ -70,7 +67,12 @@ def _draw_panel(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     start = int(joint.history.stop[0]) if len(joint.history.stop) else 0
     active = np.flatnonzero(joint.replayed.compensation_nm)
     start = max(start, int(active[0]) if len(active) else 0)
-    return handles + _draw_curve(axes, _from(joint.replayed, start), (RAW, FILTERED), "with")
+    handles += _draw_curve(axes, _from(joint.replayed, start), (RAW, FILTERED), "with")
+    if len(joint.replayed.t) < len(joint.without.t):
+        most = MOST_OF_WITHOUT * float(np.abs(joint.without.interaction_nm).max())
+        axes.set_ylim(-most, most)
+        axes.annotate("diverges", (0.03, 0.03), xycoords="axes fraction", fontsize=6.5)
+    return handles
 
 
 def _from(signals: Signals, start: int) -> Signals:
