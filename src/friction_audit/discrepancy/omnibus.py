@@ -13,6 +13,8 @@ References:
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +32,9 @@ WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1,
 """The six points of Webb (2023), eq. (7), each with probability 1/6: mean 0, variance 1."""
 MIN_FRACTION_LEFT = 1e-8
 """Share of a column's square that must be left after the base: below it, the candidate is in the base already."""
+
+SMALLEST_TAIL = 1e-280
+"""Smallest p-value that is computed and not extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -94,15 +99,12 @@ def omnibus_test(
     _check_cycles(cycles, base.shape[1], groups)
     base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
     weights = bootstrap_weights(rng, draws, cycles)
-    observed, drawn, best = [], [], []
-    scores = _CycleScores(y, base, number, cycles)
-    for group in groups:
-        pair = [scores.statistics(shape, weights) for shape in group.shapes]
-        first = np.array([a for a, _ in pair])
-        best.append(int(np.argmax(first)))
-        observed.append(first.max())
-        drawn.append(np.max([b for _, b in pair], axis=0))
-    return _outcome(groups, np.array(observed), np.array(drawn), np.array(best), alpha, cycles)
+    scores = _CycleScores(y, base, number, cycles, weights)
+    tables = [scores.statistics(group) for group in groups]
+    observed = np.array([shapes.max() for shapes, _ in tables])
+    drawn = np.array([shapes.max(axis=0) for _, shapes in tables])
+    best = np.array([int(np.argmax(shapes)) for shapes, _ in tables])
+    return _outcome(groups, observed, drawn, best, alpha, cycles)
 
 
 def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:
@@ -131,45 +133,59 @@ def step_down(observed: Float, drawn: Float) -> Float:
 
 
 class _CycleScores:
-    """Sums over cycles of base and residual, and the statistic of one set of columns with all its draws."""
+    """Sums over cycles of base and residual, and the statistics of a candidate with all their draws."""
 
-    def __init__(self, y: Float, base: Float, number: Index, cycles: int) -> None:
-        order = np.argsort(number, kind="stable")
-        self.order = order
-        self.starts = np.searchsorted(number[order], np.arange(cycles))
-        self.cycles = cycles
-        self.base = base[order]
-        self.inverse = np.linalg.pinv(self.base.T @ self.base, rcond=1e-12, hermitian=True)
-        self.residual = y[order] - self.base @ (self.inverse @ (self.base.T @ y[order]))
-        self.base_score = self._per_cycle(self.base * self.residual[:, None])
+    def __init__(self, y: Float, base: Float, number: Index, cycles: int, weights: Float) -> None:
+        # A log is in the order of its cycles nearly always: then nothing need be copied.
+        self.order = slice(None) if np.all(np.diff(number) >= 0) else np.argsort(number, kind="stable")
+        self.bounds = np.searchsorted(number[self.order], np.arange(cycles + 1))
+        self.weights = weights
+        rows = base.T[:, self.order]
+        self.inverse = np.linalg.pinv(rows @ rows.T, rcond=1e-12, hermitian=True)
+        response = y[self.order]
+        residual = response - rows.T @ (self.inverse @ (rows @ response))
+        self.with_residual = np.ascontiguousarray(np.concatenate([residual[None], rows]).T)
+        own = self._per_cycle(rows)
+        self.base_score, self.base_gram = own[:, :, 0], own[:, :, 1:]
+        self.moved = weights @ self.base_score @ self.inverse
 
-    def _per_cycle(self, values: Float) -> Float:
-        summed: Float = np.add.reduceat(values, self.starts, axis=0)
-        return summed
+    def _per_cycle(self, rows: Float) -> Float:
+        """Cross products of rows (k, n) with residual and base in every cycle, shape (c, k, 1 + b)."""
+        return np.stack([rows[:, i:j] @ self.with_residual[i:j] for i, j in pairwise(self.bounds)])
 
-    def statistics(self, columns: Float, weights: Float) -> tuple[float, Float]:
-        """Statistic of the data, and of each draw (draws,)."""
-        w = self._orthonormal(columns[self.order])
-        p, b = w.shape[1], self.base.shape[1]
-        if p == 0:
-            return 0.0, np.zeros(len(weights))
-        s = self._per_cycle(w * self.residual[:, None])
-        A = self._per_cycle((w[:, :, None] * self.base[:, None, :]).reshape(-1, p * b)).reshape(-1, p, b)
-        h = weights @ self.base_score @ self.inverse
-        q = quadratic_form(weights @ s, _refitted_spread(s, A, weights, h))
+    def statistics(self, group: Group) -> tuple[Float, Float]:
+        """Statistic of each shape (s,), and of each shape in each draw (s, draws)."""
+        rows = np.concatenate([shape.T for shape in group.shapes])[:, self.order]
+        norm = np.linalg.norm(rows, axis=1, keepdims=True)
+        rows /= np.where(norm > 0, norm, 1.0)
+        products, outcome, start = self._per_cycle(rows), [], 0
+        for shape in group.shapes:
+            own = slice(start, start + shape.shape[1])
+            outcome.append(self._evidence(rows[own] @ rows[own].T, products[:, own]))
+            start = own.stop
+        table = np.array(outcome)
+        return table[:, 0], table[:, 1:]
+
+    def _evidence(self, gram: Float, products: Float) -> Float:
+        """Statistic of the data, then of each draw, shape (1 + draws,), from cross products by cycle (c, p, 1 + b)."""
+        s, A = products[:, :, 0], products[:, :, 1:]
+        lean = A.sum(axis=0) @ self.inverse
+        turn = _orthonormal(gram - lean @ A.sum(axis=0).T)
+        if turn.shape[1] == 0:
+            return np.zeros(1 + len(self.weights))
+        s = (s - self.base_score @ lean.T) @ turn
+        A = np.einsum("pr,cpb->crb", turn, A - np.einsum("pa,cab->cpb", lean, self.base_gram))
+        q = quadratic_form(self.weights @ s, _refitted_spread(s, A, self.weights, self.moved))
         own = quadratic_form(s.sum(axis=0)[None], (s.T @ s)[None])
-        evidence = marginal_evidence(np.concatenate([own, q]), self.cycles, p)
-        return float(evidence[0]), evidence[1:]
+        return marginal_evidence(np.concatenate([own, q]), len(s), s.shape[1])
 
-    def _orthonormal(self, columns: Float) -> Float:
-        """An orthonormal basis of what the base leaves of the columns, shape (n, r)."""
-        norm = np.linalg.norm(columns, axis=0)
-        scaled = columns / np.where(norm > 0, norm, 1.0)
-        free = scaled - self.base @ (self.inverse @ (self.base.T @ scaled))
-        value, vector = np.linalg.eigh(free.T @ free)
-        good = value > MIN_FRACTION_LEFT
-        basis: Float = free @ (vector[:, good] / np.sqrt(value[good]))
-        return basis
+
+def _orthonormal(gram: Float) -> Float:
+    """How to combine columns with these cross products (p, p) to orthonormal ones, shape (p, r)."""
+    value, vector = np.linalg.eigh(gram)
+    good = value > MIN_FRACTION_LEFT
+    turn: Float = vector[:, good] / np.sqrt(value[good])
+    return turn
 
 
 def _refitted_spread(s: Float, A: Float, weights: Float, h: Float) -> Float:
@@ -186,7 +202,7 @@ def _refitted_spread(s: Float, A: Float, weights: Float, h: Float) -> Float:
 
 
 def quadratic_form(total: Float, spread: Float) -> Float:
-    """total' spread^-1 total, shape (d,), for totals (d, p) and spreads (d, p, p); 0 where nothing spreads."""
+    """Total' spread^-1 total, shape (d,), for totals (d, p) and spreads (d, p, p); 0 where nothing spreads."""
     if total.shape[1] == 1:
         v = spread[:, 0, 0]
         form: Float = np.where(v > 0, total[:, 0] ** 2 / np.where(v > 0, v, 1.0), 0.0)
@@ -195,20 +211,30 @@ def quadratic_form(total: Float, spread: Float) -> Float:
     # A ridge at the level of rounding: a direction in which no cycle has any score carries no evidence.
     safe = spread + (np.where(size > 0, size, 1.0) * 1e-10)[:, None, None] * np.eye(total.shape[1])
     solved = np.linalg.solve(safe, total[:, :, None])[:, :, 0]
-    return np.sum(total * solved, axis=1)
+    return np.asarray(np.sum(total * solved, axis=1))
 
 
 def marginal_evidence(q: Float, cycles: int, p: int) -> Float:
     """-ln of the p-value of q / cycles as a Beta(p/2, (cycles - p)/2) variate, shape of q.
 
     For independent normal scores q / cycles has this distribution exactly (it is Hotelling's T squared about zero).
+    Read from a table over u = -ln(1 - q / cycles), in which it becomes a straight line of slope (cycles - p)/2.
     """
+    u, evidence = _evidence_table(cycles, p)
+    asked = -np.log1p(-np.clip(q / cycles, 0.0, 1.0 - 1e-15))
+    beyond = np.maximum(asked - u[-1], 0.0) * (cycles - p) / 2.0
+    return np.asarray(np.interp(asked, u, evidence) + beyond)
+
+
+@lru_cache(maxsize=64)
+def _evidence_table(cycles: int, p: int) -> tuple[Float, Float]:
+    """Values of u and -ln of the tail of the Beta distribution there, as far as it can be represented."""
     from scipy.special import betaincc
 
-    share = np.clip(q / cycles, 0.0, 1.0)
-    tail = betaincc(p / 2.0, (cycles - p) / 2.0, share)
-    evidence: Float = -np.log(np.maximum(tail, 1e-300))
-    return evidence
+    u = np.linspace(0.0, 30.0, 3001)
+    tail = betaincc(p / 2.0, (cycles - p) / 2.0, -np.expm1(-u))
+    sure = tail > SMALLEST_TAIL
+    return u[sure], -np.log(tail[sure])
 
 
 def _check_cycles(cycles: int, base: int, groups: Sequence[Group]) -> None:

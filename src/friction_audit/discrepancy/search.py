@@ -7,6 +7,7 @@ Letters 15 (1994) 1119.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,16 +142,18 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
     Returns:
         The products; neighbouring cycles are put together where there are more than 40.
     """
-    z, units = _stack(y, base, groups)
-    scale = np.sqrt(np.mean(z**2, axis=0))
+    rows, units = _stack(y, base, groups)
+    scale = np.sqrt(np.mean(rows**2, axis=1))
     scale[scale == 0.0] = 1.0
-    z /= scale
+    rows /= scale[:, None]
     block = _blocks(cycle)
-    order = np.argsort(block, kind="stable")
+    # A log is in the order of its cycles nearly always: then nothing need be copied.
+    order = slice(None) if np.all(np.diff(block) >= 0) else np.argsort(block, kind="stable")
+    rows = rows[:, order]
     bounds = np.searchsorted(block[order], np.arange(block.max() + 2))
-    parts = [z[order[a:b]] for a, b in zip(bounds[:-1], bounds[1:], strict=True)]
+    parts = [rows[:, i:j] for i, j in pairwise(bounds)]
     return CycleProducts(
-        gram=np.stack([part.T @ part for part in parts]),
+        gram=np.stack([part @ part.T for part in parts]),
         scale=scale,
         samples=np.diff(bounds),
         base=base.shape[1],
@@ -177,7 +180,7 @@ def search(products: CycleProducts, n_eff: float, weights: Float | None = None) 
     Returns:
         The effects found.
     """
-    state = _State(products, products.total(weights), n_eff)
+    state = Ranking(products, products.total(weights), n_eff)
     active: list[int] = []
     seen: set[frozenset[int]] = {frozenset()}
     while (best := state.best_addition(active)) is not None:
@@ -212,8 +215,8 @@ def inclusion_frequency(
     return {name: float(np.mean([name in names for names in found])) for name in products.names}
 
 
-class _State:
-    """One total of cross products, and the scores of sets of units on it."""
+class Ranking:
+    """Scores of sets of units on one total of cross products."""
 
     def __init__(self, products: CycleProducts, gram: Float, n_eff: float) -> None:
         self.products = products
@@ -252,8 +255,8 @@ class _State:
         """Factors of one unit in its own unit of measurement, shape (p,)."""
         cols = self.products.units[unit].columns
         place = np.searchsorted(np.sort(self.columns(active)), cols)
-        ordered: Float = self.factors(active)[np.argsort(self.columns(active))][place]
-        return ordered * self.products.scale[0] / self.products.scale[cols]
+        ordered = self.factors(active)[np.argsort(self.columns(active))][place]
+        return np.asarray(ordered * self.products.scale[0] / self.products.scale[cols])
 
     def reductions(self, active: Sequence[int]) -> Float:
         """By how much each unit alone would lower the residual sum of squares, shape (m,); 0 for copies.
@@ -279,7 +282,7 @@ class _State:
         value, vector = np.linalg.eigh(R)
         good = value > MIN_FRACTION_LEFT
         along = np.einsum("mpe,mp->me", vector, r / norm)
-        return np.where(good, along**2 / np.where(good, value, 1.0), 0.0).sum(axis=1) * good.any(axis=1)
+        return np.asarray(np.where(good, along**2 / np.where(good, value, 1.0), 0.0).sum(axis=1))
 
     def scores(self, active: Sequence[int]) -> Float:
         """Score of adding each unit, shape (m,); minus infinity for candidates already in."""
@@ -359,14 +362,14 @@ class _State:
 
 
 def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple[Unit, ...]]:
-    """All columns side by side, and where each unit's are."""
-    columns, units, start = [y[:, None], base], [], 1 + base.shape[1]
+    """All columns one below the other, shape (k, n), and where each unit's are."""
+    columns, units, start = [y[None], base.T], [], 1 + base.shape[1]
     for g, group in enumerate(groups):
         for s, shape in enumerate(group.shapes):
-            columns.append(shape)
+            columns.append(shape.T)
             units.append(Unit(group=g, shape=s, columns=np.arange(start, start + shape.shape[1])))
             start += shape.shape[1]
-    return np.concatenate(columns, axis=1, dtype=float), tuple(units)
+    return np.concatenate(columns, dtype=float), tuple(units)
 
 
 def _blocks(cycle: Index) -> Index:
@@ -380,7 +383,7 @@ def _by_width(units: Sequence[Unit]) -> list[tuple[Index, Index]]:
     """Units of equal width together: their numbers (m,) and their columns (m, p)."""
     width = np.array([len(unit.columns) for unit in units], dtype=np.int64)
     numbers = [np.flatnonzero(width == p) for p in np.unique(width)]
-    return [(where, np.stack([units[u].columns for u in where])) for where in numbers]
+    return [(where, np.stack([units[int(u)].columns for u in where])) for where in numbers]
 
 
 def _eigen_root(gram: Float) -> Float:

@@ -1,0 +1,254 @@
+"""Whether an effect holds on cycles that no choice was made on, and whether its size is the same everywhere.
+
+References:
+    A. C. Cameron, J. B. Gelbach, D. L. Miller, Review of Economics and Statistics 90 (2008) 414.
+    J. P. Romano, M. Wolf, Journal of the American Statistical Association 100 (2005) 94.
+    S. Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of Statistics 6 (1979) 65.
+    W. G. Cochran, The combination of estimates from different experiments, Biometrics 10 (1954) 101.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.discrepancy.omnibus import bootstrap_weights, step_down
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+LEAST_GAIN = 0.005
+"""Smallest gain of the root mean square that is worth a name."""
+LEAST_STRENGTH = 1.0 / 3.0
+"""An effect that falls below this share of its size in some part of the log is not one effect."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Improvement:
+    """Paired improvement on locked cycles, for m effects.
+
+    Attributes:
+        mean: Mean over cycles of the drop of the residual sum of squares, shape (m,).
+        se: Standard error of the mean, shape (m,).
+        t: Their ratio, shape (m,).
+        adjusted_p: One-sided family-wise p-values, shape (m,).
+        cycles: Number of cycles.
+    """
+
+    mean: Float
+    se: Float
+    t: Float
+    adjusted_p: Float
+    cycles: int
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Stability:
+    """Size of an effect in parts of the log, relative to its size in the whole.
+
+    Attributes:
+        strength: Of each part, 1 where it is as large as in the whole; NaN where the part cannot show it, shape (k,).
+        se: Standard errors from cycles, shape (k,).
+        p_value: That all are equal (Cochran's Q); NaN if fewer than two parts can show it.
+    """
+
+    strength: Float
+    se: Float
+    p_value: float
+
+    def stable(self, alpha: float = 0.01) -> bool:
+        """No part without the effect, and no more scatter than cycles explain, or too little of it to matter."""
+        known = self.strength[np.isfinite(self.strength)]
+        if len(known) == 0:
+            return False
+        even = bool(np.all((known > 1.0 - LEAST_STRENGTH) & (known < 1.0 + LEAST_STRENGTH)))
+        return bool(np.all(known > LEAST_STRENGTH)) and (even or not self.p_value < alpha)
+
+
+def cycle_rss(residual: Float, cycle: Index) -> Float:
+    """Residual sum of squares of each cycle, in ascending order of their numbers, shape (c,)."""
+    _, number = np.unique(cycle, return_inverse=True)
+    return np.bincount(number, weights=residual**2)
+
+
+def paired_improvement(
+    without: Float,
+    model: Float,
+    rng: np.random.Generator,
+    *,
+    method: Literal["max_t", "holm"] = "max_t",
+    draws: int = 1999,
+) -> Improvement:
+    """Tests on locked cycles whether each effect makes the model better.
+
+    With d_c the drop of the residual sum of squares in cycle c, t = mean(d) / (sd(d) / sqrt(C)). Under ``holm`` the
+    p-values are Student's and Holm's step-down holds the family; under ``max_t`` the signs of d - mean(d) are drawn
+    anew for whole cycles, the same for all effects, and the maximum of t is stepped down (Romano and Wolf 2005).
+
+    Args:
+        without: Residual sum of squares of each cycle without one of the effects, shape (m, c).
+        model: The same with all of them, shape (c,).
+        rng: Source of randomness.
+        method: How the family-wise error is held.
+        draws: Number of draws of ``max_t``.
+
+    Returns:
+        The improvements.
+
+    Raises:
+        AnalysisError: Fewer than three cycles.
+    """
+    from scipy.stats import t as student
+
+    cycles = len(model)
+    if cycles < 3:  # noqa: PLR2004 - two values have no spread to speak of
+        raise AnalysisError(f"locked cycles: {cycles}, expected at least 3; record more cycles")
+    d = without - model
+    mean, se, t = _t_of(d)
+    if method == "holm":
+        adjusted = holm(student.sf(t, cycles - 1))
+    else:
+        weights = bootstrap_weights(rng, draws, cycles)
+        drawn = np.stack([_t_of(weights * (row - row.mean()))[2] for row in d])
+        adjusted = step_down(t, drawn)
+    return Improvement(mean=mean, se=se, t=t, adjusted_p=adjusted, cycles=cycles)
+
+
+def holm(p: Float) -> Float:
+    """Family-wise p-values (Holm 1979): the i-th smallest times the number of those not smaller, kept ascending."""
+    order = np.argsort(p, kind="stable")
+    stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
+    adjusted = np.empty_like(stepped)
+    adjusted[order] = np.minimum(stepped, 1.0)
+    return adjusted
+
+
+def rms_gain(before: float, after: float) -> float:
+    """Share of the root mean square that an effect removes, from residual sums of squares before and after."""
+    return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
+
+
+def null_gain(  # noqa: PLR0913 - two sets of data and the draw
+    y: Float,
+    base: Float,
+    candidates: Sequence[Float],
+    cycle: Index,
+    locked: NDArray[np.bool_],
+    rng: np.random.Generator,
+    *,
+    draws: int = 999,
+    quantile: float = 0.95,
+) -> float:
+    """Gain on locked cycles that the best of some candidates reaches by chance, if none of them is there.
+
+    The base is fitted on the open cycles; its residual e is the noise. Each draw multiplies e of every cycle, open or
+    locked, by one weight (wild cluster bootstrap with the null imposed), fits base and candidate to the open cycles
+    and predicts the locked ones. Only cross products by cycle enter the draws.
+
+    Args:
+        y: Response, shape (n,).
+        base: Columns of the model without the effect, shape (n, b).
+        candidates: Columns of each candidate, shape (n, p), among which the choice was.
+        cycle: Number of the cycle of each sample, shape (n,).
+        locked: Samples of locked cycles, shape (n,).
+        rng: Source of randomness.
+        draws: Number of draws.
+        quantile: Share of draws below the answer.
+
+    Returns:
+        The quantile of the largest gain; see :func:`rms_gain`. At least :data:`LEAST_GAIN`.
+    """
+    _, number = np.unique(cycle, return_inverse=True)
+    kept = np.zeros(int(number.max()) + 1, dtype=bool)
+    kept[number[locked]] = True
+    residual = y - base @ np.linalg.lstsq(base[~locked], y[~locked], rcond=None)[0]
+    weights = bootstrap_weights(rng, draws, len(kept))
+    alone = _locked_rss(_by_cycle(residual, base, number), kept, weights)
+    gains = [
+        1.0 - np.sqrt(_locked_rss(_by_cycle(residual, np.hstack([base, w]), number), kept, weights) / alone)
+        for w in candidates
+    ]
+    return max(LEAST_GAIN, float(np.quantile(np.max(gains, axis=0), quantile, method="higher")))
+
+
+def stability(  # noqa: PLR0913 - one regression in parts
+    y: Float, base: Float, effect: Float, cycle: Index, part: Index, weights: Float | None = None
+) -> Stability:
+    """Size of an effect in each part of the log: folds, halves (early and late), directions.
+
+    The effect's torque as fitted on the whole is one column; its factor with the base refitted in each part is the
+    strength there, so that the answer does not depend on how the effect's columns are written. Standard errors are
+    cluster-robust over cycles with the correction C/(C-1) (Cameron, Gelbach and Miller 2008, section II.A).
+
+    Args:
+        y: Response, shape (n,).
+        base: All other columns of the model, shape (n, b).
+        effect: Columns of the effect, shape (n, p).
+        cycle: Number of the cycle of each sample, shape (n,).
+        part: Number of the part of each sample, -1 for none, shape (n,).
+        weights: Weight of each sample; 1 if None.
+
+    Returns:
+        Strengths of the parts in ascending order of their numbers.
+    """
+    root = np.ones(len(y)) if weights is None else np.sqrt(weights)
+    y, base, effect = y * root, base * root[:, None], effect * root[:, None]
+    torque = effect @ np.linalg.lstsq(np.hstack([base, effect]), y, rcond=None)[0][base.shape[1] :]
+    size = float(torque @ torque) / len(y)
+    parts = [part == k for k in np.unique(part[part >= 0])]
+    pairs = [_strength(y[at], base[at], torque[at], cycle[at], size) for at in parts]
+    strength, se = np.array(pairs).T
+    return Stability(strength=strength, se=se, p_value=_cochran(strength, se))
+
+
+def _t_of(d: Float) -> tuple[Float, Float, Float]:
+    """Mean, standard error and their ratio along the last axis; a ratio of 0 where there is neither."""
+    mean = d.mean(axis=-1)
+    se = d.std(axis=-1, ddof=1) / np.sqrt(d.shape[-1])
+    return mean, se, mean / np.where(se > 0, se, np.inf)
+
+
+def _by_cycle(residual: Float, columns: Float, number: Index) -> Float:
+    """Cross products of residual and columns by cycle, shape (c, 1 + k, 1 + k)."""
+    order = np.argsort(number, kind="stable")
+    z = np.column_stack([residual, columns])[order]
+    bounds = np.searchsorted(number[order], np.arange(number.max() + 2))
+    return np.stack([z[i:j].T @ z[i:j] for i, j in zip(bounds[:-1], bounds[1:], strict=True)])
+
+
+def _locked_rss(gram: Float, kept: NDArray[np.bool_], weights: Float) -> Float:
+    """Residual sum of squares on locked cycles of a fit to the open ones, for every draw, shape (draws,)."""
+    own, score, square = gram[:, 0, 0], gram[:, 1:, 0], gram[:, 1:, 1:]
+    inverse = np.linalg.pinv(square[~kept].sum(axis=0), rcond=1e-12, hermitian=True)
+    shift = weights[:, ~kept] @ score[~kept] @ inverse
+    noise = weights[:, kept] ** 2 @ own[kept]
+    cross = np.sum((weights[:, kept] @ score[kept]) * shift, axis=1)
+    return np.asarray(noise - 2.0 * cross + np.sum((shift @ square[kept].sum(axis=0)) * shift, axis=1))
+
+
+def _strength(y: Float, base: Float, torque: Float, cycle: Index, size: float) -> tuple[float, float]:
+    """Factor of one column with the base refitted, and its cluster-robust standard error; NaN if it cannot be seen."""
+    free = torque - base @ np.linalg.lstsq(base, torque, rcond=None)[0]
+    square = float(free @ free)
+    _, number = np.unique(cycle, return_inverse=True)
+    cycles = int(number.max()) + 1
+    if cycles < 3 or square < 1e-6 * size * len(y):  # noqa: PLR2004 - two cycles have no spread to speak of
+        return float("nan"), float("nan")
+    factor = float(free @ y) / square
+    rest = y - base @ np.linalg.lstsq(base, y, rcond=None)[0] - factor * free
+    score = np.bincount(number, weights=free * rest)
+    return factor, float(np.sqrt(cycles / (cycles - 1) * np.sum(score**2))) / square
+
+
+def _cochran(strength: Float, se: Float) -> float:
+    """P-value of Q = sum (b_k - mean)^2 / se_k^2 as chi square with k - 1 degrees of freedom (Cochran 1954)."""
+    from scipy.stats import chi2
+
+    known = np.isfinite(strength) & (se > 0)
+    if known.sum() < 2:  # noqa: PLR2004 - one value equals itself
+        return float("nan")
+    w = 1.0 / se[known] ** 2
+    mean = np.sum(w * strength[known]) / w.sum()
+    return float(chi2.sf(np.sum(w * (strength[known] - mean) ** 2), known.sum() - 1))
