@@ -239,7 +239,7 @@ def _papers(method: Method, curves: Sequence[Curve]) -> Tuning:
 
 
 def _best(method: Method, curves: Sequence[Curve]) -> Tuning:
-    """Return the stable tuning of all sweeps whose energy slope is closest to zero."""
+    """Return the stable tuning of all sweeps whose energy slope is closest to zero; of equals, the first."""
     points = [point for curve in curves for point in curve.points]
     best = min(points, key=lambda point: point.off_w)
     if not best.stable:

@@ -75,7 +75,7 @@ SCENES: tuple[Scene, ...] = (
         name="panda",
         title="a Panda, its joints elastic, guided by a hand",
         settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=20.0),
-        plan=Plan(tuning_seeds=1, every=2, sweeps=2, with_others=False, margin_share=0.6),
+        plan=Plan(tuning_seeds=2, every=2, sweeps=2, with_others=False, margin_share=0.6),
         needs_processes=True,
     ),
 )

@@ -1,0 +1,67 @@
+"""Figs 13 and 14: the paper's order of methods, on a comparison that tests can afford."""
+
+from dataclasses import replace
+
+import pytest
+
+from friction_audit.compare import METHODS, SCENES, Comparison, compare
+from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, compared
+from friction_audit.reproduce.compared import ORDER, is_ranked, rows_of, steps_down
+from friction_audit.reproduce.fig13 import KEPT
+
+SEEDS = 2
+COMPARED = [one for one in REPRODUCTIONS if one.figure in ("13", "14")]
+
+
+@pytest.fixture(scope="module")
+def short() -> Comparison:
+    """Return the paper's methods on a single joint."""
+    joint = SCENES[0]
+    plan = replace(joint.plan, tuning_seeds=1, every=2, sweeps=1, with_others=False, margin_share=0.0)
+    scene = replace(joint, settings=replace(joint.settings, duration_s=20.0), plan=plan)
+    return compare(scene, SEEDS, [method for method in METHODS if method.name in ORDER])
+
+
+@pytest.fixture
+def claims(short: Comparison, monkeypatch: pytest.MonkeyPatch) -> dict[str, Claim]:
+    """Return all claims by their sentence."""
+    monkeypatch.setattr(compared, "_compare", lambda _: short)
+    return {claim.claim: claim for one in COMPARED for claim in one.check({"fig13": ()})}
+
+
+def test_both_tunings_of_every_claim(claims: dict[str, Claim]) -> None:
+    assert len(claims) == 8
+    for words in ("tuned as in the paper", "each at its best"):
+        assert sum(words in sentence for sentence in claims) == 4
+    assert all(claim.paper and claim.ours and claim.note for claim in claims.values())
+
+
+def test_an_observer_is_flatter_than_torque_regulation(claims: dict[str, Claim]) -> None:
+    for sentence, claim in claims.items():
+        if sentence.startswith("the net energy rises most"):
+            assert not claim.holds
+            assert claim.ours.index("none") < claim.ours.index("torque regulation") < claim.ours.index("disturbance")
+
+
+def test_the_proposed_method_keeps_the_energy_of_a_joint(claims: dict[str, Claim]) -> None:
+    kept = [claim for sentence, claim in claims.items() if "keeps the net energy" in sentence]
+    assert len(kept) == 2
+    assert all(claim.holds == (abs(claim.value) < KEPT) for claim in kept)
+
+
+@pytest.mark.parametrize("one", COMPARED, ids=lambda one: one.figure)
+def test_figures_are_drawn(one: Reproduction, short: Comparison, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(compared, "_compare", lambda _: short)
+    figure = one.draw({"fig13": ()})
+    assert all(axes.has_data() for axes in figure.axes if axes.get_visible())
+
+
+def test_rows_come_in_the_papers_order(short: Comparison) -> None:
+    for role in ("paper", "best"):
+        assert [row.method for row in rows_of(short, role)] == list(ORDER)
+
+
+def test_order_by_hand() -> None:
+    assert is_ranked([3.0, 2.0, 1.0])
+    assert not is_ranked([3.0, 1.0, 2.0])
+    assert steps_down([3.0, 1.0, 2.0]) == 1
