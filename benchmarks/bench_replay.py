@@ -20,8 +20,6 @@ GOAL = 2.0
 COMMANDS = {
     "`estimate`": ("estimate",),
     "`replay`": ("replay",),
-    "`replay --assume same-torque`": ("replay", "--assume", "same-torque"),
-    "`replay --assume same-operator`": ("replay", "--assume", "same-operator", "--operator", "0.3,9,60"),
 }
 
 
