@@ -9,6 +9,7 @@ References:
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -70,7 +71,7 @@ class Stability:
 def cycle_rss(residual: Float, cycle: Index) -> Float:
     """Residual sum of squares of each cycle, in ascending order of their numbers, shape (c,)."""
     _, number = np.unique(cycle, return_inverse=True)
-    return np.bincount(number, weights=residual**2)
+    return np.asarray(np.bincount(number, weights=residual**2), dtype=float)
 
 
 def paired_improvement(
@@ -130,7 +131,7 @@ def rms_gain(before: float, after: float) -> float:
     return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
 
 
-def null_gain(  # noqa: PLR0913 - two sets of data and the draw
+def null_gain(
     y: Float,
     base: Float,
     candidates: Sequence[Float],
@@ -173,14 +174,14 @@ def null_gain(  # noqa: PLR0913 - two sets of data and the draw
     return max(LEAST_GAIN, float(np.quantile(np.max(gains, axis=0), quantile, method="higher")))
 
 
-def stability(  # noqa: PLR0913 - one regression in parts
+def stability(
     y: Float, base: Float, effect: Float, cycle: Index, part: Index, weights: Float | None = None
 ) -> Stability:
     """Size of an effect in each part of the log: folds, halves (early and late), directions.
 
     The effect's torque as fitted on the whole is one column; its factor with the base refitted in each part is the
     strength there, so that the answer does not depend on how the effect's columns are written. Standard errors are
-    cluster-robust over cycles with the correction C/(C-1) (Cameron, Gelbach and Miller 2008, section II.A).
+    cluster-robust over cycles with the correction C/(C-1) (Cameron, Gelbach and Miller 2008).
 
     Args:
         y: Response, shape (n,).
@@ -215,7 +216,7 @@ def _by_cycle(residual: Float, columns: Float, number: Index) -> Float:
     order = np.argsort(number, kind="stable")
     z = np.column_stack([residual, columns])[order]
     bounds = np.searchsorted(number[order], np.arange(number.max() + 2))
-    return np.stack([z[i:j].T @ z[i:j] for i, j in zip(bounds[:-1], bounds[1:], strict=True)])
+    return np.stack([z[i:j].T @ z[i:j] for i, j in pairwise(bounds)])
 
 
 def _locked_rss(gram: Float, kept: NDArray[np.bool_], weights: Float) -> Float:

@@ -16,7 +16,7 @@ from friction_audit.discrepancy.search import CycleProducts, Ranking, Search
 from friction_audit.joint_log import Float
 
 BEATEN_BY = 6.0
-"""Difference in BIC from which one effect beats another (Kass and Raftery 1995, section 3.2)."""
+"""Difference in BIC from which one effect beats another (Kass and Raftery 1995)."""
 ALIKE = 0.9
 """Correlation, free of all else in the model, above which two effects look the same."""
 POWER_Z = 1.28
@@ -122,7 +122,7 @@ def verdict(*, testable: int, omnibus_p: float, remaining_p: float, alpha: float
     return "ambiguous" if any(naming.alternatives for naming in namings) else "named"
 
 
-def detection_limit(  # noqa: PLR0913 - each is a number of the formula
+def detection_limit(
     columns: Float, base: Float, sigma: float, n_eff: float, candidates: int, *, alpha: float = 0.05
 ) -> Float:
     """Smallest factor of each column that would have been seen, with 90 % power.
@@ -154,8 +154,8 @@ def vuong(rss_first: Float, rss_second: Float, samples: Float, n_eff: float, ext
     """Vuong's statistic of two models over cycles, positive where the first is nearer to the truth.
 
     The log likelihood of cycle c is -n_c/2 ln(s^2) - RSS_c / (2 s^2) with each model's own s^2 = RSS / n; the
-    statistic is the sum of the differences d_c over the root of C var(d_c) (Vuong 1989, eq. (5.6)), after Schwarz's
-    correction for the number of columns, as in his eq. (5.9). Cycles are the independent observations.
+    statistic is the sum of the differences d_c over the root of C var(d_c) (Vuong 1989, non-nested case), after Schwarz's
+    correction for the number of columns, which he allows. Cycles are the independent observations.
 
     Args:
         rss_first: Residual sum of squares of each cycle under the first model, shape (c,).
@@ -190,7 +190,7 @@ def _rivals(products: CycleProducts, active: list[int], unit: int, n_eff: float)
     return tuple(_rival(products, ranking, scores, others, unit, u) for u in pairs)
 
 
-def _rival(  # noqa: PLR0913 - two places in one model
+def _rival(
     products: CycleProducts, ranking: Ranking, scores: Float, others: list[int], unit: int, rival: int
 ) -> Rival:
     entry = products.units[rival]

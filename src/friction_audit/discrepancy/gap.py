@@ -45,7 +45,7 @@ def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int
     """
     _, number = np.unique(cycle, return_inverse=True)
     samples = np.bincount(number).astype(float)
-    sums = np.stack([np.bincount(number, weights=r**2) for r in (before, after)])
+    sums = np.stack([np.bincount(number, weights=r**2) for r in (before, after)]).astype(float)
     total = sums.sum(axis=1)
     rms_before, rms_after = np.sqrt(total / samples.sum())
     return Gap(
@@ -66,7 +66,7 @@ def _shrink(before: Float, after: Float, floor: float) -> Float:
 
 
 def _jackknife_se(sums: Float, samples: Float, floor: float) -> float:
-    """Standard error by leaving out one cycle at a time; NaN for a single cycle (Efron 1982, eq. (3.2))."""
+    """Standard error by leaving out one cycle at a time; NaN for a single cycle (jackknife over cycles)."""
     m = len(samples)
     if m == 1:
         return float("nan")

@@ -25,11 +25,11 @@ from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
 FEW_CYCLES = 13
-"""Below this number of cycles two-point signs give too few different draws (Webb 2023, section 3)."""
+"""Below this number of cycles two-point signs give too few different draws (Webb 2023)."""
 MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
-"""The six points of Webb (2023), eq. (7), each with probability 1/6: mean 0, variance 1."""
+"""The six points of Webb (2023), each with probability 1/6: mean 0, variance 1."""
 MIN_FRACTION_LEFT = 1e-8
 """Share of a column's square that must be left after the base: below it, the candidate is in the base already."""
 
@@ -75,7 +75,7 @@ def omnibus_test(
     With W the columns of a candidate free of the base, M the projection off the base and e the residual of the base,
     the score of cycle c is s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle
     a weight g_c and refits the base to g_c e_c, so that s*_c = g_c s_c - W_c' X_c h, h = (X'X)^-1 sum g_c X_c' e_c
-    (Cameron, Gelbach and Miller 2008, section III.B). All of it follows from sums over each cycle: no draw touches
+    (wild cluster bootstrap of Cameron, Gelbach and Miller 2008). All of it follows from sums over each cycle: no draw touches
     a sample. Candidates of different width are compared through the p-value that q / cycles would have as
     Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores.
 
@@ -114,7 +114,7 @@ def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Floa
 
 
 def step_down(observed: Float, drawn: Float) -> Float:
-    """Family-wise p-values by step-down maxima (Romano and Wolf 2005, algorithm 4.1 and remark 4.1).
+    """Family-wise p-values by step-down maxima (Romano and Wolf 2005).
 
     Args:
         observed: Statistic of each hypothesis, shape (m,).

@@ -166,7 +166,7 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
 def search(products: CycleProducts, n_eff: float, weights: Float | None = None) -> Search:
     """Adds effects while the score allows it; after each, exchanges and deletes.
 
-    A candidate enters with all its columns and its best admissible shape if (EBIC, Chen and Chen 2008, eq. (1) with
+    A candidate enters with all its columns and its best admissible shape if (EBIC of Chen and Chen 2008 with
     gamma = 1, on the effective number of samples)
     ``n_eff ln(RSS0 / RSS1) - p ln(n_eff) - 2 ln(M) > 0``. Then every effect is exchanged for whatever takes its place
     better, its own other shapes included, and those that the others made superfluous or impossible leave (floating
@@ -197,8 +197,8 @@ def inclusion_frequency(
 ) -> dict[str, float]:
     """In which share of bootstraps over cycles the search takes each candidate.
 
-    Whole blocks of cycles are drawn with replacement (pairs cluster bootstrap; Cameron, Gelbach, Miller 2008,
-    section III.A). An effect that depends on a few cycles is missing in many draws.
+    Whole blocks of cycles are drawn with replacement (pairs cluster bootstrap; Cameron, Gelbach, Miller
+    2008). An effect that depends on a few cycles is missing in many draws.
 
     Args:
         products: Cross products of the data.
