@@ -62,8 +62,8 @@ def page(arguments: argparse.Namespace) -> Iterator[str]:
     yield table("bench_parquet.py", "--hours", hours, "--runs", runs)
     yield "## Replay beside the estimate"
     yield (
-        "`replay` reads and estimates as `estimate` does, and runs the compensator tick by tick on all joints, along the "
-        "recorded motion; the file is that of the first rows above."
+        "`replay` reads and estimates as `estimate` does, and runs the compensator tick by tick on all joints, along "
+        "the recorded motion; the file is that of the first rows above."
     )
     yield table("bench_replay.py", "--hours", hours, "--runs", runs)
     yield "## Bags: reading joint states"
