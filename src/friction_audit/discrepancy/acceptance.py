@@ -144,9 +144,10 @@ def null_gain(
 ) -> float:
     """Gain on locked cycles that the best of some candidates reaches by chance, if none of them is there.
 
-    The base is fitted on the open cycles; its residual e is the noise. Each draw multiplies e of every cycle, open or
-    locked, by one weight (wild cluster bootstrap with the null imposed), fits base and candidate to the open cycles
-    and predicts the locked ones. Only cross products by cycle enter the draws.
+    Base and candidate are fitted on the open cycles; the residual e is the noise, so that an effect that is there does
+    not pass for noise. Each draw multiplies e of every cycle, open or locked, by one weight (wild cluster bootstrap;
+    the effect is absent from the drawn response), fits base and candidate to the open cycles and predicts the locked
+    ones. Only cross products by cycle enter the draws.
 
     Args:
         y: Response, shape (n,).
@@ -164,13 +165,13 @@ def null_gain(
     _, number = np.unique(cycle, return_inverse=True)
     kept = np.zeros(int(number.max()) + 1, dtype=bool)
     kept[number[locked]] = True
-    residual = y - base @ np.linalg.lstsq(base[~locked], y[~locked], rcond=None)[0]
     weights = bootstrap_weights(rng, draws, len(kept))
-    alone = _locked_rss(_by_cycle(residual, base, number), kept, weights)
-    gains = [
-        1.0 - np.sqrt(_locked_rss(_by_cycle(residual, np.hstack([base, w]), number), kept, weights) / alone)
-        for w in candidates
-    ]
+    gains = []
+    for w in candidates:
+        full = np.hstack([base, w])
+        residual = y - full @ np.linalg.lstsq(full[~locked], y[~locked], rcond=None)[0]
+        without, with_it = (_locked_rss(_by_cycle(residual, z, number), kept, weights) for z in (base, full))
+        gains.append(1.0 - np.sqrt(with_it / without))
     return max(LEAST_GAIN, float(np.quantile(np.max(gains, axis=0), quantile, method="higher")))
 
 

@@ -154,8 +154,8 @@ def vuong(rss_first: Float, rss_second: Float, samples: Float, n_eff: float, ext
     """Vuong's statistic of two models over cycles, positive where the first is nearer to the truth.
 
     The log likelihood of cycle c is -n_c/2 ln(s^2) - RSS_c / (2 s^2) with each model's own s^2 = RSS / n; the
-    statistic is the sum of the differences d_c over the root of C var(d_c) (Vuong 1989, non-nested case), after Schwarz's
-    correction for the number of columns, which he allows. Cycles are the independent observations.
+    statistic is the sum of the differences d_c over the root of C var(d_c) (Vuong 1989, models that are not nested),
+    after Schwarz's correction for the number of columns. Cycles are the independent observations.
 
     Args:
         rss_first: Residual sum of squares of each cycle under the first model, shape (c,).
@@ -190,9 +190,7 @@ def _rivals(products: CycleProducts, active: list[int], unit: int, n_eff: float)
     return tuple(_rival(products, ranking, scores, others, unit, u) for u in pairs)
 
 
-def _rival(
-    products: CycleProducts, ranking: Ranking, scores: Float, others: list[int], unit: int, rival: int
-) -> Rival:
+def _rival(products: CycleProducts, ranking: Ranking, scores: Float, others: list[int], unit: int, rival: int) -> Rival:
     entry = products.units[rival]
     extra = len(products.units[unit].columns) - len(entry.columns)
     samples = products.samples.astype(float)

@@ -7,8 +7,6 @@ References:
     (2023) 839 (working paper 2014): weights for few clusters.
     J. P. Romano, M. Wolf, Exact and approximate stepdown methods for multiple hypothesis testing, Journal of the
     American Statistical Association 100 (2005) 94: the maximum, and the step-down.
-    J. G. MacKinnon, M. O. Nielsen, M. D. Webb, Fast and reliable jackknife and bootstrap methods for cluster-robust
-    inference, Journal of Applied Econometrics 38 (2023) 671: scores of each cluster from a fit without it.
 """
 
 from collections.abc import Sequence
@@ -75,8 +73,8 @@ def omnibus_test(
     With W the columns of a candidate free of the base, M the projection off the base and e the residual of the base,
     the score of cycle c is s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle
     a weight g_c and refits the base to g_c e_c, so that s*_c = g_c s_c - W_c' X_c h, h = (X'X)^-1 sum g_c X_c' e_c
-    (wild cluster bootstrap of Cameron, Gelbach and Miller 2008). All of it follows from sums over each cycle: no draw touches
-    a sample. Candidates of different width are compared through the p-value that q / cycles would have as
+    (Cameron, Gelbach and Miller 2008). All of it follows from sums over each cycle: no draw touches a sample.
+    Candidates of different width are compared through the p-value that q / cycles would have as
     Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores.
 
     Args:

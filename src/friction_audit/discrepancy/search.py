@@ -5,9 +5,9 @@ Biometrika 95 (2008) 759; P. Pudil et al., Floating search methods in feature se
 Letters 15 (1994) 1119.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +19,10 @@ MIN_FRACTION_LEFT = 1e-8
 """Share of a column's square that must be left after what is in the model: below it, the column is a copy."""
 MAX_BLOCKS = 40
 """More blocks of cycles than this add nothing to a bootstrap and cost memory with the square of the columns."""
+PROMISING = 8
+"""Candidates that are tried as the first of two in the place of one."""
+MAX_ROUNDS = 50
+"""Rounds of exchange and deletion: only rules that exclude one another's factors could go round for ever."""
 
 
 def any_factors(_factors: Float, _shape: int) -> bool:
@@ -163,28 +167,38 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
     )
 
 
-def search(products: CycleProducts, n_eff: float, weights: Float | None = None) -> Search:
+def search(
+    products: CycleProducts,
+    n_eff: float,
+    weights: Float | None = None,
+    *,
+    start: Sequence[int] = (),
+    pairs: bool = True,
+) -> Search:
     """Adds effects while the score allows it; after each, exchanges and deletes.
 
     A candidate enters with all its columns and its best admissible shape if (EBIC of Chen and Chen 2008 with
     gamma = 1, on the effective number of samples)
     ``n_eff ln(RSS0 / RSS1) - p ln(n_eff) - 2 ln(M) > 0``. Then every effect is exchanged for whatever takes its place
     better, its own other shapes included, and those that the others made superfluous or impossible leave (floating
-    search, Pudil 1994). All factors are always fitted together.
+    search, Pudil 1994). Where nothing moves singly, one effect may give way to two and two to one, so that a stand-in
+    for two real effects does not stay because it came first. All factors are always fitted together.
 
     Args:
         products: Cross products of the data.
         n_eff: Number of independent samples that the data are worth.
         weights: How many times each block counts, shape (g,); once each if None.
+        start: Indices of the units to begin with; they must hold their place like all others.
+        pairs: Whether one effect may give way to two and two to one, which takes most of the time.
 
     Returns:
         The effects found.
     """
     state = Ranking(products, products.total(weights), n_eff)
-    active: list[int] = []
-    seen: set[frozenset[int]] = {frozenset()}
+    active = state.settle(list(start), pairs=pairs)
+    seen: set[frozenset[int]] = {frozenset(active)}
     while (best := state.best_addition(active)) is not None:
-        active = state.settle([*active, best])
+        active = state.settle([*active, best], pairs=pairs)
         # An effect that leaves as impossible may be what lets the next one in again: a round trip ends the search.
         if frozenset(active) in seen:
             break
@@ -193,7 +207,7 @@ def search(products: CycleProducts, n_eff: float, weights: Float | None = None) 
 
 
 def inclusion_frequency(
-    products: CycleProducts, n_eff: float, rng: np.random.Generator, draws: int = 100
+    products: CycleProducts, n_eff: float, rng: np.random.Generator, *, start: Sequence[int] = (), draws: int = 100
 ) -> dict[str, float]:
     """In which share of bootstraps over cycles the search takes each candidate.
 
@@ -204,6 +218,7 @@ def inclusion_frequency(
         products: Cross products of the data.
         n_eff: Number of independent samples that the data are worth.
         rng: Source of randomness.
+        start: Indices of the units found on all cycles: a draw asks whether they hold their place.
         draws: Number of bootstraps.
 
     Returns:
@@ -211,7 +226,7 @@ def inclusion_frequency(
     """
     blocks = len(products.gram)
     counts = rng.multinomial(blocks, np.full(blocks, 1.0 / blocks), size=draws).astype(float)
-    found = [{c.name for c in search(products, n_eff, weights).chosen} for weights in counts]
+    found = [{c.name for c in search(products, n_eff, w, start=start, pairs=False).chosen} for w in counts]
     return {name: float(np.mean([name in names for names in found])) for name in products.names}
 
 
@@ -303,14 +318,50 @@ class Ranking:
                 return int(unit)
         return None
 
-    def settle(self, active: list[int]) -> list[int]:
+    def settle(self, active: list[int], *, pairs: bool) -> list[int]:
         """Exchanges and deletes until nothing moves; each exchange raises the objective, each deletion shortens."""
-        while True:
-            exchanged = self._exchange(active)
-            kept = self._delete(exchanged)
+        for _ in range(MAX_ROUNDS):
+            kept = self._delete(self._exchange(active))
+            if kept == active and pairs:
+                kept = self._delete(self._recombine(active))
             if kept == active:
-                return kept
+                break
             active = kept
+        return active
+
+    def _recombine(self, active: list[int]) -> list[int]:
+        """Replaces one effect by two, or two by one, if that raises the objective; the best of all such sets."""
+        trials = [*self._one_by_two(active), *self._two_by_one(active)]
+        values = [self.objective(trial) for trial in trials]
+        if trials and max(values) > self.objective(active) + 1e-9 * self.n_eff:
+            return trials[int(np.argmax(values))]
+        return active
+
+    def _one_by_two(self, active: list[int]) -> Iterator[list[int]]:
+        """Sets in which two units stand in the place of one; the first of the two among the most promising."""
+        for place in range(len(active)):
+            others = active[:place] + active[place + 1 :]
+            for first in self._best_of_groups(others):
+                second = self.best_addition([*others, first])
+                if second is not None and self.admissible([*others, first, second], first):
+                    yield [*others, first, second]
+
+    def _two_by_one(self, active: list[int]) -> Iterator[list[int]]:
+        """Sets in which one unit stands in the place of two."""
+        for pair in combinations(active, 2):
+            others = [u for u in active if u not in pair]
+            best = self.best_addition(others)
+            if best is not None:
+                yield [*others, best]
+
+    def _best_of_groups(self, others: list[int]) -> list[int]:
+        """The best shape of each of the candidates with the highest scores."""
+        score = self.scores(others)
+        best: dict[int, int] = {}
+        for unit in np.argsort(-score, kind="stable"):
+            if np.isfinite(score[unit]):
+                best.setdefault(self.products.units[int(unit)].group, int(unit))
+        return list(best.values())[:PROMISING]
 
     def _exchange(self, active: list[int]) -> list[int]:
         """Replaces each effect by what serves better in its place."""

@@ -1,0 +1,141 @@
+"""The search for what is missing: planted effects, stand-ins, copies, noise, and what must not matter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from statsmodels.api import OLS
+
+from friction_audit.discrepancy.search import Group, Search, cycle_products, inclusion_frequency, search
+from tests.discrepancy.synthetic_columns import SyntheticColumns, synthetic_columns
+
+
+def found_in(data: SyntheticColumns, y: np.ndarray) -> Search:
+    return search(cycle_products(y, data.base, data.groups, data.cycle), data.n_eff)
+
+
+def names(found: Search) -> list[str]:
+    return [chosen.name for chosen in found.chosen]
+
+
+def test_factors_and_score_are_those_of_ordinary_least_squares() -> None:
+    data = synthetic_columns(np.random.default_rng(0), cycles=30, memory=0.0)
+    y = data.noise + 0.5 * data.groups[5].shapes[2][:, 0] + data.base @ [1.0, 2.0, 3.0]
+    found = found_in(data, y)
+    assert [(c.name, c.shape) for c in found.chosen] == [("wave", 2)]
+    small = OLS(y, data.base).fit()
+    large = OLS(y, np.hstack([data.base, data.groups[5].shapes[2]])).fit()
+    assert found.base_factors == pytest.approx(large.params[:3])
+    assert found.chosen[0].factors == pytest.approx(large.params[3:])
+    assert (found.rss_base, found.rss) == pytest.approx((small.ssr, large.ssr))
+    assert found.tried == 25
+    gain = data.n_eff * np.log(small.ssr / large.ssr)
+    assert found.chosen[0].score == pytest.approx(gain - 2 * np.log(data.n_eff) - 2 * np.log(25))
+
+
+@pytest.mark.parametrize(("cycles", "memory"), [(12, 0.0), (24, 0.9), (60, 0.98)])
+def test_noise_gets_no_name(cycles: int, memory: float) -> None:
+    named = 0
+    for seed in range(200):
+        data = synthetic_columns(np.random.default_rng([seed, cycles]), cycles=cycles, memory=memory, per_cycle=60)
+        named += bool(found_in(data, data.noise).chosen)
+    assert named <= 10
+
+
+@pytest.mark.parametrize(("size", "least"), [(0.2, 30), (0.3, 35)])
+def test_an_effect_of_a_part_of_the_noise_is_named(size: float, least: int) -> None:
+    right = 0
+    for seed in range(36):
+        data = synthetic_columns(np.random.default_rng([seed, 7]), cycles=40, memory=0.5)
+        group = seed % 12
+        found = found_in(data, data.noise + size * data.partial(group, 0))
+        right += bool(found.chosen)
+    assert right >= least
+
+
+def test_two_effects_are_both_found() -> None:
+    data = synthetic_columns(np.random.default_rng(5), cycles=40, memory=0.5)
+    found = found_in(data, data.noise + data.partial(0, 0) + 0.6 * data.partial(4, 1))
+    assert names(found) == ["constant", "peak"]
+
+
+def test_a_stand_in_that_came_first_leaves_when_the_two_real_effects_are_in() -> None:
+    rng = np.random.default_rng(6)
+    n = 4000
+    a, b = rng.standard_normal((2, n))
+    both = a + b + 0.05 * rng.standard_normal(n)  # nearer to the response than either alone
+    groups = [Group(name=name, shapes=(w[:, None],)) for name, w in (("both", both), ("a", a), ("b", b))]
+    y = a + b + 0.01 * rng.standard_normal(n)
+    found = search(cycle_products(y, np.ones((n, 1)), groups, np.repeat(np.arange(20), 200)), float(n))
+    assert sorted(names(found)) == ["a", "b"]
+    alone = search(cycle_products(both, np.ones((n, 1)), groups, np.repeat(np.arange(20), 200)), float(n), start=(1, 2))
+    assert names(alone) == ["both"]  # and two that stand in for one leave too
+
+
+def test_impossible_factors_are_skipped_for_the_next_best() -> None:
+    data = synthetic_columns(np.random.default_rng(7), cycles=40, memory=0.5)
+    y = data.noise - data.partial(2, 0)
+    groups = [
+        replace(g, admissible=lambda factors, _: bool(factors[0] > 0)) if g.name == "square" else g for g in data.groups
+    ]
+    found = search(cycle_products(y, data.base, groups, data.cycle), data.n_eff)
+    assert names(found_in(data, y)) == ["square"]
+    assert found.chosen
+    assert "square" not in names(found)
+
+
+def test_a_copy_of_the_base_or_an_empty_column_never_enters() -> None:
+    data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
+    groups = [
+        Group(name="copy", shapes=(2.0 * data.base[:, :2],)),
+        Group(name="empty", shapes=(np.zeros((2000, 1)),)),
+    ]
+    y = data.noise + data.base @ [5.0, 5.0, 5.0]
+    assert search(cycle_products(y, data.base, groups, data.cycle), 2000.0).chosen == ()
+
+
+def test_an_effect_everywhere_is_in_every_bootstrap_and_one_cycle_is_no_effect() -> None:
+    data = synthetic_columns(np.random.default_rng(9), cycles=20, memory=0.0)
+    once = np.where(data.cycle == 3, 5.0, 0.0)
+    groups = [data.groups[0], Group(name="once", shapes=((data.cycle == 3).astype(float)[:, None],))]
+    y = data.noise + data.partial(0, 0) + once
+    shares = inclusion_frequency(
+        cycle_products(y, data.base, groups, data.cycle), data.n_eff, np.random.default_rng(0), draws=60
+    )
+    assert shares["constant"] == 1.0
+    assert shares["once"] < 0.8  # the cycle itself is in 64 % of the draws
+
+
+def test_more_than_forty_cycles_are_put_together_and_give_the_same_search() -> None:
+    data = synthetic_columns(np.random.default_rng(10), cycles=90, memory=0.5, per_cycle=40)
+    y = data.noise + data.partial(4, 2)
+    products = cycle_products(y, data.base, data.groups, data.cycle)
+    assert len(products.gram) == 40
+    assert products.samples.sum() == len(y)
+    one = cycle_products(y, data.base, data.groups, np.zeros(len(y), dtype=np.int64))
+    assert search(products, data.n_eff).chosen[0].factors == pytest.approx(search(one, data.n_eff).chosen[0].factors)
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 1000), st.floats(1e-5, 1e5), st.floats(0, 6.28))
+def test_neither_units_nor_the_order_of_anything_matters(seed: int, unit: float, angle: float) -> None:
+    rng = np.random.default_rng(seed)
+    data = synthetic_columns(rng, cycles=20, memory=0.5, per_cycle=40)
+    y = data.noise + data.partial(seed % 12, 0)
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]]) * unit
+    order, shuffled = rng.permutation(12), rng.permutation(len(y))
+    turned = [
+        replace(g, shapes=tuple((w @ turn if w.shape[1] == 2 else w * unit)[shuffled] for w in g.shapes))
+        for g in data.groups
+    ]
+    renamed = rng.permutation(20)[data.cycle]
+    plain = found_in(data, y)
+    other = search(
+        cycle_products((3 * y)[shuffled], (data.base / unit)[shuffled], [turned[i] for i in order], renamed[shuffled]),
+        data.n_eff,
+    )
+    assert [(c.name, c.shape) for c in other.chosen] == [(c.name, c.shape) for c in plain.chosen]
+    assert [c.score for c in other.chosen] == pytest.approx([c.score for c in plain.chosen], rel=1e-5, abs=1e-6)
+    assert other.rss == pytest.approx(9 * plain.rss, rel=1e-6)
