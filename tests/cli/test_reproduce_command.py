@@ -53,7 +53,7 @@ def test_older_figures_are_refused_before_anything_is_simulated(run: Run, tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("words", "message"), [(("--figures", "13"), "13: expected one of 3, 6, 7"), (("--seeds", "0"), "--seeds")]
+    ("words", "message"), [(("--figures", "15"), "15: expected one of 3, 6, 7"), (("--seeds", "0"), "--seeds")]
 )
 def test_wrong_usage(words: tuple[str, str], message: str, run: Run) -> None:
     answer = run("reproduce", *words)
