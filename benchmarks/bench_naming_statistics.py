@@ -20,7 +20,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from friction_audit.discrepancy.alternatives import name_effects
-from friction_audit.discrepancy.omnibus import omnibus_test
+from friction_audit.discrepancy.omnibus import independent_clusters, omnibus_test
 from friction_audit.discrepancy.search import Group, cycle_products, inclusion_frequency, search
 from tests.discrepancy.synthetic_columns import synthetic_columns
 
@@ -39,7 +39,8 @@ def one_set(seed: int, *, cycles: int, memory: float, n_eff_rho2: float) -> Outc
     shape = int(rng.integers(len(data.groups[truth].shapes)))
     size = np.sqrt(n_eff_rho2 / data.n_eff)
     y = data.noise + size * data.partial(truth, shape)
-    rejected = omnibus_test(y, data.base, data.groups, data.cycle, rng, draws=399).p_value <= ALPHA
+    cluster = independent_clusters(data.cycle, len(y) / data.n_eff)
+    rejected = omnibus_test(y, data.base, data.groups, cluster, rng, draws=399).p_value <= ALPHA
     products = cycle_products(y, data.base, data.groups, data.cycle)
     found = search(products, data.n_eff)
     namings = name_effects(products, found, data.n_eff, {})

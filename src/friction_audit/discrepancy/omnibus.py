@@ -24,6 +24,10 @@ from friction_audit.joint_log import Float
 Index = NDArray[np.int64]
 FEW_CYCLES = 13
 """Below this number of cycles two-point signs give too few different draws (Webb 2023)."""
+MEMORIES_PER_CLUSTER = 5.0
+"""Integral times of the noise in a cluster: neighbours then correlate by about 0.1."""
+LEAST_CLUSTERS = 12
+"""Below this number of clusters the test loses more power than correlation costs in errors."""
 MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
@@ -81,7 +85,8 @@ def omnibus_test(
         y: Response, shape (n,).
         base: Columns of the declared model, shape (n, b).
         groups: Candidates.
-        cycle: Number of the cycle of each sample, shape (n,).
+        cycle: Number of the cycle of each sample, or of its cluster where the noise remembers more than a fifth of a
+            cycle (:func:`independent_clusters`), shape (n,).
         rng: Source of randomness.
         draws: Number of bootstrap draws.
         alpha: Family-wise error for ``critical``.
@@ -103,6 +108,26 @@ def omnibus_test(
     drawn = np.array([shapes.max(axis=0) for _, shapes in tables])
     best = np.array([int(np.argmax(shapes)) for shapes, _ in tables])
     return _outcome(groups, observed, drawn, best, alpha, cycles)
+
+
+def independent_clusters(cycle: Index, integral_samples: float) -> Index:
+    """Puts neighbouring cycles together until each cluster outlasts the memory of the noise.
+
+    The bootstrap takes clusters for independent. Where the noise remembers a good part of a cycle, single cycles are
+    not: the sums of neighbours correlate about as integral time / (2 duration).
+
+    Args:
+        cycle: Number of the cycle of each sample, in the order of time, shape (n,).
+        integral_samples: Integral time of the noise's autocorrelation, n / n_eff. [samples]
+
+    Returns:
+        Number of the cluster of each sample, shape (n,): five integral times or more each, as far as twelve clusters
+        remain.
+    """
+    numbers, position = np.unique(cycle, return_inverse=True)
+    wanted = int(np.ceil(MEMORIES_PER_CLUSTER * integral_samples * len(numbers) / len(cycle)))
+    clusters = max(min(len(numbers), LEAST_CLUSTERS), len(numbers) // max(1, wanted))
+    return np.asarray(position * clusters // len(numbers), dtype=np.int64)
 
 
 def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:
