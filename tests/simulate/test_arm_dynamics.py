@@ -73,7 +73,7 @@ def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPat
     """Return the motion under a controller with another rate."""
     for module in (clock, mechanism):
         monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
-    return make_motion(move(settings, make_streams(SEED, 7))[0], driven=settings.driven)
+    return make_motion(move(settings, make_streams(SEED, 7))[0], "free swing", driven=settings.driven)
 
 
 def imbalance(settings: ArmSettings, motion: Motion) -> Float:

@@ -51,7 +51,7 @@ def release(
     push = np.zeros(ticks + 1) if push is None else push
     parts = mechanism.parts._replace(clock=clock)
     run_bench(parts, push, np.zeros(2), False, 0, ticks + 1, mechanism.out, mechanism.traced)
-    return replace(make_motion(mechanism, driven=False), t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
+    return replace(make_motion(mechanism, "any step", driven=False), t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
 
 
 def _hold(mechanism: Mechanism, settings: BenchSettings) -> None:
