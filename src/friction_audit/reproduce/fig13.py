@@ -59,8 +59,8 @@ def _keeps(comparison: Comparison, role: str, words: str) -> Claim:
         f"{proposed.stable_share:.0%} of seeds",
         value=slope / alone,
         holds=abs(slope / alone) < KEPT and proposed.stable_share == 1.0,
-        note="a joint that takes its coefficients from two cycles of the hand gets wrong ones where the cycles are "
-        "alike; at its best the method takes more cycles and a gentler passivity controller",
+        note="cycles of the hand give single joints wrong coefficients where two are alike or the joint does not rest; "
+        "what the passivity controller then does may ring",
     )
 
 
