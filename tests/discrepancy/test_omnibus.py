@@ -140,6 +140,18 @@ def test_too_few_cycles_are_refused_with_numbers() -> None:
         omnibus_test(data.noise, data.base, data.groups, data.cycle, np.random.default_rng(0))
 
 
+def test_no_candidate_and_values_that_are_not_finite_are_refused() -> None:
+    data = synthetic_columns(np.random.default_rng(4), cycles=20, memory=0.0)
+    rng = np.random.default_rng(0)
+    with pytest.raises(AnalysisError, match="no candidate"):
+        omnibus_test(data.noise, data.base, [], data.cycle, rng)
+    broken = Group(name="broken", shapes=(np.full((2000, 1), np.inf),))
+    with pytest.raises(AnalysisError, match="response or base"):
+        omnibus_test(data.noise * np.nan, data.base, data.groups, data.cycle, rng)
+    with pytest.raises(AnalysisError, match=r"candidate broken: .* not finite"):
+        omnibus_test(data.noise, data.base, [broken], data.cycle, rng)
+
+
 @settings(max_examples=15, deadline=None)
 @given(st.integers(0, 1000), st.floats(1e-6, 1e6), st.floats(0, 6.28))
 def test_neither_units_nor_the_order_of_anything_matters(seed: int, unit: float, angle: float) -> None:

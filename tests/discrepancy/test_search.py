@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from statsmodels.api import OLS
 
 from friction_audit.discrepancy.search import Group, Search, cycle_products, inclusion_frequency, search
+from friction_audit.errors import AnalysisError
 from tests.discrepancy.synthetic_columns import SyntheticColumns, synthetic_columns
 
 
@@ -94,6 +95,19 @@ def test_a_copy_of_the_base_or_an_empty_column_never_enters() -> None:
     ]
     y = data.noise + data.base @ [5.0, 5.0, 5.0]
     assert search(cycle_products(y, data.base, groups, data.cycle), 2000.0).chosen == ()
+
+
+def test_values_that_are_not_finite_are_refused() -> None:
+    data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
+    with pytest.raises(AnalysisError, match="not finite"):
+        cycle_products(np.where(data.cycle == 2, np.nan, data.noise), data.base, data.groups, data.cycle)
+
+
+def test_without_candidates_only_the_base_is_fitted() -> None:
+    data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
+    found = search(cycle_products(data.noise, data.base, [], data.cycle), data.n_eff)
+    assert (found.chosen, found.tried) == ((), 0)
+    assert found.rss == found.rss_base
 
 
 def test_an_effect_everywhere_is_in_every_bootstrap_and_one_cycle_is_no_effect() -> None:

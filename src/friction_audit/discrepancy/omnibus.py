@@ -17,7 +17,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.search import Group
+from friction_audit.discrepancy.search import MIN_FRACTION_LEFT, Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -32,8 +32,6 @@ MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
 """The six points of Webb (2023), each with probability 1/6: mean 0, variance 1."""
-MIN_FRACTION_LEFT = 1e-8
-"""Share of a column's square that must be left after the base: below it, the candidate is in the base already."""
 
 SMALLEST_TAIL = 1e-280
 """Smallest p-value that is computed and not extrapolated."""
@@ -95,11 +93,13 @@ def omnibus_test(
         The test.
 
     Raises:
-        AnalysisError: Fewer cycles than columns allow.
+        AnalysisError: No candidate, values that are not finite, or fewer cycles than columns allow.
     """
     _, number = np.unique(cycle, return_inverse=True)
     cycles = int(number.max()) + 1
-    _check_cycles(cycles, base.shape[1], groups)
+    _check(cycles, base.shape[1], groups)
+    if not (np.all(np.isfinite(y)) and np.all(np.isfinite(base))):
+        raise AnalysisError("omnibus test: response or base holds values that are not finite; leave those samples out")
     base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
     weights = bootstrap_weights(rng, draws, cycles)
     scores = _CycleScores(y, base, number, cycles, weights)
@@ -180,6 +180,8 @@ class _CycleScores:
         """Statistic of each shape (s,), and of each shape in each draw (s, draws)."""
         rows = np.concatenate([shape.T for shape in group.shapes])[:, self.order]
         norm = np.linalg.norm(rows, axis=1, keepdims=True)
+        if not np.all(np.isfinite(norm)):
+            raise AnalysisError(f"candidate {group.name}: values that are not finite, expected numbers; leave it out")
         rows /= np.where(norm > 0, norm, 1.0)
         products, outcome, start = self._per_cycle(rows), [], 0
         for shape in group.shapes:
@@ -260,8 +262,10 @@ def _evidence_table(cycles: int, p: int) -> tuple[Float, Float]:
     return u[sure], -np.log(tail[sure])
 
 
-def _check_cycles(cycles: int, base: int, groups: Sequence[Group]) -> None:
-    widest = max((shape.shape[1] for group in groups for shape in group.shapes), default=0)
+def _check(cycles: int, base: int, groups: Sequence[Group]) -> None:
+    if not groups:
+        raise AnalysisError("omnibus test: no candidate, expected at least one that the log can show")
+    widest = max(shape.shape[1] for group in groups for shape in group.shapes)
     needed = base + widest + MIN_SPARE_CYCLES
     if cycles < needed:
         raise AnalysisError(

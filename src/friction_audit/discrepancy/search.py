@@ -12,6 +12,7 @@ from itertools import combinations, pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -145,9 +146,14 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
 
     Returns:
         The products; neighbouring cycles are put together where there are more than 40.
+
+    Raises:
+        AnalysisError: A value is not finite.
     """
     rows, units = _stack(y, base, groups)
     scale = np.sqrt(np.mean(rows**2, axis=1))
+    if not np.all(np.isfinite(scale)):
+        raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
     scale[scale == 0.0] = 1.0
     rows /= scale[:, None]
     block = _blocks(cycle)
