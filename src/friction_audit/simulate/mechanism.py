@@ -152,17 +152,18 @@ def _sides(pairs: list[tuple[JointParameters, Hidden]]) -> tuple[np.ndarray[Any,
 def make_loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
     """Draw the noise of the sensors and prepare the compensators."""
     t = np.arange(ticks + 1) / CONTROL_RATE_HZ
-    torque, velocity = (np.empty((ticks + 1, len(settings.joints))) for _ in range(2))
+    torque, velocity, position = (np.empty((ticks + 1, len(settings.joints))) for _ in range(3))
     for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
         noise = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
         drift = torque_drift.reading_nm(inside.torque_drift, t, streams.drifts[j])
         torque[:, j] = noise.torque + torque_bias.reading_nm(inside.torque_bias, t) + drift
-        velocity[:, j] = noise.velocity
+        velocity[:, j], position[:, j] = noise.velocity, noise.position
     return Loop(
         settings=pack_compensators(of_each_joint(settings.compensator, len(settings.joints)), CONTROL_RATE_HZ),
         memory=fresh_memory(len(settings.joints)),
         torque_noise=torque,
         velocity_noise=velocity,
+        position_noise=position,
         torque_step=np.array([sensors.torque_step_nm for sensors in settings.sensors]),
         velocity_step=np.array([sensors.velocity_step_rad_s for sensors in settings.sensors]),
     )

@@ -164,6 +164,6 @@ def _widened(column: Float, joint: int) -> Float:
 def _all_noise(settings: HandGuidedPanda, mechanism: Mechanism, streams: Streams) -> Loop:
     """Draw the noise of the other joints; that of the moved one has been drawn."""
     loop = make_loop(settings, len(mechanism.out) - 1, streams)
-    for name in ("torque_noise", "velocity_noise"):
+    for name in ("torque_noise", "velocity_noise", "position_noise"):
         getattr(loop, name)[:, settings.joint - 1] = getattr(mechanism.loop, name)[:, 0]
     return loop

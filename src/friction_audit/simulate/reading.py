@@ -47,7 +47,9 @@ def sense(settings: Settings, motion: Motion, loop: Loop, error: Float) -> dict[
     velocity = _late(settings, motion.dq, VELOCITY_LATE) + loop.velocity_noise
     sensors = settings.sensors
     return {
-        "q": _per_joint(settings, lambda j: quantise(place[:, j], sensors[j].position_step_rad)),
+        "q": _per_joint(
+            settings, lambda j: quantise(place[:, j] + loop.position_noise[:, j], sensors[j].position_step_rad)
+        ),
         "dq": _per_joint(settings, lambda j: quantise(velocity[:, j], sensors[j].velocity_step_rad_s)),
         "port": _per_joint(settings, lambda j: quantise(torque[:, j], sensors[j].torque_step_nm)),
     }

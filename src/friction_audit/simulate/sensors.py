@@ -27,10 +27,12 @@ class SensorNoise:
     Attributes:
         torque: Shape (n + 1,). [N m]
         velocity: Shape (n + 1,). [rad/s]
+        position: Shape (n + 1,). [rad]
     """
 
     torque: Float
     velocity: Float
+    position: Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -74,17 +76,17 @@ def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[n
 def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> SensorNoise:
     """Draw the noise of one joint's sensors for ticks + 1 states; zeros where they are ideal."""
     velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
-    return SensorNoise(torque=_torque_noise(ticks + 1, rate_hz, sensors, rng), velocity=velocity)
+    torque = _torque_noise(ticks + 1, rate_hz, sensors, rng)
+    position = sensors.position_noise_rad * rng.normal(0.0, 1.0, ticks + 1)
+    return SensorNoise(torque=torque, velocity=velocity, position=position)
 
 
 def _torque_noise(samples: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
-    """Draw coloured noise: one first-order autoregressive process, or a fast and a slow one of that variance."""
+    """Draw a fast and a slow first-order autoregressive process, together of the variance of the noise."""
     share = sensors.slow_noise_share
-    noise = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.torque_correlation_s)
-    if share > 0:
-        slow = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.slow_correlation_s)
-        noise = np.sqrt(1.0 - share) * noise + np.sqrt(share) * slow
-    return sensors.torque_noise_nm * noise
+    fast = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.torque_correlation_s)
+    slow = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.slow_correlation_s)
+    return np.asarray(sensors.torque_noise_nm * (np.sqrt(1.0 - share) * fast + np.sqrt(share) * slow))
 
 
 def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:

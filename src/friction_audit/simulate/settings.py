@@ -47,6 +47,7 @@ class Sensors:
         torque_step_nm: Resolution of the torque, 0 for none. [N m]
         velocity_noise_rad_s: Standard deviation of the velocity noise, white. [rad/s]
         velocity_step_rad_s: Resolution of the velocity. [rad/s]
+        position_noise_rad: Standard deviation of the position noise, white. [rad]
         position_step_rad: Resolution of the position. [rad]
         clock_jitter_s: Standard deviation of the spacing of the stamps, losses aside. [s]
         stale: Share of the samples that repeat the one before.
@@ -61,6 +62,7 @@ class Sensors:
     torque_step_nm: float = 0.0
     velocity_noise_rad_s: float = 0.0
     velocity_step_rad_s: float = 0.0
+    position_noise_rad: float = 0.0
     position_step_rad: float = 0.0
     clock_jitter_s: float = 0.0
     stale: float = 0.0
@@ -86,13 +88,15 @@ class Sensors:
 IDEAL_SENSORS = Sensors()
 
 # Measured on a public 21 s log of a real Panda: noise, resolution, spacing (mean 1.02 ms, sd 0.19 ms with the losses,
-# longest 8.8 ms) and 5.6 % repeated states. The correlation time cannot be told from vibration there: it is assumed.
+# longest 8.8 ms) and 5.6 % repeated states. The torque noise is white there but for vibration; that a tenth of its
+# variance wanders slowly is assumed.
 _PANDA_PROXIMAL = Sensors(
     torque_noise_nm=0.055,
-    torque_correlation_s=0.01,
+    slow_noise_share=0.1,
     torque_step_nm=0.0357,
     velocity_noise_rad_s=0.0027,
     velocity_step_rad_s=1e-6,
+    position_noise_rad=4e-6,
     position_step_rad=1e-6,
     clock_jitter_s=0.125e-3,
     stale=0.056,

@@ -45,6 +45,7 @@ class Loop(NamedTuple):
         memory: What they remember, shape (n,); changed.
         torque_noise: Error of the torque as read, shape (ticks + 1, n). [N m]
         velocity_noise: Error of the velocity as read, shape (ticks + 1, n). [rad/s]
+        position_noise: Error of the position as read, shape (ticks + 1, n); no compensator looks at it. [rad]
         torque_step: Resolution of the torque, shape (n,). [N m]
         velocity_step: Resolution of the velocity, shape (n,). [rad/s]
     """
@@ -53,6 +54,7 @@ class Loop(NamedTuple):
     memory: Any
     torque_noise: Float
     velocity_noise: Float
+    position_noise: Float
     torque_step: Float
     velocity_step: Float
 
