@@ -1,0 +1,197 @@
+"""Faults of the data on which nothing may be named, and limits of what the data can tell."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.prepare import fresh_samples, holes
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.joint_log import Float, JointLog, median_step
+
+MOST_JITTER = 0.5
+MOST_HOLES = 0.1
+MOST_STALE = 0.3
+MOST_SCALE_ERROR = 0.05
+MOST_DELAY_S = 0.02
+LEAST_SHARE_EXPLAINED = 0.9
+FEWEST_CYCLES = 10
+LEAST_SPEED_SPREAD = 0.2
+FEWEST_REVERSALS = 10
+STANDSTILL_S = 2.0
+SIGMA_PER_MEDIAN = 1.4826
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DataFinding:
+    """One number about the data, held against what is needed.
+
+    Attributes:
+        code: Stable short name.
+        value: What was found; NaN where it cannot be told.
+        unit: Its unit, empty for a share or a number.
+        bound: What it was held against; NaN for a number that is only stated.
+        verdict: ``"fine"``, ``"limit"`` (less can be told) or ``"fault"`` (nothing may be named).
+        message: One sentence for people; empty where all is fine.
+    """
+
+    code: str
+    value: float
+    unit: str
+    bound: float
+    verdict: str
+    message: str
+
+
+def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
+    """Look for faults of one joint's data.
+
+    Args:
+        log: The log, in the window of the interaction.
+        interaction: Motion and torque.
+        data: The joint on its even grid.
+    """
+    return (*_clock(log), *_velocity(interaction, data), _power(data), *_sensors(interaction, data), *_excitation(data))
+
+
+def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
+    """Return the findings that forbid a name."""
+    return tuple(finding for finding in findings if finding.verdict == "fault")
+
+
+def _judged(
+    code: str, value: float, bound: float, message: str, *, unit: str = "", above: bool = True, bad: str = "fault"
+) -> DataFinding:
+    """Hold a number against a bound that it must not exceed (``above``) or not fall below."""
+    broken = value > bound if above else value < bound
+    return DataFinding(
+        code=code,
+        value=value,
+        unit=unit,
+        bound=bound,
+        verdict=bad if broken else "fine",
+        message=message.format(value=value, bound=bound) if broken else "",
+    )
+
+
+def _stated(code: str, value: float, unit: str) -> DataFinding:
+    return DataFinding(code=code, value=value, unit=unit, bound=float("nan"), verdict="fine", message="")
+
+
+def _clock(log: JointLog) -> tuple[DataFinding, ...]:
+    new = fresh_samples(log)
+    t = log.t[new]
+    step = np.diff(log.t)
+    usual = median_step(log.t)
+    jitter = SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual
+    lost = float(np.diff(t)[holes(t)].sum()) / log.duration_s
+    return (
+        _judged("clock_jitter", jitter, MOST_JITTER, "steps of the clock scatter by {value:.0%} of a step"),
+        _judged("holes", lost, MOST_HOLES, "{value:.0%} of the time lies in holes", bad="limit"),
+        _judged("stale", float(np.mean(~new)), MOST_STALE, "{value:.0%} of the samples repeat the one before"),
+    )
+
+
+def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
+    """Hold dq against the change of q: dq(t) = scale * (dq/dt of q)(t - delay), over short windows."""
+    good = data.valid
+    slope = np.gradient(data.q, data.step_s)
+    acceleration = np.gradient(slope, data.step_s)
+    if good.sum() < 2 or not np.any(slope[good]):
+        return (_judged("dq_against_q", 0.0, LEAST_SHARE_EXPLAINED, "the position does not change", above=False),)
+    design = np.column_stack([slope, -acceleration])[good]
+    scale, shift = np.linalg.lstsq(design, data.dq[good], rcond=None)[0]
+    left = data.dq[good] - design @ np.array([scale, shift])
+    power = float(np.mean(data.dq[good] ** 2))
+    explained = 1.0 - float(np.mean(left**2)) / power if power > 0 else 0.0
+    delay = float(shift / scale) if scale else float("nan")
+    rate = 1 / median_step(interaction.t)
+    return (
+        _judged(
+            "dq_against_q",
+            explained,
+            LEAST_SHARE_EXPLAINED,
+            "only {value:.0%} of dq is the derivative of q: they do not belong together",
+            above=False,
+        ),
+        _judged(
+            "dq_scale", abs(float(scale) - 1), MOST_SCALE_ERROR, "dq differs from the derivative of q by {value:.0%}"
+        ),
+        _judged(
+            "dq_delay",
+            abs(delay),
+            max(MOST_DELAY_S, 2 / rate),
+            "dq and the derivative of q are {value:.3f} s apart",
+            unit="s",
+        ),
+        _stated("dq_noise", data.dead_speed_rad_s, "rad/s"),
+    )
+
+
+def _power(data: JointData) -> DataFinding:
+    """Mean torque along the motion in standard errors of its mean over cycles: friction only takes energy."""
+    along, cycle = (data.torque * np.sign(data.dq))[data.used], data.cycle[data.used]
+    numbers, place = np.unique(cycle, return_inverse=True)
+    if len(numbers) < 2:
+        return _stated("power", float("nan"), "")
+    means = np.bincount(place, weights=along) / np.bincount(place)
+    error = float(means.std(ddof=1)) / np.sqrt(len(means))
+    score = float(means.mean()) / error if error > 0 else float(np.sign(means.mean())) * 1e9
+    message = "the motion gains energy ({value:.1f} standard errors): torque or velocity has the wrong sign"
+    return _judged("power", score, -3.0, message, above=False)
+
+
+def _sensors(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
+    torque = interaction.torque[:, data.joint]
+    still = (np.abs(data.dq) < data.dead_speed_rad_s) & data.valid
+    standstill_s = float(still.sum()) * data.step_s
+    noise = float("nan")
+    if standstill_s > 0:
+        bend = np.diff(data.torque)[still[1:] & still[:-1]]
+        noise = float(np.std(bend) / np.sqrt(2)) if len(bend) else noise
+    return (
+        _stated("standstill_noise", noise, "N m"),
+        _stated("torque_step", _resolution(torque), "N m"),
+        _judged(
+            "standstill",
+            standstill_s,
+            STANDSTILL_S,
+            "{value:.1f} s of standstill: an offset of the sensor cannot be told from uneven friction",
+            unit="s",
+            above=False,
+            bad="limit",
+        ),
+    )
+
+
+def _resolution(signal: Float) -> float:
+    """Smallest step that most changes are multiples of; 0 where changes are all different."""
+    steps = np.abs(np.diff(signal))
+    steps = np.sort(steps[steps > 0])
+    if len(steps) < 2:
+        return 0.0
+    typical = float(np.quantile(steps, 0.05))
+    multiples = steps / typical
+    return typical if float(np.mean(np.abs(multiples - np.round(multiples)) < 0.01)) > 0.9 else 0.0
+
+
+def _excitation(data: JointData) -> tuple[DataFinding, ...]:
+    speed = np.abs(data.dq[data.used])
+    numbers = np.unique(data.cycle[data.used])
+    spread = float(speed.std() / speed.mean()) if len(speed) else 0.0
+    direction = np.sign(data.dq[data.moving & data.valid])
+    reversals = float(np.count_nonzero(np.diff(direction)))
+    return (
+        _judged(
+            "cycles", float(len(numbers)), FEWEST_CYCLES, "{value:.0f} cycles; {bound:.0f} are needed",
+            above=False, bad="limit",
+        ),
+        _judged(
+            "speed_spread", spread, LEAST_SPEED_SPREAD,
+            "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be told apart", above=False, bad="limit",
+        ),
+        _judged(
+            "reversals", reversals, FEWEST_REVERSALS, "{value:.0f} reversals: what follows a reversal cannot be seen",
+            above=False, bad="limit",
+        ),
+    )
