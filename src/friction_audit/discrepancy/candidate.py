@@ -19,12 +19,14 @@ class Baseline:
         coulomb_nm: Coulomb friction. [N m]
         viscous_nms_per_rad: Viscous friction. [N m s/rad]
         torque: Torque that the model predicts, shape (n,). [N m]
+        declared: Names of the numbers above that somebody stated; all others were fitted.
     """
 
     inertia_kg_m2: float
     coulomb_nm: float
     viscous_nms_per_rad: float
     torque: Float
+    declared: frozenset[str] = frozenset()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

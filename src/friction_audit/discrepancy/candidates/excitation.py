@@ -1,0 +1,74 @@
+"""What a log must hold before an effect may be spoken of: None, or one sentence that names the motion it lacks."""
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.displacement import strokes
+from friction_audit.discrepancy.joint_data import JointData
+
+FEWEST_SAMPLES = 100
+
+
+def moves(data: JointData, _baseline: Baseline) -> str | None:
+    """Some motion at all."""
+    if int(data.used.sum()) < FEWEST_SAMPLES:
+        return "the joint hardly moves: move it back and forth for several cycles"
+    return None
+
+
+def both_directions(data: JointData, baseline: Baseline) -> str | None:
+    """At least a tenth of the moving time in either direction."""
+    share = float(np.mean(data.dq[data.used] > 0)) if data.used.any() else 0.0
+    if not 0.1 <= share <= 0.9:  # noqa: PLR2004 - a tenth either way
+        return moves(data, baseline) or "the joint moves in one direction only: move it over the same range both ways"
+    return moves(data, baseline)
+
+
+def speed_range(data: JointData, baseline: Baseline, ratio: float) -> str | None:
+    """95th over 5th percentile of speed at least the ratio."""
+    lacking = moves(data, baseline)
+    if lacking:
+        return lacking
+    slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
+    if fast < ratio * slow:
+        return f"the speed varies by a factor of {fast / slow:.1f}: vary it by at least {ratio:g}, slow to fast"
+    return None
+
+
+def several_speeds(data: JointData, baseline: Baseline) -> str | None:
+    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot tell delay and inertia from others."""
+    lacking = moves(data, baseline)
+    if lacking:
+        return lacking
+    cycles = np.unique(data.cycle[data.used])
+    peak = np.array([np.abs(data.dq[data.used & (data.cycle == c)]).max() for c in cycles])
+    if peak.std() < 0.1 * peak.mean():
+        return "all strokes are equally fast: repeat them at two or more clearly different speeds"
+    return None
+
+
+def span(data: JointData, baseline: Baseline, least_rad: float) -> str | None:
+    """Range of positions of the moving joint at least so many radians."""
+    lacking = moves(data, baseline)
+    if lacking:
+        return lacking
+    reach = float(np.ptp(data.q[data.used]))
+    if reach < least_rad:
+        return f"the joint spans {reach:.2f} rad: move it over at least {least_rad:g} rad"
+    return None
+
+
+def reversals(data: JointData, baseline: Baseline, least: int) -> str | None:
+    """At least so many reversals."""
+    found = len(strokes(data).reversals)
+    if found < least:
+        return moves(data, baseline) or f"{found} reversals: turn the direction of motion at least {least} times"
+    return moves(data, baseline)
+
+
+def neighbours_move(data: JointData, _baseline: Baseline) -> str | None:
+    """Another joint that moves."""
+    other = np.delete(data.others_dq[data.valid], data.joint, axis=1)
+    if other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s:
+        return "no other joint moves: move the neighbours, also while this joint rests"
+    return None

@@ -1,0 +1,32 @@
+"""Drift: Legendre polynomials of time, degrees 1 to 3."""
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidates.excitation import both_directions
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.joint_log import Float
+
+
+def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+    """Drift, shape (n, p)."""
+    span_s = data.t[-1] - data.t[0]
+    x = 2.0 * (data.t - data.t[0]) / span_s - 1.0
+    return np.asarray(np.polynomial.legendre.legvander(x, 3)[:, 1:])
+
+
+def admissible(_factors: Float, _shape: Shape) -> bool:
+    """Sign and size that are physically possible."""
+    return True
+
+
+CANDIDATE = Candidate(
+    name="torque_drift",
+    label="the torque drifts slowly",
+    shapes=({},),
+    columns=columns,
+    column_units=("nm", "nm", "nm"),
+    untestable=both_directions,
+    admissible=admissible,
+    axis="time",
+)

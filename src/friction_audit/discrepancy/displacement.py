@@ -1,0 +1,80 @@
+"""Strokes of a joint: direction, and displacement and time since the last reversal."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compiled import compiled
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Strokes:
+    """Strokes on a grid of n samples.
+
+    Attributes:
+        direction: -1, 1, or 0 before the first motion, shape (n,).
+        displacement: Position less that at the last reversal, 0 before the first motion, shape (n,). [rad]
+        elapsed: Time since the last reversal, or since the first sample, shape (n,). [s]
+        reversals: Samples at which the direction turns, the first motion not among them, shape (r,).
+    """
+
+    direction: Float
+    displacement: Float
+    elapsed: Float
+    reversals: Index
+
+
+def strokes(data: JointData) -> Strokes:
+    """Cut the motion at its reversals; a direction holds until the opposite one is certain (hysteresis)."""
+    direction = _held_direction(data.dq, data.dead_speed_rad_s)
+    turns = np.flatnonzero(np.diff(direction) != 0) + 1
+    starts = np.array([_last_against(data.dq, int(k), direction[k]) for k in turns], dtype=np.int64)
+    for start, turn in zip(starts, turns, strict=True):
+        direction[start:turn] = direction[turn]
+    since = np.zeros(len(data.t), dtype=np.int64)
+    since[starts] = starts
+    since = np.maximum.accumulate(since)
+    displacement = np.where(direction == 0, 0.0, data.q - data.q[since])
+    later = starts[1:] if len(turns) and turns[0] > 0 else starts
+    return Strokes(direction=direction, displacement=displacement, elapsed=data.t - data.t[since], reversals=later)
+
+
+def onsets(data: JointData, rest_s: float = 0.05) -> Index:
+    """First samples of certain motion after at least ``rest_s`` of standstill, shape (k,)."""
+    going = np.abs(data.dq) > data.dead_speed_rad_s
+    starts = np.flatnonzero(~going[:-1] & going[1:]) + 1
+    stops = np.flatnonzero(going[:-1] & ~going[1:]) + 1
+    before = np.searchsorted(stops, starts) - 1
+    rest_start = np.where(before >= 0, stops[np.maximum(before, 0)] if len(stops) else 0, 0)
+    return np.asarray(starts[(starts - rest_start) * data.step_s >= rest_s], dtype=np.int64)
+
+
+def stop_operator(q: Float, reach_rad: float) -> Float:
+    """State of a stop (Prandtl) element: z += dq / reach, held within -1..1; rate-independent, shape (n,)."""
+    return np.asarray(_stop(np.ascontiguousarray(q, dtype=float), float(reach_rad)))
+
+
+@compiled()
+def _stop(q: Float, reach_rad: float) -> Float:
+    z = np.zeros(len(q))
+    for k in range(1, len(q)):
+        z[k] = min(1.0, max(-1.0, z[k - 1] + (q[k] - q[k - 1]) / reach_rad))
+    return z
+
+
+def _held_direction(dq: Float, dead_speed: float) -> Float:
+    """Sign of the velocity, held through what is too slow to have one, shape (n,)."""
+    sign = np.where(np.abs(dq) > dead_speed, np.sign(dq), 0.0)
+    last = np.maximum.accumulate(np.where(sign != 0, np.arange(len(dq)), -1))
+    return np.where(last >= 0, sign[np.maximum(last, 0)], 0.0)
+
+
+def _last_against(dq: Float, turn: int, direction: float) -> int:
+    """First sample from which the velocity has the new sign up to the turn."""
+    against = np.flatnonzero(dq[:turn] * direction <= 0)
+    return int(against[-1]) + 1 if len(against) else 0
