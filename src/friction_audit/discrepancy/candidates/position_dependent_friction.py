@@ -12,7 +12,7 @@ from friction_audit.joint_log import Float
 def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
     """Position-dependent friction, shape (n, p)."""
     angle = shape["order"] * data.q
-    return direction(data)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.asarray(direction(data)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

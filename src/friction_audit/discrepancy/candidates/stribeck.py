@@ -11,9 +11,8 @@ from friction_audit.joint_log import Float
 
 def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
     """Stribeck friction, shape (n, p)."""
-    return np.asarray(direction(data) * np.exp(-((np.abs(data.dq) / shape["speed_rad_s"]) ** shape["exponent"])))[
-        :, None
-    ]
+    ratio = np.abs(data.dq) / shape["speed_rad_s"]
+    return np.asarray(direction(data) * np.exp(-(ratio ** shape["exponent"])))[:, None]
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

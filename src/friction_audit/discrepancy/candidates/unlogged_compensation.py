@@ -8,9 +8,8 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
 NEEDED = frozenset({"coulomb_nm", "viscous_nms_per_rad"})
-NOT_DECLARED = (
-    "the friction was fitted, so a compensator only makes it less: declare its coefficients, or log the command"
-)
+NOT_DECLARED = "the friction was fitted, so a compensator only makes it less: declare it, or log the command"
+LARGEST_SHARE = 2.0
 
 
 def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
@@ -26,7 +25,7 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 def admissible(factors: Float, _shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    return bool(0 < factors[0] < 2)
+    return bool(0 < factors[0] < LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(
