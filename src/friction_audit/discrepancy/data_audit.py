@@ -20,6 +20,9 @@ LEAST_SPEED_SPREAD = 0.2
 FEWEST_REVERSALS = 10
 STANDSTILL_S = 2.0
 SIGMA_PER_MEDIAN = 1.4826
+WHOLE = 0.01
+MOST_CHANGES = 0.9
+"""A resolution is seen if so many changes are whole multiples of the smallest, to so much of it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,7 +100,7 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     good = data.valid
     slope = np.gradient(data.q, data.step_s)
     acceleration = np.gradient(slope, data.step_s)
-    if good.sum() < 2 or not np.any(slope[good]):
+    if not good.any() or not np.any(slope[good]):
         return (_judged("dq_against_q", 0.0, LEAST_SHARE_EXPLAINED, "the position does not change", above=False),)
     design = np.column_stack([slope, -acceleration])[good]
     scale, shift = np.linalg.lstsq(design, data.dq[good], rcond=None)[0]
@@ -132,7 +135,7 @@ def _power(data: JointData) -> DataFinding:
     """Mean torque along the motion in standard errors of its mean over cycles: friction only takes energy."""
     along, cycle = (data.torque * np.sign(data.dq))[data.used], data.cycle[data.used]
     numbers, place = np.unique(cycle, return_inverse=True)
-    if len(numbers) < 2:
+    if len(numbers) <= 1:
         return _stated("power", float("nan"), "")
     means = np.bincount(place, weights=along) / np.bincount(place)
     error = float(means.std(ddof=1)) / np.sqrt(len(means))
@@ -168,11 +171,11 @@ def _resolution(signal: Float) -> float:
     """Smallest step that most changes are multiples of; 0 where changes are all different."""
     steps = np.abs(np.diff(signal))
     steps = np.sort(steps[steps > 0])
-    if len(steps) < 2:
+    if len(steps) <= 1:
         return 0.0
     typical = float(np.quantile(steps, 0.05))
     multiples = steps / typical
-    return typical if float(np.mean(np.abs(multiples - np.round(multiples)) < 0.01)) > 0.9 else 0.0
+    return typical if float(np.mean(np.abs(multiples - np.round(multiples)) < WHOLE)) > MOST_CHANGES else 0.0
 
 
 def _excitation(data: JointData) -> tuple[DataFinding, ...]:
@@ -183,15 +186,27 @@ def _excitation(data: JointData) -> tuple[DataFinding, ...]:
     reversals = float(np.count_nonzero(np.diff(direction)))
     return (
         _judged(
-            "cycles", float(len(numbers)), FEWEST_CYCLES, "{value:.0f} cycles; {bound:.0f} are needed",
-            above=False, bad="limit",
+            "cycles",
+            float(len(numbers)),
+            FEWEST_CYCLES,
+            "{value:.0f} cycles; {bound:.0f} are needed",
+            above=False,
+            bad="limit",
         ),
         _judged(
-            "speed_spread", spread, LEAST_SPEED_SPREAD,
-            "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be told apart", above=False, bad="limit",
+            "speed_spread",
+            spread,
+            LEAST_SPEED_SPREAD,
+            "speeds spread by {value:.0%}: Coulomb and viscous friction cannot be told apart",
+            above=False,
+            bad="limit",
         ),
         _judged(
-            "reversals", reversals, FEWEST_REVERSALS, "{value:.0f} reversals: what follows a reversal cannot be seen",
-            above=False, bad="limit",
+            "reversals",
+            reversals,
+            FEWEST_REVERSALS,
+            "{value:.0f} reversals: what follows a reversal cannot be seen",
+            above=False,
+            bad="limit",
         ),
     )

@@ -75,7 +75,7 @@ def integral_time(residual: Float, run: Index) -> float:
     sums, pairs = autocovariance(residual, run, int(min(lengths.max() - 1, LONGEST_MEMORY)))
     told = pairs >= max(FEWEST_PAIRS * pairs[0], 2)
     gamma = (sums / np.maximum(pairs, 1))[told]
-    if len(gamma) < 2 or gamma[0] <= 0:
+    if len(gamma) == 1 or gamma[0] <= 0:
         return 1.0
     rho = gamma[: len(gamma) // 2 * 2] / gamma[0]
     pair_sums = rho[0::2] + rho[1::2]
@@ -168,7 +168,7 @@ def _curves(motion: Float) -> Float:
     columns = []
     for variable in motion.T:
         knots = np.unique(np.quantile(variable, np.linspace(0, 1, KNOTS)))
-        if len(knots) < 2:
+        if len(knots) == 1:
             continue
         hats = np.column_stack([np.interp(variable, knots, row) for row in np.eye(len(knots))])
         phase = np.pi * (variable - knots[0]) / (knots[-1] - knots[0])
@@ -180,7 +180,7 @@ def _curves(motion: Float) -> Float:
 def _error_unseen(y: Float, columns: Float, cycle: Index) -> float:
     names, number = np.unique(cycle, return_inverse=True)
     fold = number % min(FOLDS, len(names))
-    if len(names) < 2:
+    if len(names) == 1:
         return float(np.sqrt(np.mean(y**2)))
     scale = np.sqrt(np.mean(columns**2, axis=0)).clip(min=np.finfo(float).tiny)
     scaled = columns / scale

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 from friction_audit.per_joint import per_joint
 
 CORNER_HZ = 25.0
@@ -154,7 +154,7 @@ def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
         same &= (q[1:] == q[:-1]) & (dq[1:] == dq[:-1])
         moves |= dq[1:] != 0
     new = np.append(True, ~(same & moves))
-    if new.sum() < 2:
+    if new.sum() < MINIMUM_SAMPLES:
         new[-1] = True  # a log that never changes still has a beginning and an end
     return new
 
@@ -195,7 +195,7 @@ def _valid(low_pass: LowPass, t: Float) -> NDArray[np.bool_]:
 
 def _dead_speed(dq: Float, low_pass: LowPass, t: Float) -> float:
     """From second differences, which motion does not reach: white noise of sigma gives them sqrt(6) sigma."""
-    if len(dq) < 3:
+    if len(dq) <= MINIMUM_SAMPLES:
         return TINY_SPEED
     bend = dq[2:] - 2 * dq[1:-1] + dq[:-2]
     sigma = SIGMA_PER_MEDIAN * float(np.median(np.abs(bend))) / np.sqrt(6.0)
@@ -218,7 +218,7 @@ def _moving(dq: Float, dead: float, reach: int) -> NDArray[np.bool_]:
         same = direction[lag:] == direction[:-lag]
         moving[lag:] &= same
         moving[:-lag] &= same
-    return moving
+    return np.asarray(moving, bool)
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
