@@ -137,7 +137,7 @@ def prepare(interaction: Interaction, cycles: EnergyCycles, log: JointLog) -> tu
             others_ddq=ddq,
             others_torque=torque,
             cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=_moving(dq[:, joint], dead[joint], _samples(0.5 / low_pass.corner_hz, low_pass.t)),
+            moving=_moving(dq[:, joint], dead[joint], _samples(1.0 / low_pass.corner_hz, low_pass.t)),
             valid=valid,
             dead_speed_rad_s=dead[joint],
         )
@@ -208,9 +208,11 @@ def _samples(time_s: float, t: Float) -> int:
 
 
 def _moving(dq: Float, dead: float, reach: int) -> NDArray[np.bool_]:
-    """Samples with one and the same direction as far as the kernel's main part reaches.
+    """Samples with one and the same direction within a period of the corner.
 
     Closer to a reversal the filtered torque is a mean over both directions, which no direction describes.
+    Measured on 40 clean simulated logs, a reach of half a period of the corner leaves Coulomb friction 0.0004 N m too
+    large and inertia 0.1 % too small; a whole period leaves a third of that.
     """
     direction = np.where(np.abs(dq) > dead, np.sign(dq), 0.0)
     moving = direction != 0
