@@ -31,7 +31,7 @@ class JointLimitStop:
     """
 
     stiffness_nm_per_rad: float = 0.0
-    at_rad: float = 0.8
+    at_rad: float = 0.5
     damping_s: float = 0.02
     form: int = SPRING_DAMPER
 
@@ -80,7 +80,7 @@ EFFECT = Effect(
     strength="stiffness_nm_per_rad",
     parameters=(
         Parameter(name="stiffness_nm_per_rad", usual=20.0, meaning="stiffness of the walls [N m/rad]", high=2e3),
-        Parameter(name="at_rad", usual=0.8, meaning="where they stand, on both sides of the start pose [rad]"),
+        Parameter(name="at_rad", usual=0.5, meaning="where they stand, on both sides of the start pose [rad]"),
         Parameter(name="damping_s", usual=0.02, meaning="damping relative to the stiffness [s]", high=0.2),
     ),
     forms=("spring_damper", "quadratic", "exponential"),
