@@ -13,7 +13,7 @@ def joint_data(q: Float, dq: Float, ddq: Float, *, joints: int = 3, joint: int =
     """A joint with noise for a torque and neighbours that move in their own way."""
     n = len(q)
     rng = np.random.default_rng(seed)
-    t = STEP_S * np.arange(n)
+    t: Float = np.arange(n, dtype=np.float64) * STEP_S
     turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)])
     return JointData(
         joint=joint,

@@ -12,10 +12,33 @@ from friction_audit.discrepancy.displacement import onsets, stop_operator, strok
 from friction_audit.joint_log import Float
 from tests.discrepancy.candidates.joint_data_by_hand import at_rest, baseline, joint_data, two_sines
 
-NAMES = """stribeck stiction nonlinear_viscous asymmetric_coulomb asymmetric_viscous presliding frictional_lag
-load_dependent_friction position_dependent_friction torque_ripple gravity_error cable_spring joint_limit_stop
-torque_bias torque_drift time_delay torque_crosstalk joint_elasticity backlash inertia_error inertial_coupling warm_up
-friction_step contact_event unlogged_compensation""".split()
+NAMES = [
+    "stribeck",
+    "stiction",
+    "nonlinear_viscous",
+    "asymmetric_coulomb",
+    "asymmetric_viscous",
+    "presliding",
+    "frictional_lag",
+    "load_dependent_friction",
+    "position_dependent_friction",
+    "torque_ripple",
+    "gravity_error",
+    "cable_spring",
+    "joint_limit_stop",
+    "torque_bias",
+    "torque_drift",
+    "time_delay",
+    "torque_crosstalk",
+    "joint_elasticity",
+    "backlash",
+    "inertia_error",
+    "inertial_coupling",
+    "warm_up",
+    "friction_step",
+    "contact_event",
+    "unlogged_compensation",
+]
 ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_lag", "load_dependent_friction"} | {
     "position_dependent_friction", "backlash", "warm_up", "friction_step", "unlogged_compensation",
     "asymmetric_coulomb", "asymmetric_viscous", "inertia_error", "joint_elasticity", "time_delay",

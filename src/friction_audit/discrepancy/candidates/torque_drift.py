@@ -1,4 +1,4 @@
-"""Drift: Legendre polynomials of time, degrees 1 to 3."""
+"""Drift: a cubic of time that is zero at the start of the recording."""
 
 import numpy as np
 
@@ -9,10 +9,9 @@ from friction_audit.joint_log import Float
 
 
 def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
-    """Drift, shape (n, p)."""
-    span_s = data.t[-1] - data.t[0]
-    x = 2.0 * (data.t - data.t[0]) / span_s - 1.0
-    return np.asarray(np.polynomial.legendre.legvander(x, 3)[:, 1:])
+    """Drift from the start of the recording, shape (n, p)."""
+    x = (data.t - data.t[0]) / (data.t[-1] - data.t[0])
+    return np.column_stack([x, x**2, x**3])
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
