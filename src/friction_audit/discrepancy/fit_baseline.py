@@ -111,11 +111,11 @@ def fit_baseline(
         )
     noise = Autoregression(coefficients=np.zeros(0), sigma=0.0)
     for _ in range(ROUNDS + 1):
-        grams, rights, scale = _normal_equations(columns, instruments, target, run, data.cycle, noise)
+        grams, rights, scale, clipping = _normal_equations(columns, instruments, target, run, data.cycle, noise)
         value = _solve(grams.sum(axis=0), rights.sum(axis=0)) / scale
         residual = target - columns @ value
         solved_with, noise = noise, fit_autoregression(residual, run)
-    covariance = _leave_one_out(grams, rights) / np.outer(scale, scale)
+    covariance = clipping**2 * _leave_one_out(grams, rights) / np.outer(scale, scale)
     by_name = dict(zip(names, value.tolist(), strict=True))
     return BaselineFit(
         baseline=Baseline(
@@ -151,18 +151,24 @@ def _columns(
 
 def _normal_equations(
     columns: Float, instruments: Float, target: Float, run: Index, cycle: Index, noise: Autoregression
-) -> tuple[Float, Float, Float]:
-    """Whiten, weigh and sum by cycle: (c, p, p), (c, p), and the scale of the columns, (p,)."""
+) -> tuple[Float, Float, Float, float]:
+    """Whiten, weigh and sum by cycle: (c, p, p), (c, p), the scale of the columns, (p,), and what clipping costs.
+
+    A clipped residual does not answer to a change of the factors, which weights that are held do not know: standard
+    errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981, 7.6).
+    """
     p = columns.shape[1]
     white, whole = whiten(np.column_stack([columns, instruments, target]), run, noise)
     rows, y = white[whole, :p], white[whole, -1]
     scale = np.linalg.norm(rows, axis=0).clip(min=np.finfo(float).tiny)
     rows = rows / scale
-    weighted = white[whole, p : 2 * p] / scale * huber_weights(rows, y)[:, None]
+    weights = huber_weights(rows, y)
+    weighted = white[whole, p : 2 * p] / scale * weights[:, None]
     # Runs are in the order of time, so the rows of a cycle follow each other.
     first = np.flatnonzero(np.diff(cycle[whole], prepend=-1))
     grams = np.add.reduceat(weighted[:, :, None] * rows[:, None, :], first)
-    return grams, np.add.reduceat(weighted * y[:, None], first), scale
+    clipping = float(weights.mean() / np.mean(weights >= 1.0))
+    return grams, np.add.reduceat(weighted * y[:, None], first), scale, clipping
 
 
 def _solve(normal: Float, right: Float) -> Float:
