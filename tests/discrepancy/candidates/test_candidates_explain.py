@@ -63,7 +63,7 @@ def share_explained(data: JointData, name: str) -> float:
     for shape in candidate.shapes:
         full = np.hstack([plain, candidate.columns(data, baseline, shape)])[used]
         factors = np.linalg.lstsq(full, data.torque[used], rcond=None)[0]
-        if candidate.admissible(factors[plain.shape[1] :], shape):
+        if candidate.admissible(factors[plain.shape[1] :].astype(np.float64), shape):
             rest = data.torque[used] - full @ factors
             best = max(best, 1.0 - float(rest @ rest) / float(left @ left))
     return best
