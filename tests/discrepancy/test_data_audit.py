@@ -1,0 +1,52 @@
+"""Faults put into clean data are found, with their size."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.discrepancy.data_audit import DataFinding, audit_data
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.prepare import prepare
+from friction_audit.interaction import Interaction
+from friction_audit.joint_log import JointLog
+from friction_audit.simulate import BenchSettings, simulate
+
+
+@pytest.fixture(scope="module")
+def clean() -> tuple[JointLog, Interaction, JointData]:
+    log = simulate(BenchSettings(duration_s=30.0), 0).log
+    estimate = estimate_log(log, AuditSettings())
+    (data,) = prepare(estimate.interaction, estimate.cycles, log)
+    return log, estimate.interaction, data
+
+
+def found(clean: tuple[JointLog, Interaction, JointData], data: JointData) -> dict[str, DataFinding]:
+    return {finding.code: finding for finding in audit_data(clean[0], clean[1], data)}
+
+
+def test_delay_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    data = clean[2]
+    delay = found(clean, replace(data, dq=np.interp(data.t - 0.03, data.t, data.dq)))["dq_delay"]
+    assert delay.verdict == "fault"
+    assert delay.value == pytest.approx(0.03, rel=0.1)
+
+
+def test_scale_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    scale = found(clean, replace(clean[2], dq=1.2 * clean[2].dq))["dq_scale"]
+    assert scale.verdict == "fault"
+    assert scale.value == pytest.approx(0.2, abs=0.005)
+    assert "20%" in scale.message
+
+
+def test_recorder_and_sensor_are_measured(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    measured = found(clean, clean[2])
+    assert measured["stale"].value == pytest.approx(0.056, abs=0.01)
+    assert measured["torque_step"].value == pytest.approx(0.0357, rel=0.01)
+    assert measured["holes"].value == 0
+
+
+def test_one_speed_is_a_limit_and_no_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    data = clean[2]
+    assert found(clean, replace(data, dq=0.5 * np.sign(data.dq)))["speed_spread"].verdict == "limit"
