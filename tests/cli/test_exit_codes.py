@@ -77,8 +77,8 @@ def test_table(words: str, code: int, stream: str, text: str, run: Run, logs: Pa
 @pytest.mark.parametrize("name", NAMES)
 def test_every_command_has_help_with_groups_and_examples(name: str, run: Run) -> None:
     text = run(name, "--help").out
-    first = "Simulation:" if name == "simulate" else "Reading the log:"
-    for heading in (first, "Output:", "General:", "Examples:"):
+    firsts = {"simulate": ("Simulation:",), "reproduce": (), "compare": ()}
+    for heading in (*firsts.get(name, ("Reading the log:",)), "Output:", "General:", "Examples:"):
         assert heading in text
     assert max(map(len, text.splitlines())) <= 100
 
