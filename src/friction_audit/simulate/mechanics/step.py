@@ -22,7 +22,8 @@ def _first_stop(body: Record, h: float) -> tuple[int, float]:
         mode = body.mode[c]
         after = body.v[c] + h * body.a[c]
         if abs(mode) == 1.0 and after * mode < 0.0:
-            crossing = body.v[c] / (body.v[c] - after)
+            # Two that stop at one instant: the second may have gone past zero already, at the end of the step even.
+            crossing = body.v[c] / (body.v[c] - after) if body.v[c] * mode > 0.0 else 0.0
             if first < 0 or crossing < share:
                 first, share = c, crossing
     return first, share
