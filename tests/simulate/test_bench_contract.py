@@ -121,7 +121,6 @@ def test_the_joint_obeys_its_equation_of_motion(effect: Effect, form: str) -> No
     inertia = 0.3 + (0.1 if effect.name == "inertia_error" else 0.0)
     left = inertia * motion.inner_ddq - (motion.interaction_nm + motion.unlogged_nm - motion.friction_nm)
     if effect.name in elsewhere and form != "reading":
-        assert np.abs(left).max() < 30.0
         assert np.abs(left).max() > 1e-3 or form == "drag"
     else:
         assert_allclose(left, 0.0, atol=1e-9)

@@ -11,7 +11,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import save_everywhere
-from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
 if TYPE_CHECKING:
     from friction_audit.compare import Comparison
@@ -53,7 +53,7 @@ class ComparisonOptions:
             help="Methods beside none; repeatable, or separated by commas. Default: all.",
             rich_help_panel=COMPARISON,
         ),
-    ] = METHOD_NAMES  # type: ignore[assignment]
+    ] = METHOD_NAMES  # type: ignore[assignment] # a dataclass takes no list
     seeds: Annotated[
         int,
         typer.Option(metavar="INT", min=2, max=1000, help="Persons simulated.", rich_help_panel=COMPARISON),
@@ -95,20 +95,8 @@ def command(
     comparison: ComparisonOptions,
     output: OutputOptions,
     general: GeneralOptions,
-    formats: Annotated[
-        list[str],
-        typer.Option(
-            "--format",
-            metavar=choices.metavar(choices.IMAGE_FORMATS),
-            callback=choices.some_of(choices.IMAGE_FORMATS),
-            help="Formats of the figures; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = ["png"],  # noqa: B006 - Typer copies it
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
-    ] = Path("compared"),
+    formats: ImageFormats = PNG,
+    folder: FigureFolder = Path("compared"),
 ) -> None:
     """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
     if general.dump_config:

@@ -9,7 +9,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import OUTPUT, AuditOptions, LogPath
+from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
@@ -37,15 +37,7 @@ def command(
             rich_help_panel=OUTPUT,
         ),
     ] = None,
-    figures: Annotated[
-        list[str],
-        typer.Option(
-            metavar=choices.metavar(choices.IMAGE_FORMATS),
-            callback=choices.some_of(choices.IMAGE_FORMATS),
-            help="Formats of the figures in DIR; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = ["png"],  # noqa: B006 - Typer copies it
+    figures: FiguresBeside = PNG,
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     if shared.general.dump_config:

@@ -14,6 +14,34 @@ from friction_audit.errors import UsageError
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
 CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
 
+PNG = ["png"]
+"""Format of the figures where none is given; Typer copies it."""
+
+ImageFormats = Annotated[
+    list[str],
+    typer.Option(
+        "--format",
+        metavar=choices.metavar(choices.IMAGE_FORMATS),
+        callback=choices.some_of(choices.IMAGE_FORMATS),
+        help="Formats of the figures; repeatable, or separated by commas.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+
+FiguresBeside = Annotated[
+    list[str],
+    typer.Option(
+        metavar=choices.metavar(choices.IMAGE_FORMATS),
+        callback=choices.some_of(choices.IMAGE_FORMATS),
+        help="Formats of the figures in DIR; repeatable, or separated by commas.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+
+FigureFolder = Annotated[
+    Path, typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT)
+]
+
 LogPath = Annotated[Path, typer.Argument(metavar="LOG", help="A log file, or the directory of a ROS 2 bag.")]
 
 

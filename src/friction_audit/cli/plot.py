@@ -9,7 +9,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
-from friction_audit.cli.options import OUTPUT, AuditOptions, LogPath
+from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFolder, ImageFormats, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
@@ -34,20 +34,8 @@ def command(
             rich_help_panel=OUTPUT,
         ),
     ] = ["velocity-torque"],  # noqa: B006 - Typer copies it
-    formats: Annotated[
-        list[str],
-        typer.Option(
-            "--format",
-            metavar=choices.metavar(choices.IMAGE_FORMATS),
-            callback=choices.some_of(choices.IMAGE_FORMATS),
-            help="Formats of the figures; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = ["png"],  # noqa: B006 - Typer copies it
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
-    ] = Path("figures"),
+    formats: ImageFormats = PNG,
+    folder: FigureFolder = Path("figures"),
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     if shared.general.dump_config:

@@ -13,9 +13,11 @@ from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import (
     OUTPUT,
+    PNG,
     AuditOptions,
     CycleOptions,
     EstimateOptions,
+    FiguresBeside,
     GeneralOptions,
     LogPath,
     OutputOptions,
@@ -79,15 +81,7 @@ def command(
             rich_help_panel=OUTPUT,
         ),
     ] = None,
-    figures: Annotated[
-        list[str],
-        typer.Option(
-            metavar=choices.metavar(choices.IMAGE_FORMATS),
-            callback=choices.some_of(choices.IMAGE_FORMATS),
-            help="Formats of the figures in DIR; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = ["png"],  # noqa: B006 - Typer copies it
+    figures: FiguresBeside = PNG,
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
     if shared.general.dump_config:

@@ -11,7 +11,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import save_everywhere
-from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
+from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Claim, Reproduction
@@ -51,20 +51,8 @@ def command(
             rich_help_panel=SIMULATION,
         ),
     ] = 20,
-    formats: Annotated[
-        list[str],
-        typer.Option(
-            "--format",
-            metavar=choices.metavar(choices.IMAGE_FORMATS),
-            callback=choices.some_of(choices.IMAGE_FORMATS),
-            help="Formats of the figures; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
-    ] = ["png"],  # noqa: B006 - Typer copies it
-    folder: Annotated[
-        Path,
-        typer.Option("--output", "-o", metavar="DIR", help="Folder of the figures.", rich_help_panel=OUTPUT),
-    ] = Path("reproduced"),
+    formats: ImageFormats = PNG,
+    folder: FigureFolder = Path("reproduced"),
 ) -> None:
     """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""
     if general.dump_config:

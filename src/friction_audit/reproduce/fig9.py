@@ -9,6 +9,7 @@ from friction_audit.reproduce.claim import Claim
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.reproduction import Reproduction, Simulations
 from friction_audit.reproduce.words import relative
+from friction_audit.simulate.clock import CONTROL_RATE_HZ
 from friction_audit.simulate.simulation import Simulation
 
 if TYPE_CHECKING:
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
 NEAR_ZERO = 0.05
 """Share of the peak speed that counts as near zero."""
 PLATEAU_BOUND = 0.02
-ELLIPSE_BOUND = 0.05
 
 
 def check(simulations: Simulations) -> tuple[Claim, ...]:
@@ -69,7 +69,7 @@ def _plateaus(raw: Simulation) -> Claim:
 def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
     before, after = last_period(raw), last_period(aided)
     left = abs(plateau_nm(after)) / plateau_nm(before)
-    roundness = off_ellipse(after)
+    roundness, bound = off_ellipse(after), one_tick_of_silence(aided)
     cost = float((after.energy_j[-1] - after.energy_j[0]) / (before.energy_j[-1] - before.energy_j[0]))
     return (
         Claim(
@@ -85,11 +85,11 @@ def _ellipse(raw: Simulation, aided: Simulation) -> tuple[Claim, ...]:
             figure="9",
             claim="and the curve is an ellipse",
             paper="elliptical profile",
-            ours=f"within {relative(roundness)} of one with these half axes (bound {relative(ELLIPSE_BOUND)})",
+            ours=f"within {relative(roundness)} of one with these half axes (bound {relative(bound)})",
             value=roundness,
-            holds=roundness < ELLIPSE_BOUND,
-            note="from the tick after each turn on; at the turn the joint rests for a tick, in which the sign of its "
-            "velocity is zero and the compensator silent",
+            holds=roundness < bound,
+            note="at each turn the joint rests for a tick, in which the sign of its velocity is zero and the "
+            "compensator silent; the bound is what the hand's damper makes of that, b dt / (m + B)",
         ),
     )
 
@@ -101,6 +101,17 @@ def off_ellipse(course: Course) -> float:
     dq, torque = course.dq[moving], course.interaction_nm[moving]
     dq, torque = dq / np.abs(dq).max(), torque / np.abs(torque).max()
     return float(np.abs(np.hypot(dq, torque) - 1.0).max())
+
+
+def one_tick_of_silence(simulation: Simulation) -> float:
+    """Return the torque of a joint that lags by one tick of its acceleration, over that of its inertia.
+
+    While the compensator is silent, friction holds the joint. It then moves slower than intended by a dt, to which the
+    hand's damper b adds b a dt, of which the share B / (m + B) passes the sensor; the inertia's own torque is B a.
+    """
+    settings = simulation.truth.settings
+    moved = settings.operator.inertia_kg_m2 + settings.joints[0].inertia_kg_m2
+    return float(settings.operator.damping_nms_per_rad / CONTROL_RATE_HZ / moved)
 
 
 def draw(simulations: Simulations) -> "Figure":
