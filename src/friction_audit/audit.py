@@ -10,8 +10,9 @@ from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.interaction import extract_interaction
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.plan import arm_for_hand
 from friction_audit.interaction.settings import TorqueSettings
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Float, JointLog
 from friction_audit.replay.replay import replay
 from friction_audit.replay.result import Replay
 from friction_audit.replay.settings import ReplaySettings
@@ -87,6 +88,24 @@ def replay_estimate(
     estimate: Estimate, settings: ReplaySettings, *, joints: tuple[int, ...] | None = None
 ) -> LogReplay:
     """Run a friction compensator on a log that was estimated before, on some of its joints (by number) or on all."""
-    robot = estimate.log.source.robot
-    found = replay(estimate.interaction, estimate.cycles, estimate.friction, settings, robot=robot, joints=joints)
+    found = replay(
+        estimate.interaction,
+        estimate.cycles,
+        estimate.friction,
+        settings,
+        robot=estimate.log.source.robot,
+        joints=joints,
+        hand_speed=_hand_speed(estimate),
+    )
     return LogReplay(estimate=estimate, replay=found, settings=settings)
+
+
+def _hand_speed(estimate: Estimate) -> Float | None:
+    """Return the speed of the hand as a controller saw it, or None where each joint ends its own cycles. [m/s]
+
+    At every sample, from that sample alone: the smooth one of ``Interaction`` knows the future, and is milliseconds off.
+    """
+    if estimate.settings.cycles.cycles_from != "hand":
+        return None
+    log = estimate.log
+    return arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)

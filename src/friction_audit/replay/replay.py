@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import median_step
+from friction_audit.joint_log import Float, median_step
 from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, log_cautions, seems_compensated
 from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
@@ -42,19 +42,21 @@ def replay(
     *,
     robot: str = "unknown",
     joints: tuple[int, ...] | None = None,
+    hand_speed: Float | None = None,
 ) -> Replay:
     """Run a compensator on the joints of a recording, as a controller would have.
 
     Args:
         interaction: Motion and torque at the friction port.
-        cycles: Its energy cycles: their thresholds are the compensator's, and where the hand defines them, it ends the
-            compensators' cycles too.
+        cycles: Its energy cycles, whose thresholds are the compensator's.
         friction: What the log says about friction.
         settings: Assumption, compensator, limits.
-        joints: Numbers of the joints to replay, or None for all.
         robot: Whose limits hold unless the settings give others, as ``Source.robot`` names it.
+        joints: Numbers of the joints to replay, or None for all.
+        hand_speed: Speed of the end effector as a controller sees it, from what is measured at each sample, shape (n,);
+            it then ends the cycles of all joints. None where each joint ends its own. [m/s]
     """
-    cuts = _hand_cuts(interaction, cycles, settings.compensator)
+    cuts = _cuts(interaction, cycles, settings.compensator, hand_speed)
     work = partial(_replay_joint, interaction, cycles, friction, settings, robot, cuts)
     numbers = interaction.joint_numbers
     columns = [column for column, number in enumerate(numbers) if joints is None or number in joints]
@@ -69,17 +71,18 @@ def replay(
     )
 
 
-def _hand_cuts(interaction: Interaction, cycles: EnergyCycles, compensator: Compensator) -> NDArray[np.int64]:
+def _cuts(
+    interaction: Interaction, cycles: EnergyCycles, compensator: Compensator, hand_speed: Float | None
+) -> NDArray[np.int64]:
     """Return where the hand ends the cycles; one entry, FIND, where each joint ends its own."""
     from friction_audit.replay.kernels import FIND
 
-    if cycles.speed_unit == "rad/s":
+    if hand_speed is None:
         return np.full(1, FIND)
-    assert interaction.hand_speed is not None, "cycles from the hand need its speed"
     energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator()
     return hand_cuts(
         interaction.t,
-        interaction.hand_speed,
+        hand_speed,
         interaction.dq,
         thresholds=(float(cycles.initiation[0]), float(cycles.termination[0])),
         rest_rad_s=energy.dead_band_rad_s,
