@@ -103,7 +103,7 @@ def replay_estimate(
 def _hand_speed(estimate: Estimate) -> Float | None:
     """Return the speed of the hand as a controller saw it, or None where each joint ends its own cycles. [m/s]
 
-    At every sample, from that sample alone: the smooth one of ``Interaction`` knows the future, and is milliseconds off.
+    At every sample, from that sample alone; the smooth one of ``Interaction`` knows the future.
     """
     if estimate.settings.cycles.cycles_from != "hand":
         return None
