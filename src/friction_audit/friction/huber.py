@@ -19,18 +19,22 @@ CUTOFF = 1e-14
 """Relative size below which a singular value of the normal matrix counts as zero."""
 
 
-def huber_weights(design: Float, target: Float) -> Float:
+def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
     """Return the weights of the rows in Huber's estimate, 1 except for outliers.
 
     Args:
         design: Columns of comparable length, shape (m, p).
         target: Shape (m,).
+        instruments: What stands for columns that are noisy themselves, shape (m, p); None: the columns. Weights from a
+            biased solution are biased, for they count less where noise and error have one sign.
     """
+    own = instruments is None
+    instruments = design if instruments is None else instruments
     smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
     weights = np.ones(len(target))
     for _ in range(REWEIGHTINGS):
-        weighted = design * weights[:, None]
-        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=True) @ (weighted.T @ target)
+        weighted = instruments * weights[:, None]
+        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
         residual = np.abs(target - design @ solution).clip(min=smallest)
         weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
     return weights

@@ -5,8 +5,14 @@
 It weighs slow and fast motion alike where the energy method weighs by power, so the two differ when friction is not
 Coulomb plus viscous, when torque and velocity are not simultaneous, or when the model lacks something.
 
+The noise of the measured velocity would make least squares find too little inertia: velocity and acceleration by the
+position are instruments for them.
+
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
+
+from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +21,7 @@ from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.friction.equations import Equations
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.huber import huber_weights
+from friction_audit.friction.instruments import block_length, instruments_at, reach
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import fit_windows
 from friction_audit.interaction.interaction import Interaction
@@ -24,6 +31,11 @@ CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
 MOST_ROWS = 20_000
 FEWEST_ROWS = 100
+NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
+"""A difference of neighbours is the mean slope between them; torque and velocity are averaged likewise, or a slow log
+would tell another inertia."""
+LONGEST = 2.0
+"""What a row rests on may last so many times longer than its samples should; beyond, there is a hole in it."""
 
 
 def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float) -> TorqueRegression | None:
@@ -37,66 +49,109 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
     Returns:
         The regression, or None with too few moving samples or strokes.
     """
-    columns, torque, stroke = _rows(interaction, column, dead_band_rad_s)
-    strokes = int(stroke[-1]) + 1 if len(stroke) else 0
-    if len(torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
+    rows = _rows(interaction, column, dead_band_rad_s)
+    strokes = int(rows.stroke[-1]) + 1 if len(rows.stroke) else 0
+    if len(rows.torque) < FEWEST_ROWS or strokes < FEWEST_CYCLES:
         return None
-    design = np.stack(list(columns.values()), axis=1)
-    fit = fit_windows(_gather(tuple(columns), design, torque, stroke), strokes)
+    equations, clipping = _gather(rows)
+    fit = fit_windows(equations, strokes)
+    fit = replace(fit, error=clipping * fit.error)
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
         offset_nm=fit.coefficient("offset").value,
         inertia=fit.coefficient("inertia"),
-        residual_rms_nm=float(np.sqrt(np.mean((torque - design @ fit.value[0]) ** 2))),
-        samples=len(torque),
+        residual_rms_nm=float(np.sqrt(np.mean((rows.torque - rows.columns @ fit.value[0]) ** 2))),
+        samples=len(rows.torque),
     )
 
 
-def _rows(
-    interaction: Interaction, column: int, dead_band_rad_s: float
-) -> tuple[dict[str, Float], Float, NDArray[np.int64]]:
-    """Return the columns by name, the torque, and the number of the stroke of each row."""
-    t = interaction.t
-    rate_hz = 1.0 / median_step(t)
-    velocity = filter_velocity(interaction.dq[:, column], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Rows:
+    """Rows of the regression: m rows, p columns.
+
+    Attributes:
+        names: Names of the columns.
+        columns: Shape (m, p).
+        instruments: What stands for the columns where their noise must not count, shape (m, p).
+        torque: Shape (m,). [N m]
+        stroke: Number of the stroke, shape (m,).
+    """
+
+    names: tuple[str, ...]
+    columns: Float
+    instruments: Float
+    torque: Float
+    stroke: NDArray[np.int64]
+
+
+def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Rows:
+    """Return the rows at which the joint moves."""
+    t, step_s = interaction.t, median_step(interaction.t)
+    smooth = partial(filter_velocity, rate_hz=1.0 / step_s, cutoff_hz=CUTOFF_HZ)
+    velocity = smooth(interaction.dq[:, column])
     load = interaction.torque[:, column]
     if interaction.compensation is not None:
         load = load + interaction.compensation[:, column]
-    torque = filter_velocity(load, rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)
-    index = np.arange(0, len(t), max(int(rate_hz / ROW_RATE_HZ), len(t) // MOST_ROWS, 1))
+    block = block_length(step_s)
+    index = _whole(t, step_s, reach(block))
     index = index[np.abs(velocity[index]) > dead_band_rad_s]
-    v = velocity[index]
+    near = velocity[index[:, None] + NEIGHBOURS]
+    direction = np.sign(near[:, 1])
+    by_position = instruments_at(t, interaction.q[:, column], index, block)
     columns = {
-        "coulomb": np.sign(v),
-        "viscous": v,
-        "offset": np.ones(len(v)),
-        "inertia": _slope(velocity, t, index),
+        "coulomb": np.sign(near) @ SIMPSON,
+        "viscous": near @ SIMPSON,
+        "offset": np.ones(len(index)),
+        "inertia": _slope(near, t, index, block),
         **_gravity(interaction, column, index),
     }
-    return columns, torque[index], np.cumsum(np.diff(np.sign(v), prepend=np.sign(v[:1])) != 0)
-
-
-def _gather(names: tuple[str, ...], design: Float, torque: Float, stroke: NDArray[np.int64]) -> Equations:
-    """Gather the rows by stroke, outliers counting less."""
-    scale = np.linalg.norm(design, axis=0).clip(min=np.finfo(float).tiny)
-    scaled = design / scale
-    weighted = scaled * huber_weights(scaled, torque)[:, None]
-    first = np.flatnonzero(np.diff(stroke, prepend=-1))
-    return Equations(
-        names=names,
-        normal=np.add.reduceat(weighted[:, :, None] * scaled[:, None, :], first),
-        right=np.add.reduceat(weighted * torque[:, None], first),
-        scale=scale,
+    instruments = columns | {"viscous": by_position.velocity, "inertia": by_position.acceleration}
+    return _Rows(
+        names=tuple(columns),
+        columns=np.stack(list(columns.values()), axis=1),
+        instruments=np.stack(list(instruments.values()), axis=1),
+        torque=smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
+        stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
     )
 
 
-def _slope(signal: Float, t: Float, index: NDArray[np.int64]) -> Float:
-    """Differentiate a signal at some samples: central differences on uneven stamps, one-sided at the ends."""
-    before, after = np.maximum(index - 1, 0), np.minimum(index, len(t) - 2)
-    h, k = t[before + 1] - t[before], t[after + 1] - t[after]
-    left, right = (signal[before + 1] - signal[before]) / h, (signal[after + 1] - signal[after]) / k
-    return np.asarray((k * left + h * right) / (h + k), np.float64)
+def _whole(t: Float, step_s: float, around: int) -> NDArray[np.int64]:
+    """Return the samples of the rows, but for those at the ends and beside a hole."""
+    spacing = max(int(1.0 / (ROW_RATE_HZ * step_s)), len(t) // MOST_ROWS, 1)
+    index = np.arange(around, len(t) - around, spacing)
+    return index[t[index + around] - t[index - around] < LONGEST * 2 * around * step_s]
+
+
+def _gather(rows: _Rows) -> tuple[Equations, float]:
+    """Gather the rows by stroke, outliers counting less, and say by how much that widens the intervals.
+
+    A clipped residual does not answer to a change of the coefficients, which weights that are held do not know:
+    standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
+    7.6).
+    """
+    scale = np.linalg.norm(rows.columns, axis=0).clip(min=np.finfo(float).tiny)
+    scaled, instruments = rows.columns / scale, rows.instruments / scale
+    weights = huber_weights(scaled, rows.torque, instruments)
+    weighted = instruments * weights[:, None]
+    first = np.flatnonzero(np.diff(rows.stroke, prepend=-1))
+    equations = Equations(
+        names=rows.names,
+        normal=np.add.reduceat(weighted[:, :, None] * scaled[:, None, :], first),
+        right=np.add.reduceat(weighted * rows.torque[:, None], first),
+        scale=scale,
+    )
+    return equations, float(weights.mean() / np.mean(weights >= 1.0))
+
+
+def _slope(near: Float, t: Float, index: NDArray[np.int64], block: int) -> Float:
+    """Differentiate a filtered signal, given at the rows and their neighbours.
+
+    The filter counts samples, so a difference of neighbours belongs to the step that samples have on average: a single
+    stamp may err by a good part of a step.
+    """
+    step = (t[index + block] - t[index - block]) / (2 * block)
+    return np.asarray(0.5 * (near[:, 2] - near[:, 0]) / step, np.float64)
 
 
 def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
