@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.term import Term
 
 Shape = Mapping[str, float]
 """Values of the numbers that enter a candidate nonlinearly."""
@@ -36,7 +37,9 @@ class Candidate:
     Attributes:
         name: From the vocabulary of the program.
         label: A few words for people.
-        shapes: Values to try for the numbers that enter nonlinearly; one empty mapping if there are none.
+        shapes: Values to try for the numbers that enter nonlinearly, or how to choose them for a joint; one empty
+            mapping if there are none. A search tries them all; afterwards the numbers of an accepted effect are
+            refined within the bounds of the term's parameters.
         columns: ``columns(data, baseline, shape)``: what the effect adds to the torque, shape (n, p), up to p factors.
         column_units: Unit of each factor, e.g. ``("nm",)``.
         untestable: ``untestable(data, baseline)``: why this log cannot show the effect, what motion is lacking; None if
@@ -44,14 +47,29 @@ class Candidate:
         admissible: ``admissible(factors, shape)``: whether sign and size are physically possible.
         axis: The quantity on which it shows itself: speed, position, displacement, time, acceleration, load, neighbour.
         same_as: Names that no motion of this kind tells apart from it.
+        term: The term of a joint model that it adds; None for an effect that no model can hold.
     """
 
     name: str
     label: str
-    shapes: tuple[Shape, ...]
+    shapes: tuple[Shape, ...] | Callable[[JointData], tuple[Shape, ...]]
     columns: Callable[[JointData, Baseline, Shape], Float]
     column_units: tuple[str, ...]
     untestable: Callable[[JointData, Baseline], str | None]
     admissible: Callable[[Float, Shape], bool]
     axis: str
     same_as: tuple[str, ...] = ()
+    term: Term | None = None
+
+    def tried(self, data: JointData) -> tuple[Shape, ...]:
+        """All shapes to try on a joint."""
+        return self.shapes(data) if callable(self.shapes) else self.shapes
+
+
+def columns_of(term: Term) -> Callable[[JointData, Baseline, Shape], Float]:
+    """The columns of a candidate that is a term of a model, shapes by the names of the term's parameters."""
+
+    def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+        return term.regressor(data.motion(baseline.torque), tuple(shape[p.name] for p in term.shape))
+
+    return columns

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion, Others
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -25,7 +26,7 @@ class JointData:
         temperature: Temperature where it was logged, else None. [degC]
         others_dq: Velocities of all joints, shape (n, j). [rad/s]
         others_ddq: Accelerations of all joints, shape (n, j). [rad/s^2]
-        others_torque: Torques of all joints, shape (n, j). [N m]
+        others_torque: What the torque sensors of all joints read, gravity included, shape (n, j). [N m]
         cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
         moving: Samples in which the direction of motion is certain, shape (n,).
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
@@ -57,3 +58,17 @@ class JointData:
     def step_s(self) -> float:
         """Spacing of the grid. [s]"""
         return float(self.t[1] - self.t[0])
+
+    def motion(self, rest: Float | None = None) -> Motion:
+        """What a term of a model may know of this joint; ``rest`` is the torque of the declared model, shape (n,)."""
+        others = Others(joint=self.joint, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
+        return Motion(
+            t=self.t,
+            q=self.q,
+            dq=self.dq,
+            ddq=self.ddq,
+            load=self.gravity,
+            temperature=self.temperature,
+            others=others if self.others_dq.shape[1] > 1 else None,
+            rest=rest,
+        )

@@ -4,10 +4,12 @@ Torque, position and velocity go through the same symmetric low-pass, which dela
 them holds after it as before. Its kernel has an end, so a hole in the log spoils a stretch that can be named, and a
 cycle that is locked away is touched by its neighbour for no longer than half a kernel.
 
-The corner stands at 25 Hz, above what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure
-(12 to 15 Hz), so that both can be seen, and low enough that the noise of the velocity hardly enters the acceleration.
-The grid of 100 Hz is four times the corner, so nothing is folded back. Slower logs keep their own rate, and a quarter
-of it as corner.
+The grid is fine (400 Hz, corner 80 Hz), for what is not linear in the motion, the sign of the velocity above all, is
+built on it and only then low-passed as far as a regression wants (``rows``): what a filter smears at a reversal of the
+measured torque it smears in the column too. Slower logs keep their own rate, and a quarter of it as corner.
+
+Velocity and acceleration are derivatives of the position where that leaves less noise than the velocity that was
+logged; a Panda's position is a hundred times quieter than its velocity.
 """
 
 from dataclasses import dataclass
@@ -18,12 +20,13 @@ from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 from friction_audit.per_joint import per_joint
 
-CORNER_HZ = 25.0
-GRID_HZ = 100.0
+CORNER_HZ = 80.0
+GRID_HZ = 400.0
 LEAST_OVERSAMPLING = 4
 """Fine samples per grid sample, so that the difference quotient of the kernel is its derivative to 3 %."""
 STOPBAND_DB = 60.0
@@ -32,7 +35,13 @@ HOLE_STEPS = 3.5
 """A hole is longer than both: shorter ones are bridged, for the motion hardly bends in between."""
 DEAD_SIGMAS = 5.0
 """A speed of so many standard deviations of the filtered velocity's noise has a certain direction."""
+DEAD_SHARE = 1e-3
+"""And of so much of the usual speed, which is what the stop band lets through next to a standstill."""
+TURN_S = 0.01
+"""A reversal that is over after this time leaves no doubt about the direction on either side of it."""
 SIGMA_PER_MEDIAN = 1.4826
+SIGMA_PER_BEND = 1.0 / 0.643
+"""Of noise that is white up to the corner, a fifth of the grid's rate, per rms of its second difference."""
 TINY_SPEED = 1e-6
 
 
@@ -105,24 +114,28 @@ def low_pass_for(t: Float) -> LowPass:
     )
 
 
-def prepare(interaction: Interaction, cycles: EnergyCycles, log: JointLog) -> tuple[JointData, ...]:
+def prepare(
+    interaction: Interaction, cycles: EnergyCycles, log: JointLog, gravity: Float | None = None
+) -> tuple[JointData, ...]:
     """Bring every joint of an interaction onto an even grid.
 
     Args:
         interaction: Motion and torque at the friction port, n samples of j joints.
         cycles: Its energy cycles.
-        log: The log it was made from, in the same window: stale samples, logged gravity and temperature.
+        log: The log it was made from, in the same window: stale samples and temperature.
+        gravity: Gravity torque of the same joints where it is known, shape (n, j). [N m]
 
     Returns:
         One ``JointData`` per joint, in the order of the columns.
     """
     new = fresh_samples(log)
-    t = interaction.t[new]
+    t = _stamps(interaction.t[new], interaction.q[new])
     low_pass = low_pass_for(t)
     filtered = per_joint(partial(_filter_joint, interaction, low_pass, t, new), len(interaction.joint_numbers))
     q, dq, ddq, torque = (np.stack(column, axis=1) for column in zip(*filtered, strict=True))
     valid = _valid(low_pass, t)
-    dead = [_dead_speed(interaction.dq[new, joint], low_pass, t) for joint in range(q.shape[1])]
+    loads = None if gravity is None else np.stack([low_pass.of(t, column) for column in gravity[new].T], axis=1)
+    dead = [_dead_speed(dq[valid, joint]) for joint in range(q.shape[1])]
     return tuple(
         JointData(
             joint=joint,
@@ -131,13 +144,13 @@ def prepare(interaction: Interaction, cycles: EnergyCycles, log: JointLog) -> tu
             dq=dq[:, joint],
             ddq=ddq[:, joint],
             torque=torque[:, joint],
-            gravity=_logged(log.gravity, interaction, joint, low_pass, t, new),
+            gravity=None if loads is None else loads[:, joint],
             temperature=_logged(log.temperature, interaction, joint, low_pass, t, new),
             others_dq=dq,
             others_ddq=ddq,
             others_torque=torque,
             cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=_moving(dq[:, joint], dead[joint], _samples(1.0 / low_pass.corner_hz, low_pass.t)),
+            moving=_moving(dq[:, joint], dead[joint], round(TURN_S / (low_pass.t[1] - low_pass.t[0]))),
             valid=valid,
             dead_speed_rad_s=dead[joint],
         )
@@ -171,8 +184,11 @@ def _filter_joint(
     torque = interaction.torque[new, joint]
     if interaction.compensation is not None:
         torque = torque + interaction.compensation[new, joint]
+    q, slope = low_pass.with_slope(t, interaction.q[new, joint])
     dq, ddq = low_pass.with_slope(t, interaction.dq[new, joint])
-    return low_pass.of(t, interaction.q[new, joint]), dq, ddq, low_pass.of(t, torque)
+    if _noise(slope) < _noise(dq):
+        dq, ddq = slope, np.gradient(slope, low_pass.t)
+    return q, dq, ddq, low_pass.of(t, torque)
 
 
 def _logged(
@@ -193,34 +209,33 @@ def _valid(low_pass: LowPass, t: Float) -> NDArray[np.bool_]:
     return np.asarray(ends[place] <= low_pass.t - low_pass.reach_s + 1e-9, bool)
 
 
-def _dead_speed(dq: Float, low_pass: LowPass, t: Float) -> float:
-    """From second differences, which motion does not reach: white noise of sigma gives them sqrt(6) sigma."""
-    if len(dq) <= MINIMUM_SAMPLES:
-        return TINY_SPEED
-    bend = dq[2:] - 2 * dq[1:-1] + dq[:-2]
-    sigma = SIGMA_PER_MEDIAN * float(np.median(np.abs(bend))) / np.sqrt(6.0)
-    passes = min(2 * low_pass.corner_hz * median_step(t), 1.0)
-    return max(float(DEAD_SIGMAS * sigma * np.sqrt(passes)), TINY_SPEED)
+def _stamps(t: Float, q: Float) -> Float:
+    """Stamps as they are, or without jitter if the joint that moves furthest runs more smoothly with those."""
+    farthest = q[:, int(np.argmax(np.ptp(q, axis=0)))]
+    steady = steady_clock(t)
+    rough = [_noise(low_pass_for(stamps).with_slope(stamps, farthest)[1]) for stamps in (t, steady)]
+    return steady if rough[1] < rough[0] else t
 
 
-def _samples(time_s: float, t: Float) -> int:
-    return int(np.ceil(time_s / (t[1] - t[0]) - 1e-9))
+def _noise(velocity: Float) -> float:
+    """Standard deviation, from second differences, which motion does not reach."""
+    bend = np.abs(np.diff(velocity, n=2))
+    return SIGMA_PER_BEND * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0
 
 
-def _moving(dq: Float, dead: float, reach: int) -> NDArray[np.bool_]:
-    """Samples with one and the same direction within a period of the corner.
+def _dead_speed(dq: Float) -> float:
+    usual = float(np.quantile(np.abs(dq), 0.95)) if len(dq) else 0.0
+    return max(DEAD_SIGMAS * _noise(dq), DEAD_SHARE * usual, TINY_SPEED)
 
-    Closer to a reversal the filtered torque is a mean over both directions, which no direction describes.
-    Measured on 40 clean simulated logs, a reach of half a period of the corner leaves Coulomb friction 0.0004 N m too
-    large and inertia 0.1 % too small; a whole period leaves a third of that.
-    """
-    direction = np.where(np.abs(dq) > dead, np.sign(dq), 0.0)
-    moving = direction != 0
-    for lag in range(1, reach + 1):
-        same = direction[lag:] == direction[:-lag]
-        moving[lag:] &= same
-        moving[:-lag] &= same
-    return np.asarray(moving, bool)
+
+def _moving(dq: Float, dead: float, turn: int) -> NDArray[np.bool_]:
+    """Samples with a certain direction, those of a quick reversal among them."""
+    sure = np.abs(dq) > dead
+    begins, ends = np.flatnonzero(sure[:-1] & ~sure[1:]) + 1, np.flatnonzero(~sure[:-1] & sure[1:]) + 1
+    ends = ends[np.searchsorted(ends, begins[0], side="right") :] if len(begins) else ends
+    for begin, end in zip(begins, ends, strict=False):
+        sure[begin:end] |= end - begin <= turn
+    return np.asarray(sure, bool)
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:

@@ -15,8 +15,25 @@ from friction_audit.joint_log import Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Others:
+    """All joints of the arm, this one among them, j of them.
+
+    Attributes:
+        joint: Which of them this joint is, 0..j-1.
+        dq: Velocities, shape (n, j). [rad/s]
+        ddq: Accelerations, shape (n, j). [rad/s^2]
+        sensed: What their torque sensors read, gravity included, shape (n, j). [N m]
+    """
+
+    joint: int
+    dq: Float
+    ddq: Float
+    sensed: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Motion:
-    """Motion of one joint, shape (n,) each.
+    """Motion of one joint, shape (n,) each, and what a term may lean on besides.
 
     Attributes:
         t: Time. [s]
@@ -24,6 +41,10 @@ class Motion:
         dq: Velocity. [rad/s]
         ddq: Acceleration. [rad/s^2]
         load: Load on the joint as predicted, never measured; None where nobody has predicted it. [N m]
+        temperature: Temperature; None where it was not logged. [degC]
+        others: All joints of the arm; None for a single joint.
+        rest: Torque that inertia, Coulomb and viscous friction of the same model take; None where a term does not
+            need it. Terms that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
     """
 
     t: Float
@@ -31,6 +52,9 @@ class Motion:
     dq: Float
     ddq: Float
     load: Float | None = None
+    temperature: Float | None = None
+    others: Others | None = None
+    rest: Float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
