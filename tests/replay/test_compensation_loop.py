@@ -99,7 +99,7 @@ def test_a_step_within_a_cycle_is_right_after_the_next_one() -> None:
     assert estimates[3] == pytest.approx(0.2, rel=5e-3)
 
 
-def test_cycles_too_alike_keep_the_previous_coefficients() -> None:
+def test_cycles_too_alike_give_no_first_estimate() -> None:
     signals = drive(replace(COMBINED, growth_per_s=0.0, duration_s=6.0), EnergyCompensator(condition_limit=100.0))
     assert TOO_ALIKE in signals["status"]
     assert signals["refused"][-1] > 0

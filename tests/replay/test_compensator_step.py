@@ -1,5 +1,7 @@
 """The compensator over signals given sample by sample, worked out by hand."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,7 +11,7 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.replay.compensator import Coefficients, Compensator, EnergyCompensator, FixedCompensation
 from friction_audit.replay.kernels import step, trace
-from friction_audit.replay.records import GAP, MEMORY, NOT_MOVED, TRACE, fresh_memory, pack
+from friction_audit.replay.records import GAP, MEMORY, NOT_MOVED, SCALED, TOO_ALIKE, TRACE, fresh_memory, pack
 from friction_audit.replay.run import run
 
 DT = 1e-3
@@ -83,6 +85,46 @@ def test_a_negative_estimate_is_kept_and_not_applied() -> None:
     assert signals["estimated_viscous_nms_per_rad"][-1] == pytest.approx(-0.1, rel=5e-3)
     assert np.all(signals["viscous_nms_per_rad"] == 0.0)
     assert np.all(signals["u_nm"] == 0.0)
+
+
+def stepped(peaks: list[float], levels: list[float]) -> tuple[Float, Float]:
+    """Return the velocity of strokes, and friction of 0.3 N m and 0.07 N m s/rad times a level for each."""
+    dq = strokes(peaks)
+    level = np.repeat(levels, len(dq) // len(peaks))
+    return dq, level * (0.3 * np.sign(dq) + 0.07 * dq)
+
+
+def test_of_a_pair_with_a_negative_coefficient_the_other_is_not_used_alone() -> None:
+    """Friction doubles between two cycles of about one speed: their equations meet where no friction is."""
+    dq, friction = stepped([0.5, 0.6, 0.5], [1.0, 2.0, 2.0])
+    share = 1e-6
+    signals = run(EnergyCompensator(window=2, factor=share, passivity=False), clock(len(dq)), dq, friction)
+    at = int(np.argmax(signals["cycle"] == 2))
+    assert signals["estimated_coulomb_nm"][at] < -0.1
+    assert signals["estimated_viscous_nms_per_rad"][at] > 2.0
+    ends = [0, *(int(np.argmax(signals["cycle"] == i)) for i in (1, 2))]
+    net = np.diff(signals["energy_j"][ends])
+    square = np.array([np.trapezoid(dq[a : b + 1] ** 2, dx=DT) for a, b in pairwise(ends)])
+    assert signals["coulomb_nm"][at] == 0.0
+    assert signals["viscous_nms_per_rad"][at] == pytest.approx(share * (net @ square) / (square @ square), rel=1e-6)
+
+
+def test_cycles_too_alike_still_tell_how_much_friction_there_is() -> None:
+    dq, friction = stepped([0.5, 1.1, 0.5, 0.5, 0.5, 0.5], [1.0, 1.0, 1.0, 2.0, 2.0, 2.0])
+    signals = run(EnergyCompensator(window=2, factor=0.0, passivity=False), clock(len(dq)), dq, friction)
+    for cycle, level in ((2, 1.0), (5, 2.0)):
+        at = int(np.argmax(signals["cycle"] == cycle))
+        assert signals["estimated_coulomb_nm"][at] == pytest.approx(0.3 * level, rel=5e-3)
+        assert signals["estimated_viscous_nms_per_rad"][at] == pytest.approx(0.07 * level, rel=2e-2)
+    assert signals["status"][at] == SCALED
+    assert signals["refused"][at] == 2
+
+
+def test_cycles_too_alike_tell_nothing_before_there_is_an_estimate() -> None:
+    dq, friction = stepped([0.5, 0.5, 0.5], [1.0, 1.0, 1.0])
+    signals = run(EnergyCompensator(window=2, factor=0.0), clock(len(dq)), dq, friction)
+    assert signals["status"][-1] == TOO_ALIKE
+    assert np.all(np.isnan(signals["estimated_coulomb_nm"]))
 
 
 def test_cycles_told_from_outside() -> None:

@@ -31,12 +31,13 @@ from friction_audit.replay.compensators.kind import (
 )
 from friction_audit.replay.divergence import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, beyond
 from friction_audit.replay.records import (
-    COULOMB,
+    COMBINED,
     ESTIMATED,
     GAP,
     NET,
     NOT_MOVED,
     PATH,
+    SCALED,
     SQUARE,
     TOO_ALIKE,
     TOO_FEW,
@@ -189,41 +190,85 @@ def estimate(settings: Record, memory: Record) -> int:
         path_path += row[PATH] * row[PATH]
         path_square += row[PATH] * row[SQUARE]
         square_square += row[SQUARE] * row[SQUARE]
+    if settings.model == COMBINED:
+        return estimate_both(settings, memory, net_path, net_square, path_path, path_square, square_square)
     if settings.model == VISCOUS:
         memory.estimated_viscous_nms_per_rad = net_square / square_square
-    elif settings.model == COULOMB:
-        memory.estimated_coulomb_nm = net_path / path_path
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
     else:
-        cosine = path_square / math.sqrt(path_path * square_square)
-        sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
-        if 1.0 + cosine > settings.condition_limit * sine:
-            return TOO_ALIKE
-        determinant = path_path * square_square * sine * sine
-        memory.estimated_coulomb_nm = (net_path * square_square - net_square * path_square) / determinant
-        memory.estimated_viscous_nms_per_rad = (net_square * path_path - net_path * path_square) / determinant
+        memory.estimated_coulomb_nm = net_path / path_path
+        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
     return ESTIMATED
 
 
 @compiled()
+def estimate_both(
+    settings: Record,
+    memory: Record,
+    net_path: float,
+    net_square: float,
+    path_path: float,
+    path_square: float,
+    square_square: float,
+) -> int:
+    """Estimate both coefficients by least squares from sums of products over k cycles; return the status.
+
+    Of a pair with a negative coefficient, the other one is too large: used alone, it would push the joint. What is used
+    is the least squares of coefficients of zero or more.
+    """
+    cosine = path_square / math.sqrt(path_path * square_square)
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    if 1.0 + cosine > settings.condition_limit * sine:
+        return scale(memory, net_path, net_square, path_path, path_square, square_square)
+    determinant = path_path * square_square * sine * sine
+    coulomb = (net_path * square_square - net_square * path_square) / determinant
+    viscous = (net_square * path_path - net_path * path_square) / determinant
+    memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
+    if coulomb < 0.0:
+        coulomb, viscous = 0.0, net_square / square_square
+    elif viscous < 0.0:
+        coulomb, viscous = net_path / path_path, 0.0
+    memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
+    return ESTIMATED
+
+
+@compiled()
+def scale(
+    memory: Record,
+    net_path: float,
+    net_square: float,
+    path_path: float,
+    path_square: float,
+    square_square: float,
+) -> int:
+    """Scale the coefficients in use to cycles that are too alike to tell them apart; return the status.
+
+    Such cycles still tell how much friction there is.
+    """
+    coulomb, viscous = memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad
+    expected = coulomb * coulomb * path_path + 2.0 * coulomb * viscous * path_square + viscous * viscous * square_square
+    found = coulomb * net_path + viscous * net_square
+    if not (expected > 0.0 and found > 0.0):
+        return TOO_ALIKE
+    memory.usable_coulomb_nm = memory.estimated_coulomb_nm = coulomb * found / expected
+    memory.usable_viscous_nms_per_rad = memory.estimated_viscous_nms_per_rad = viscous * found / expected
+    return SCALED
+
+
+@compiled()
 def choose(settings: Record, memory: Record) -> None:
-    """Choose the coefficients to apply: given, forced or estimated, these never below zero."""
+    """Choose the coefficients to apply: given, forced or estimated."""
     coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
     if settings.kind == ENERGY:
         forced = not math.isnan(settings.forced_coulomb_nm) and memory.cycle + 1 >= settings.forced_from_cycle
         if forced and not (settings.forced_until_acted == 1 and memory.released == 1):
             coulomb, viscous = settings.forced_coulomb_nm, settings.forced_viscous_nms_per_rad
         else:
-            coulomb = settings.factor * applicable(memory.estimated_coulomb_nm)
-            viscous = settings.factor * applicable(memory.estimated_viscous_nms_per_rad)
+            coulomb = settings.factor * memory.usable_coulomb_nm
+            viscous = settings.factor * memory.usable_viscous_nms_per_rad
     memory.coulomb_nm, memory.viscous_nms_per_rad = coulomb, viscous
     if coulomb != 0.0 or viscous != 0.0 or settings.kind > ENERGY:
         memory.active = 1
-
-
-@compiled()
-def applicable(coefficient: float) -> float:
-    """Return an estimate, or 0 where there is none or it is negative."""
-    return 0.0 if math.isnan(coefficient) else max(0.0, coefficient)
 
 
 @compiled()

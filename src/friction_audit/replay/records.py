@@ -26,8 +26,9 @@ Record: TypeAlias = Any
 VISCOUS, COULOMB, COMBINED = range(len(MODELS))
 """Values of ``model``."""
 
-NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP, TOO_ALIKE = range(6)
-"""Values of ``status``: what came of the last cycle. From NOT_MOVED on, the cycle was refused."""
+NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP, TOO_ALIKE, SCALED = range(7)
+"""Values of ``status``: what came of the last cycle. From NOT_MOVED on, it was refused, as giving no estimate of
+its own. SCALED: too like those before it to tell the coefficients apart; both were scaled to the friction in them."""
 
 NET, PATH, SQUARE = range(3)
 """Columns of ``rows``: net energy [J], path [rad] and integral of the squared velocity [rad^2/s] of a cycle."""
@@ -115,6 +116,8 @@ MEMORY = np.dtype(
         ("viscous_nms_per_rad", "f8"),
         ("estimated_coulomb_nm", "f8"),
         ("estimated_viscous_nms_per_rad", "f8"),
+        ("usable_coulomb_nm", "f8"),
+        ("usable_viscous_nms_per_rad", "f8"),
         ("energy_j", "f8"),
         ("observed_energy_j", "f8"),
         ("active_energy_j", "f8"),
@@ -137,9 +140,9 @@ acted, without the reserve that friction built up before. ``dissipated_j``: take
 ``unserved_j``: deficit that the command of this tick leaves to the next. ``cycle``: cycles completed. ``acted``: 1 if
 the passivity controller has acted in the present cycle. ``status``, ``refused``: what came of the last cycle, and how
 many gave no estimate for another reason than their number. Estimates are NaN until there is one and may be negative;
-the estimates applied (``coulomb_nm``, ``viscous_nms_per_rad``) are not. ``observed_friction_nm``: of a disturbance
-observer. ``unstable``: 1 once the loop has diverged, from ``unstable_tick`` (-1 before) on; the torque is then 0 for
-good, and nothing is added up any more.
+those in use (``usable_coulomb_nm``, ``usable_viscous_nms_per_rad``) are 0 until then and never below.
+``observed_friction_nm``: of a disturbance observer. ``unstable``: 1 once the loop has diverged, from ``unstable_tick``
+(-1 before) on; the torque is then 0 for good, and nothing is added up any more.
 """
 
 

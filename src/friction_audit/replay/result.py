@@ -13,7 +13,7 @@ from friction_audit.replay.fitted_joint import FittedJoint
 from friction_audit.replay.limits import Limits
 from friction_audit.replay.operator_fit import FittedOperator
 
-STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike")
+STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike", "scaled")
 """Names of the values of ``status`` in ``records``: what came of a cycle."""
 
 

@@ -41,7 +41,8 @@ class EnergyCompensator:
         model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
         window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
         condition_limit: If the columns of (18), scaled to length one, have a larger condition number, the cycles are
-            too alike to tell the coefficients apart and the previous ones stay.
+            too alike to tell the coefficients apart; they tell how much friction there is, and the previous
+            coefficients are scaled to it. Where there are none, nothing is estimated.
         minimum_path_rad: A cycle in which the joint moved less gives no equation. [rad]
         maximum_gap_s: A cycle with a longer hole between two ticks gives no equation. [s]
         factor: The estimate is multiplied by this before it is applied; above 1, over-compensation on purpose.
