@@ -38,7 +38,10 @@ def test_document(run: Run) -> None:
     assert {effect["name"] for effect in document["effects"]} == {"stribeck", "joint_elasticity"}
     none, oracle = document["methods"]
     assert none["energy_slope_w"]["value"] > oracle["energy_slope_w"]["value"]
-    assert none["stability_margin"] is None
+    assert none["stability_margin"] == {"value": None, "ci95": [None, None]}
+    assert none["stability_margins"] == [None, None]
+    assert none["tuning_losses"] is None
+    assert document["margin_seeds"] == [0, 1]
     assert none["stable_share"] == 1.0
 
 
@@ -48,10 +51,26 @@ def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
     (sweep,) = document["sweeps"]
     assert sweep["method"] == "torque_regulation"
     stable = [point["stable"] for point in sweep["points"]]
+    assert [point["stable_share"] == 1.0 for point in sweep["points"]] == stable
     assert stable[0]
     assert not stable[-1]
     assert sweep["boldest_stable"] == [point["value"] for point in sweep["points"] if point["stable"]][-1]
     assert (tmp_path / "compared" / "sweep.svg").read_text().startswith("<?xml")
+
+
+def test_margins_only_if_wanted(run: Run) -> None:
+    document = run("compare", *SHORT, "--margin-seeds", "0", "--json").document()
+    assert document["margin_seeds"] == []
+    assert [row["stability_margins"] for row in document["methods"]] == [[], []]
+
+
+def test_help_tells_the_lengths_as_they_are(run: Run) -> None:
+    answer = run("compare", "--help")
+    lengths = [scene.settings.duration_s for scene in SCENES]
+    margins = [scene.plan.margin_seeds for scene in SCENES]
+    text = " ".join(answer.out.replace("│", " ").split())
+    assert f"Default: {lengths[0]:g} s of the joint, {lengths[1]:g} s of the arm" in text
+    assert f"Default: {margins[0]} of the joint, {margins[1]} of the arm" in text
 
 
 def test_older_figures_are_kept(run: Run, tmp_path: Path) -> None:

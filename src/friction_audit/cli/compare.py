@@ -58,12 +58,23 @@ class ComparisonOptions:
         int,
         typer.Option(metavar="INT", min=2, max=1000, help="Persons simulated.", rich_help_panel=COMPARISON),
     ] = 20
+    margin_seeds: Annotated[
+        int | None,
+        typer.Option(
+            metavar="INT",
+            min=0,
+            max=1000,
+            help="So many of them are asked for the stability margin too, about eight trials each. Default: 20 of the "
+            "joint, 6 of the arm; 0 for none.",
+            rich_help_panel=COMPARISON,
+        ),
+    ] = None
     duration: Annotated[
         float | None,
         typer.Option(
             metavar="SECONDS",
             min=1.0,
-            help="Length of a trial. Default: 40 s of the joint, 20 s of the arm.",
+            help="Length of a trial. Default: 40 s of the joint, 30 s of the arm.",
             rich_help_panel=COMPARISON,
         ),
     ] = None
@@ -125,7 +136,10 @@ def _scene(options: ComparisonOptions) -> "Scene":
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
     settings = hide(assign_texts(settings, options.assignments or ()), options.effects or ())
-    return replace(scene, settings=settings)
+    plan = scene.plan
+    if options.margin_seeds is not None:
+        plan = replace(plan, margin_seeds=options.margin_seeds)
+    return replace(scene, settings=settings, plan=plan)
 
 
 def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
@@ -161,7 +175,7 @@ def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]
         document = compare_document(_tell_scene(result, scene), rows, tell_curves(result), files)
         typer.echo(write_document(document), nl=False)
         return
-    print_rich(compare_table(rows, len(result.seeds)))
+    print_rich(compare_table(rows, len(result.seeds), len(result.tuning_seeds)))
     for _, path in files:
         typer.echo(path)
 
@@ -174,6 +188,7 @@ def _tell_scene(result: "Comparison", scene: "Scene") -> dict[str, object]:
         "duration_s": result.duration_s,
         "seeds": result.seeds,
         "tuning_seeds": result.tuning_seeds,
+        "margin_seeds": result.margin_seeds,
         "settings": settings_in_sight(scene.settings),
         "effects": [asdict(effect) for effect in hidden_effects(scene.settings)],
     }

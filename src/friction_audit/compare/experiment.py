@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
-from math import nan
+from math import ceil, isinf
 from multiprocessing import get_context
 from os import cpu_count
 from typing import Any, NamedTuple
@@ -14,8 +14,7 @@ from friction_audit.compare.method import BEST, OTHER, PAPER, Method, Sweep, Tun
 from friction_audit.compare.methods import METHODS, NONE, TUNED_BY_HAND
 from friction_audit.compare.result import Comparison, Curve, Point, Row
 from friction_audit.compare.scene import Scene
-from friction_audit.compare.trial import Course, Outcome, Reference, find_reference, make_course, measure
-from friction_audit.errors import AnalysisError
+from friction_audit.compare.trial import Course, Outcome, Reference, find_loss, find_reference, make_course, measure
 from friction_audit.simulate.dispatch import simulate
 
 Progress = Callable[[float], None]
@@ -37,12 +36,13 @@ class _Trial(NamedTuple):
     drawn: bool
 
 
-class _Candidate(NamedTuple):
-    """A row to be."""
+class Candidate(NamedTuple):
+    """A row to be; what its fields mean is told there."""
 
     method: Method
     tuning: Tuning
     role: str
+    tuning_losses: int | None = None
 
 
 def compare(
@@ -57,7 +57,7 @@ def compare(
         progress: Told how far it is.
 
     Raises:
-        AnalysisError: If the trials are too short, or a method has no stable tuning.
+        AnalysisError: If the trials are too short.
     """
     with _pool(scene) as pool:
         return _Experiment(scene, seeds, tuple(methods), pool, progress).run()
@@ -84,6 +84,7 @@ class _Experiment:
         self.scene, self.methods, self.pool, self.progress = scene, methods, pool, progress
         self.seeds = tuple(range(seeds))
         self.tuning_seeds = tuple(FIRST_TUNING_SEED + n for n in range(scene.plan.tuning_seeds))
+        self.margin_seeds = self.seeds[: scene.plan.margin_seeds]
         self._done, self._all = 0, self._count()
 
     def _count(self) -> int:
@@ -92,10 +93,11 @@ class _Experiment:
         others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
         rows = sum(2 if method.sweeps else 1 for method in self.methods) + others
         references = len(self.seeds) + len(self.tuning_seeds)
-        return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + MARGIN_TRIALS)
+        margins = MARGIN_TRIALS * len(self.margin_seeds)
+        return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + margins)
 
     def _values(self, sweep: Sweep) -> tuple[float, ...]:
-        return sweep.values[:: self.scene.plan.every]
+        return sweep.values[:: ceil(len(sweep.values) / self.scene.plan.most_values)]
 
     def _sweeps(self) -> list[tuple[Method, Sweep]]:
         return [(method, sweep) for method in self.methods for sweep in method.sweeps[: self.scene.plan.sweeps]]
@@ -111,16 +113,17 @@ class _Experiment:
             duration_s=self.scene.settings.duration_s,
             seeds=self.seeds,
             tuning_seeds=self.tuning_seeds,
+            margin_seeds=self.margin_seeds,
             rows=self._try(candidates, references),
             curves=curves,
         )
 
-    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any], *, counts: int = 1) -> list[Any]:
+    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:
         """Work jobs off, in their order, and tell how far it is."""
         results = []
         for result in self.pool.map(work, list(jobs)):
             results.append(result)
-            self._done += counts
+            self._done += 1
             if self.progress is not None:
                 self.progress(min(self._done / self._all, 1.0))
         return results
@@ -154,49 +157,52 @@ class _Experiment:
         heaps = [done[first : first + len(seeds)] for first in range(0, len(done), len(seeds))]
         return [(tuple(outcome for outcome, _ in heap), heap[0][1]) for heap in heaps]
 
-    def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[_Candidate]:
+    def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[Candidate]:
         """Yield the tunings of a method that are reported."""
         mine = [curve for curve in curves if curve.method == method.name]
-        yield _Candidate(method, _papers(method, mine), PAPER)
+        chosen = [choose_papers(method, mine)]
         if mine:
-            yield _Candidate(method, _best(method, mine), BEST)
+            chosen.append(choose_best(method, mine))
+        yield from chosen
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            told = {_papers(method, mine).name, _best(method, mine).name} if mine else set()
-            for tuning in (one for one in method.others if one.name not in told):
-                yield _Candidate(method, tuning, OTHER)
+            told = {one.tuning.name for one in chosen}
+            yield from (Candidate(method, tuning, OTHER) for tuning in method.others if tuning.name not in told)
 
-    def _try(self, candidates: Sequence[_Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
+    def _try(self, candidates: Sequence[Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
         tried = self._trials([one.tuning for one in candidates], self.seeds, references, drawn=True)
-        margins = self._margins([one.tuning for one in candidates])
+        margins = self._margins([one.tuning for one in candidates], references)
         return tuple(
             Row(
                 method=one.method.name,
                 label=one.method.label,
                 tuning=one.tuning,
                 role=one.role,
+                tuning_losses=one.tuning_losses,
                 outcomes=outcomes,
-                margin=margin,
+                margins=of_persons,
                 course=_drawn(course),
             )
-            for one, (outcomes, course), margin in zip(candidates, tried, margins, strict=True)
+            for one, (outcomes, course), of_persons in zip(candidates, tried, margins, strict=True)
         )
 
-    def _margins(self, tunings: Sequence[Tuning]) -> list[float]:
-        """Return the stability margins, of one person of the sweeps."""
-        seed, settings = self.tuning_seeds[0], self.scene.settings
-        length_s = self.scene.plan.margin_share * settings.duration_s
-        if length_s == 0.0:
-            return [nan] * len(tunings)
-        short = replace(self.scene, settings=replace(settings, duration_s=length_s))
-        reference = _refer((short.compensated(_nothing()), seed))
+    def _margins(self, tunings: Sequence[Tuning], references: dict[int, Reference]) -> list[tuple[float, ...]]:
+        """Return the stability margins of every tuning, one per seed."""
+        seeds, settings = self.margin_seeds, self.scene.settings
+        shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
+        short = replace(self.scene, settings=shorter)
+        searches = [(tuning, seed) for tuning in tunings for seed in seeds]
 
         def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
-            bolder = [short.compensated(amplified(tunings[number], factor)) for number, factor in asked]
-            done = self._map(_work, [_Trial(settings, seed, reference, drawn=False) for settings in bolder])
-            return [outcome.stable for outcome, _ in done]
+            jobs = []
+            for number, factor in asked:
+                tuning, seed = searches[number]
+                bolder = short.compensated(amplified(tuning, factor))
+                jobs.append(_Trial(bolder, seed, references[seed], drawn=False))
+            return self._map(_holds, jobs)
 
-        return find_margins(len(tunings), hold)
+        margins = find_margins(len(searches), hold)
+        return [tuple(margins[n * len(seeds) : (n + 1) * len(seeds)]) for n in range(len(tunings))]
 
 
 def _refer(job: tuple[Any, int]) -> Reference:
@@ -208,6 +214,10 @@ def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
     simulation = simulate(trial.settings, trial.seed)
     course = make_course(simulation, trial.reference) if trial.drawn else None
     return measure(simulation, trial.reference), course
+
+
+def _holds(trial: _Trial) -> bool:
+    return isinf(find_loss(simulate(trial.settings, trial.seed), trial.reference))
 
 
 def _drawn(course: Course | None) -> Course:
@@ -222,26 +232,25 @@ def _nothing() -> Tuning:
     return tuning
 
 
-def _papers(method: Method, curves: Sequence[Curve]) -> Tuning:
-    """Return the paper's kind of tuning."""
+def choose_papers(method: Method, curves: Sequence[Curve]) -> Candidate:
+    """Return the paper's kind of tuning; by hand from half of the most careful setting if not even that one holds."""
     if isinstance(method.paper, Tuning):
-        return method.paper
+        return Candidate(method, method.paper, PAPER)
     by_hand = method.paper
     (sweep,) = (sweep for sweep in method.sweeps if sweep.name == by_hand.sweep)
     (curve,) = (curve for curve in curves if curve.name == by_hand.sweep)
-    if curve.boldest_stable is None:
-        raise AnalysisError(
-            f"compare: {method.label}: no stable tuning: not even {curve.points[0].tuning.meaning} holds; "
-            "choose a smaller effect or other settings"
-        )
-    tuning = sweep.at(by_hand.back * curve.boldest_stable)
-    return replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
+    boldest, careful = curve.boldest_stable, curve.points[0]
+    tuning = sweep.at(by_hand.back * (careful.value if boldest is None else boldest))
+    told = replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
+    return Candidate(method, told, PAPER, careful.losses if boldest is None else 0)
 
 
-def _best(method: Method, curves: Sequence[Curve]) -> Tuning:
-    """Return the stable tuning of all sweeps whose energy slope is closest to zero; of equals, the first."""
+def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:
+    """Return the tuning of all sweeps whose energy slope is closest to zero; of equals, the first.
+
+    Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
+    did, and the row says so.
+    """
     points = [point for curve in curves for point in curve.points]
-    best = min(points, key=lambda point: point.off_w)
-    if not best.stable:
-        raise AnalysisError(f"compare: {method.label}: no stable tuning in any sweep; choose other settings")
-    return best.tuning
+    best = min(points, key=lambda point: (point.losses, point.off_w))
+    return Candidate(method, best.tuning, BEST, best.losses)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, isfinite
 
-from friction_audit.compare.interval import Interval, mean_interval
+from friction_audit.compare.interval import Interval, mean_interval, median_interval
 from friction_audit.compare.method import Tuning
 from friction_audit.compare.trial import Course, Outcome
 
@@ -26,23 +26,28 @@ class Point:
     @property
     def stable(self) -> bool:
         """True if no seed lost the loop."""
-        return all(outcome.stable for outcome in self.outcomes)
+        return self.losses == 0
+
+    @property
+    def losses(self) -> int:
+        """Number of seeds that lost the loop."""
+        return sum(not outcome.stable for outcome in self.outcomes)
 
     @property
     def energy_slope_w(self) -> Interval:
-        """Slope of the net energy. [W]"""
-        return mean_interval([outcome.energy_slope_w for outcome in self.outcomes])
+        """Slope of the net energy, over the seeds in which the loop held. [W]"""
+        return mean_interval([outcome.energy_slope_w for outcome in self.outcomes if outcome.stable])
 
     @property
     def rms_torque_nm(self) -> Interval:
-        """Rms interaction torque. [N m]"""
-        return mean_interval([outcome.rms_torque_nm for outcome in self.outcomes])
+        """Rms interaction torque, over the seeds in which the loop held. [N m]"""
+        return mean_interval([outcome.rms_torque_nm for outcome in self.outcomes if outcome.stable])
 
     @property
     def off_w(self) -> float:
-        """Mean distance of the slope from zero, infinite where the loop was lost. [W]"""
-        slopes = [abs(outcome.energy_slope_w) for outcome in self.outcomes]
-        return sum(slopes) / len(slopes) if self.stable else inf
+        """Mean distance of the slope from zero over the seeds in which the loop held, infinite if in none. [W]"""
+        slopes = [abs(outcome.energy_slope_w) for outcome in self.outcomes if outcome.stable]
+        return sum(slopes) / len(slopes) if slopes else inf
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -88,9 +93,11 @@ class Row:
         label: Its label.
         tuning: The tuning.
         role: ``"paper"``, ``"best"`` or ``"other"``.
+        tuning_losses: With how many of the persons of the sweeps the loop was lost at the setting that the tuning was
+            chosen by; None if it was not chosen from a sweep.
         outcomes: One per seed.
-        margin: Factor by which the gain may grow, see ``margin``; infinite if more than anybody asks for, NaN if not
-            looked for.
+        margins: Factor by which the gain may grow, see ``margin``, one per seed for which it was looked for; infinite
+            if more than anybody asks for, 0 if the loop is lost as it is.
         course: What figures show of the first seed.
     """
 
@@ -98,13 +105,19 @@ class Row:
     label: str
     tuning: Tuning
     role: str
+    tuning_losses: int | None
     outcomes: tuple[Outcome, ...]
-    margin: float
+    margins: tuple[float, ...]
     course: Course
 
     def interval(self, measure: Callable[[Outcome], float]) -> Interval:
         """Return mean and interval of a measure over the seeds in which the loop held."""
         return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+
+    @property
+    def margin(self) -> Interval:
+        """Median of the stability margins; NaN if none was looked for."""
+        return median_interval(self.margins)
 
     @property
     def stable_share(self) -> float:
@@ -127,6 +140,7 @@ class Comparison:
         duration_s: Length of a trial. [s]
         seeds: Seeds that are reported.
         tuning_seeds: Seeds of the sweeps.
+        margin_seeds: Seeds for which stability margins were looked for.
         rows: Methods and tunings, in the order of the methods.
         curves: The sweeps.
     """
@@ -136,6 +150,7 @@ class Comparison:
     duration_s: float
     seeds: tuple[int, ...]
     tuning_seeds: tuple[int, ...]
+    margin_seeds: tuple[int, ...]
     rows: tuple[Row, ...]
     curves: tuple[Curve, ...]
 

@@ -20,16 +20,18 @@ class Plan:
 
     Attributes:
         tuning_seeds: Persons for whom the sweeps are made; none of them is reported.
-        every: Of the values of a sweep, every so manyth is tried.
+        most_values: Of the values of a sweep, at most so many are tried, evenly chosen.
         sweeps: So many sweeps of a method are made.
         with_others: Whether tunings beside the paper's kind and the best one are reported.
-        margin_share: Of the length of a trial, what looking for the stability margin takes; 0 not to look.
+        margin_seeds: Of the persons who are reported, those whose stability margins are looked for.
+        margin_share: Of the length of a trial, what looking for a stability margin takes.
     """
 
     tuning_seeds: int
-    every: int
+    most_values: int
     sweeps: int
     with_others: bool
+    margin_seeds: int
     margin_share: float
 
 
@@ -69,13 +71,13 @@ SCENES: tuple[Scene, ...] = (
         name="joint",
         title="joint 1 of a Panda, elastic, moved by a person",
         settings=BenchSettings(joints=(PANDA_JOINTS[0],), hidden=(_ELASTIC,), duration_s=40.0),
-        plan=Plan(tuning_seeds=5, every=1, sweeps=5, with_others=True, margin_share=0.5),
+        plan=Plan(tuning_seeds=5, most_values=10, sweeps=5, with_others=True, margin_seeds=20, margin_share=0.5),
     ),
     Scene(
         name="panda",
         title="a Panda, its joints elastic, guided by a hand",
-        settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=20.0),
-        plan=Plan(tuning_seeds=2, every=2, sweeps=2, with_others=False, margin_share=0.6),
+        settings=ArmSettings(hidden=(_ELASTIC,) * len(PANDA_JOINTS), duration_s=30.0),
+        plan=Plan(tuning_seeds=5, most_values=5, sweeps=2, with_others=False, margin_seeds=6, margin_share=0.6),
         needs_processes=True,
     ),
 )

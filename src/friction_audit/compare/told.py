@@ -38,10 +38,12 @@ def _tell_row(row: Row) -> Told:
         "tuning": row.tuning.name,
         "meaning": row.tuning.meaning,
         "role": row.role,
+        "tuning_losses": row.tuning_losses,
         **{name: _tell_interval(row.interval(attrgetter(name))) for name in MEASURES},
         "stable_share": row.stable_share,
         "lost_s": list(row.lost_s),
-        "stability_margin": row.margin,
+        "stability_margin": _tell_interval(row.margin),
+        "stability_margins": list(row.margins),
     }
 
 
@@ -61,6 +63,7 @@ def _tell_point(point: Point) -> Told:
         "value": point.value,
         "tuning": point.tuning.name,
         "stable": point.stable,
+        "stable_share": 1.0 - point.losses / len(point.outcomes),
         "energy_slope_w": _tell_interval(point.energy_slope_w),
         "rms_torque_nm": _tell_interval(point.rms_torque_nm),
     }

@@ -14,7 +14,7 @@ def compare_document(
     """Return the document on a comparison.
 
     Args:
-        told: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``settings`` and ``effects``.
+        told: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``, ``settings`` and ``effects``.
         methods: Per method and tuning what came of it.
         sweeps: Per sweep its points.
         figures: Name and path of every figure.

@@ -1,6 +1,6 @@
 """Comparison of methods -> the table that people read."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf, isnan
 from typing import TYPE_CHECKING, Any
 
@@ -15,19 +15,22 @@ ROLES = {"paper": "*", "best": "+", "other": " "}
 
 LEGEND = (
     "* the paper's kind of tuning; + the best stable one of the sweeps, chosen for other persons",
-    "intervals are 95 %; margin: factor by which the gain may grow before the loop is lost",
+    "slope, peak and rms: means over the persons with whom the loop held, with 95 % intervals",
 )
+
+MARGIN = "margin: factor by which the gain may grow before the loop is lost, 0 if it is lost as it is;"
 
 ENDLESS = ">32"
 """Margin beyond what is searched."""
 
 
-def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
+def compare_table(rows: Iterable[Row], seeds: int, tuning_seeds: int) -> "list[RenderableType]":
     """Return a row per method and tuning, and the losses of those that did not hold.
 
     Args:
         rows: Entries of ``methods`` in the document.
         seeds: How many persons.
+        tuning_seeds: How many persons the settings were chosen for.
     """
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -42,8 +45,9 @@ def compare_table(rows: Iterable[Row], seeds: int) -> "list[RenderableType]":
         if before is None or before["method"] != row["method"]:
             table.add_row(Text(row["label"]))
         table.add_row(*(Text(text) for text in _cells(row)))
-    losses = [_loss(row, seeds) for row in told if row["lost_s"]]
-    return [Text(line) for line in (*plain_lines(table), *LEGEND, *losses)]
+    # A tuning that is both the paper's kind and the best one lost the same loops.
+    notes = dict.fromkeys(note for row in told for note in _notes(row, seeds, tuning_seeds))
+    return [Text(line) for line in (*plain_lines(table), *LEGEND, *_margins(told), *notes)]
 
 
 def _cells(row: Row) -> tuple[str, ...]:
@@ -53,8 +57,29 @@ def _cells(row: Row) -> tuple[str, ...]:
         _with_interval(row["peak_torque_nm"], 1.0, 2),
         _with_interval(row["rms_torque_nm"], 1.0, 3),
         f"{row['stable_share']:.0%}",
-        ENDLESS if row["stability_margin"] == inf else f"{row['stability_margin']:.1f}",
+        _margin(row["stability_margin"]),
     )
+
+
+def _margin(told: Mapping[str, Any]) -> str:
+    """Return the bounds of a median, which need not lie evenly about it, or the median where it has none."""
+    bounds = [told["value"]] if isnan(told["ci95"][0]) else told["ci95"]
+    return "..".join(dict.fromkeys(map(_factor, bounds)))
+
+
+def _factor(value: float) -> str:
+    if isnan(value):
+        return "-"
+    return ENDLESS if value == inf else f"{value:.2g}"
+
+
+def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Return how the margins are to be read, if they were looked for."""
+    persons = max((len(row["stability_margins"]) for row in rows), default=0)
+    if not persons:
+        return ()
+    known = any(not isnan(row["stability_margin"]["ci95"][0]) for row in rows)
+    return (MARGIN, f"{'95 % interval of the ' if known else ''}median of {persons} persons")
 
 
 def _with_interval(told: Mapping[str, Any], factor: float, digits: int) -> str:
@@ -65,9 +90,13 @@ def _with_interval(told: Mapping[str, Any], factor: float, digits: int) -> str:
     return f"{factor * value:.{digits}f}{half}"
 
 
-def _loss(row: Row, seeds: int) -> str:
-    lost = row["lost_s"]
-    return (
-        f"{row['label']}, {row['tuning']}: the loop was lost in {len(lost)} of {seeds} seeds, first after "
-        f"{min(lost):.1f} s; figures end there"
-    )
+def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
+    """Yield what to know about a tuning whose loop was lost."""
+    name, lost, in_tuning = f"{row['label']}, {row['tuning']}", row["lost_s"], row["tuning_losses"]
+    if lost:
+        yield (
+            f"{name}: the loop was lost in {len(lost)} of {seeds} seeds, first after {min(lost):.1f} s; "
+            "figures end there"
+        )
+    if in_tuning:
+        yield f"{name}: no setting tried is stable; here the loop was lost with {in_tuning} of {tuning_seeds} persons"

@@ -37,7 +37,7 @@ def compared(simulations: Simulations) -> Comparison:
 @cache
 def _compare(seeds: int) -> Comparison:
     (arm,) = (scene for scene in SCENES if scene.name == "panda")
-    arm = replace(arm, plan=replace(arm.plan, margin_share=0.0))
+    arm = replace(arm, plan=replace(arm.plan, margin_seeds=0))
     return compare(arm, seeds, [method for method in METHODS if method.name in ORDER])
 
 

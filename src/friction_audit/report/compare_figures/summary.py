@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.report.compare_figures.look import LOOKS
+from friction_audit.report.compare_figures.look import LOOKS, LOST
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
 from friction_audit.report.figures.style import COLUMN_IN, MUTED, figure_style
 
@@ -14,9 +14,12 @@ if TYPE_CHECKING:
 Row = Mapping[str, Any]
 
 PANELS = (
-    ("energy_slope_w", 1000.0, "(a) energy slope [mW]"),
+    ("energy_slope_w", 1000.0, "(a) slope [mW]"),
     ("rms_torque_nm", 1.0, "(b) rms torque [N m]"),
 )
+LOST_AT = 0.97
+"""Where a panel says how often a loop was lost, of its width."""
+
 SHIFTS = {"paper": -0.14, "best": 0.14}
 """Where a role's marker stands, in rows."""
 
@@ -35,6 +38,7 @@ def draw_summary(rows: Iterable[Row]) -> "Figure":
         for axes, (name, factor, title) in zip(panels, PANELS, strict=True):
             _draw_panel(axes, told, labels, name, factor)
             label_panel(axes, title, across=4)
+            _tell_losses(axes, told, labels)
             axes.set_ylim(len(labels) - 0.5, -0.5)
             axes.set_yticks(range(len(labels)), labels)
             axes.tick_params(axis="y", length=0)
@@ -45,6 +49,22 @@ def draw_summary(rows: Iterable[Row]) -> "Figure":
         ]
         add_legend(figure, handles)
         return figure
+
+
+def _tell_losses(axes: "Axes", rows: Sequence[Row], labels: Sequence[str]) -> None:
+    """Write at the right how many loops were lost: those are not in the means."""
+    for row in rows:
+        if row["lost_s"]:
+            axes.text(
+                LOST_AT,
+                labels.index(row["label"]) + SHIFTS[row["role"]],
+                f"{1 - row['stable_share']:.0%} lost",
+                transform=axes.get_yaxis_transform(),
+                ha="right",
+                va="center",
+                fontsize=5.5,
+                color=LOST,
+            )
 
 
 def _draw_panel(axes: "Axes", rows: Sequence[Row], labels: Sequence[str], name: str, factor: float) -> None:

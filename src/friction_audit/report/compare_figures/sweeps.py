@@ -1,6 +1,7 @@
 """How much a method depends on its tuning, and where its loop is lost."""
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import pairwise, takewhile
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +69,7 @@ def _draw_method(axes: "Axes", sweeps: Sequence[Sweep], none_w: float) -> None:
 
 
 def _draw_sweep(axes: "Axes", sweep: Sweep, number: int, *, alone: bool) -> None:
-    """Draw the stable points with their intervals, and a cross where the loop was lost for the first time."""
+    """Draw the stable points, and a cross where the loop was lost first on either side of them."""
     held = [point for point in sweep["points"] if point["stable"]]
     slopes = [MILLI * point["energy_slope_w"]["value"] for point in held]
     axes.plot(
@@ -83,18 +84,28 @@ def _draw_sweep(axes: "Axes", sweep: Sweep, number: int, *, alone: bool) -> None
         label=sweep["sweep"],
         zorder=3,
     )
-    lost = next((point["value"] for point in sweep["points"] if not point["stable"]), None)
-    if lost is not None and held:
-        axes.plot(lost, slopes[-1], "x", color=LOST, ms=3.5, mew=0.8, zorder=4)
+    for point, beside in _lost_beside(sweep["points"]):
+        height = MILLI * beside["energy_slope_w"]["value"]
+        axes.plot(point["value"], height, "x", color=LOST, ms=3.5, mew=0.8, zorder=4)
+
+
+def _lost_for_good(points: Sequence[Mapping[str, Any]]) -> float:
+    """Return the first value from which on the loop is always lost."""
+    lost = list(takewhile(lambda point: not point["stable"], reversed(points)))
+    return float(lost[-1]["value"])
+
+
+def _lost_beside(points: Sequence[Mapping[str, Any]]) -> list[tuple[Mapping[str, Any], Mapping[str, Any]]]:
+    """Return the points at which the loop was lost that are next to one at which it held, each with that one."""
+    pairs = [*pairwise(points), *pairwise(reversed(points))]
+    return [(lost, held) for held, lost in pairs if held["stable"] and not lost["stable"]]
 
 
 def _shade_limit(axes: "Axes", sweeps: Sequence[Sweep], last: float) -> None:
-    """Shade the values at which every sweep of a method has lost its loop."""
-    first = [next((p["value"] for p in sweep["points"] if not p["stable"]), None) for sweep in sweeps]
-    lost = [value for value in first if value is not None]
-    if len(lost) < len(first):
+    """Shade the values beyond which every sweep of a method has lost its loop for good."""
+    if any(sweep["points"][-1]["stable"] for sweep in sweeps):
         return
-    start = max(lost)
+    start = max(_lost_for_good(sweep["points"]) for sweep in sweeps)
     axes.axvspan(start, last, facecolor=SHADE, edgecolor="none", zorder=0)
     axes.text(
         (start * last) ** 0.5,
