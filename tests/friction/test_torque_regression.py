@@ -113,6 +113,19 @@ def test_a_jittering_clock_takes_nothing_from_the_inertia() -> None:
     assert found.inertia.value == pytest.approx(0.3, rel=2e-3)
 
 
+def test_lost_samples_take_nothing_from_the_inertia() -> None:
+    t, dq, ddq = strokes([0.6, -0.6] * 15, [0.7, 0.9] * 15)
+    q = np.cumsum(dq) / RATE_HZ
+    kept = np.random.default_rng(4).random(len(t)) > 0.1
+    found = regress_torque(
+        interaction(t[kept], dq[kept], (0.2 * np.sign(dq) + 0.3 * ddq)[kept], q=q[kept]), 0, DEAD_BAND
+    )
+    assert found is not None
+    assert found.inertia.value == pytest.approx(0.3, rel=1e-3)
+    # With the steps between neighbours 0.27 kg m^2 and 0.1 N m.
+    assert found.residual_rms_nm < 0.02
+
+
 def test_gravity_that_is_left_in_the_torque_moves_no_coefficient() -> None:
     found = regress(velocity_noise=0.01, torque_noise=0.05, position_noise=4e-6, gravity_nm=0.5)
     assert found.inertia.value == pytest.approx(INERTIA, rel=0.01)

@@ -53,6 +53,6 @@ def instruments_at(t: Float, q: Float, index: NDArray[np.int64], block: int) -> 
     """
     around = index[:, None] + np.arange(-reach(block), reach(block) + 1)
     before, here, after = q[around].reshape(len(index), 3, block).mean(axis=2).T
-    first, middle, last = t[index - block], t[index], t[index + block]
+    first, middle, last = t[around].reshape(len(index), 3, block).mean(axis=2).T
     left, right = (here - before) / (middle - first), (after - here) / (last - middle)
     return Instruments(velocity=(after - before) / (last - first), acceleration=2.0 * (right - left) / (last - first))

@@ -11,6 +11,7 @@ position are instruments for them.
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -34,6 +35,8 @@ FEWEST_ROWS = 100
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
 """A difference of neighbours is the mean slope between them; torque and velocity are averaged likewise, or a slow log
 would tell another inertia."""
+SETTLED = 41
+"""Samples that the filter's response to an impulse is longer than what is kept of it."""
 LONGEST = 2.0
 """What a row rests on may last so many times longer than its samples should; beyond, there is a hole in it."""
 
@@ -94,7 +97,8 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Row
     if interaction.compensation is not None:
         load = load + interaction.compensation[:, column]
     block = block_length(step_s)
-    index = _whole(t, step_s, reach(block))
+    around = reach(block) + 1
+    index = _whole(t, step_s, around)
     index = index[np.abs(velocity[index]) > dead_band_rad_s]
     near = velocity[index[:, None] + NEIGHBOURS]
     direction = np.sign(near[:, 1])
@@ -103,7 +107,7 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Row
         "coulomb": np.sign(near) @ SIMPSON,
         "viscous": near @ SIMPSON,
         "offset": np.ones(len(index)),
-        "inertia": _slope(near, t, index, block),
+        "inertia": 0.5 * (near[:, 2] - near[:, 0]) / _steps(t, index, around, smooth),
         **_gravity(interaction, column, index),
     }
     instruments = columns | {"viscous": by_position.velocity, "inertia": by_position.acceleration}
@@ -144,14 +148,18 @@ def _gather(rows: _Rows) -> tuple[Equations, float]:
     return equations, float(weights.mean() / np.mean(weights >= 1.0))
 
 
-def _slope(near: Float, t: Float, index: NDArray[np.int64], block: int) -> Float:
-    """Differentiate a filtered signal, given at the rows and their neighbours.
+def _steps(t: Float, index: NDArray[np.int64], around: int, smooth: Callable[[Float], Float]) -> Float:
+    """Return the step of the clock at some samples, weighted as the filter weighs the samples around, shape (m,). [s]
 
-    The filter counts samples, so a difference of neighbours belongs to the step that samples have on average: a single
-    stamp may err by a good part of a step.
+    The filter counts samples: what it makes of a slope belongs to the step that those samples have on average, not to
+    two stamps beside a lost sample, of which each may err by a good part of a step.
     """
-    step = (t[index + block] - t[index - block]) / (2 * block)
-    return np.asarray(0.5 * (near[:, 2] - near[:, 0]) / step, np.float64)
+    impulse = np.zeros(2 * around + SETTLED)
+    middle = len(impulse) // 2
+    impulse[middle] = 1.0
+    kernel = smooth(impulse)[middle - around + 1 : middle + around]
+    weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
+    return np.asarray(t[index[:, None] + np.arange(-around, around + 1)] @ weights, np.float64)
 
 
 def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
