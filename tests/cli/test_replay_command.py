@@ -1,5 +1,6 @@
 import csv
 import json
+import re
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,19 @@ def test_wrong_usage(options: list[str], message: str, run: Run, logs: Path) -> 
     assert answer.code == 2
     assert message in answer.err
     assert answer.out == ""
+
+
+def test_what_moves_otherwise_is_said_with_its_intervals(run: Run, logs: Path) -> None:
+    options = ("replay", logs / "moved1.csv", "--assume", "same-operator", "--operator", "0.3,9,60")
+    (joint,) = run(*options, "--json").document()["joints"]
+    value, (low, high) = joint["fitted_joint"]["inertia_kg_m2"].values()
+    assert low < value < high
+    assert joint["operator"]["stiffness_nm_per_rad"] == {"value": 60.0, "ci95": [None, None]}
+    text = run(*options).out
+    assert re.search(
+        r"joint 1 as fitted, 95 %: inertia [\d.]+ ± [\d.]+ kg m², Coulomb [\d.]+ ± [\d.]+ N m, viscous", text
+    )
+    assert "person at joint 1 as given: inertia 0.3 kg m², damping 9 N m s/rad, stiffness 60 N m/rad" in text
 
 
 def test_an_assumption_that_the_log_does_not_carry(run: Run, logs: Path) -> None:

@@ -1,12 +1,14 @@
 """LogReplay -> the table that people read."""
 
 import math
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import LogReplay
+from friction_audit.friction.history import Coefficient
 from friction_audit.replay.compensators import EnergyCompensator, kind_of
 from friction_audit.replay.result import JointReplay
-from friction_audit.report.estimate_table import NOTHING, joint_label
+from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
 from friction_audit.report.reasons import reason_lines
 
 if TYPE_CHECKING:
@@ -32,12 +34,13 @@ WORST = -9.99
 
 
 def replay_table(found: LogReplay) -> "list[RenderableType]":
-    """Return what was assumed, a row per joint, steps of friction, and the reasons of the joints without a result."""
+    """Return what was assumed, a row per joint, what moved in it, steps of friction, and why joints have no result."""
     from rich.text import Text
 
     joints = found.replay.joints
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
     parts.append(_table(joints))
+    parts.extend(Text(line) for joint in joints for line in _moved(joint))
     parts.extend(Text(line) for joint in joints for line in _recovery(joint))
     parts.extend(Text(f"not replayed: {line}") for line in reason_lines(joints))
     return parts
@@ -115,6 +118,28 @@ def _percent(share: float) -> str:
     if share < WORST:
         return f"<{100 * WORST:.0f}"
     return NOTHING if math.isnan(share) else f"{100 * share:.1f}"
+
+
+def _moved(joint: JointReplay) -> Iterator[str]:
+    """Yield the joint and the person that moved otherwise than recorded, with their 95 % intervals."""
+    fitted, operator = joint.fitted, joint.operator
+    if fitted is not None:
+        found = (fitted.inertia, fitted.coulomb, fitted.viscous)
+        yield f"joint {joint.joint} as fitted, 95 %: {_quantities(FITTED, found)}"
+    if operator is not None:
+        found = (operator.inertia, operator.damping, operator.stiffness)
+        origin = f"as fitted to {operator.reversals} reversals, 95 %" if operator.reversals else "as given"
+        yield f"person at joint {joint.joint} {origin}: {_quantities(OPERATOR, found)}"
+
+
+FITTED = (("inertia", "kg m²"), ("Coulomb", "N m"), ("viscous", "N m s/rad"))
+OPERATOR = (("inertia", "kg m²"), ("damping", "N m s/rad"), ("stiffness", "N m/rad"))
+"""What the numbers are called, and their units."""
+
+
+def _quantities(names: tuple[tuple[str, str], ...], found: tuple[Coefficient, ...]) -> str:
+    pairs = zip(names, found, strict=True)
+    return ", ".join(f"{name} {format_coefficient(value)} {unit}" for (name, unit), value in pairs)
 
 
 def _recovery(joint: JointReplay) -> list[str]:
