@@ -8,6 +8,7 @@ give it its shape, are known, so that a fit needs to search the shape only.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
+from typing import Literal
 
 import numpy as np
 
@@ -80,6 +81,10 @@ class Parameter:
         return bool(np.isfinite(value)) and self.lower <= value <= self.upper
 
 
+Forward = Literal["instant", "bristle", "delay", "spring", "play"]
+"""How a term takes part in a forward simulation, see ``Term.forward``."""
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Term:
     """A term: its name, its parameters and its regressor.
@@ -92,6 +97,15 @@ class Term:
         basis: (motion, shape values) -> regressor, shape (n, len(linear)).
         friction: If True, what the term takes is dissipated.
         speed_only: If True, the torque follows from the velocity alone.
+        forward: How it takes part in a forward simulation, which reads all numbers off the basis:
+
+            - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other
+              joints as recorded. Should the past matter too, its torque along the motion is iterated.
+            - ``bristle``: by a torque that builds up with the path since a reversal.
+            - ``delay``: the torque that drives the joint was read late; the basis acts on ``Motion.rest``.
+            - ``spring``: the measured side turns further than the side of friction, by torque times the parameter
+              whose unit is rad/(N m).
+            - ``play``: likewise, by the play whose full width is the shape parameter with the unit rad.
     """
 
     name: str
@@ -101,6 +115,7 @@ class Term:
     basis: Callable[[Motion, Sequence[float]], Float]
     friction: bool = False
     speed_only: bool = False
+    forward: Forward = "instant"
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
