@@ -8,7 +8,7 @@ import pytest
 
 from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.decide import MOTIONS, PAIRS, decide, motion_between
+from friction_audit.discrepancy.decide import MOTIONS, PAIRS, motion_between, motion_to_decide
 
 NAMES = [candidate.name for candidate in CANDIDATES]
 PAGES = Path(__file__).parents[2] / "docs" / "effects"
@@ -81,13 +81,13 @@ def test_a_pair_that_nobody_confuses_gets_the_motions_of_both() -> None:
 
 
 def test_without_alternatives_nothing_is_to_be_decided() -> None:
-    assert decide("stribeck", ()) == ""
+    assert motion_to_decide("stribeck", ()) == ""
 
 
 def test_one_alternative_gets_its_motion_and_several_their_names() -> None:
     rest = "let the joint rest unloaded for 2 s: a bias is read at rest too, friction is not"
-    assert decide("torque_bias", ["asymmetric_coulomb"]) == rest
-    text = decide("torque_bias", ["asymmetric_coulomb", "torque_drift"])
+    assert motion_to_decide("torque_bias", ["asymmetric_coulomb"]) == rest
+    text = motion_to_decide("torque_bias", ["asymmetric_coulomb", "torque_drift"])
     assert (
         text
         == f"against asymmetric_coulomb: {rest}; against torque_drift: {motion_between('torque_bias', 'torque_drift')}"
@@ -95,6 +95,6 @@ def test_one_alternative_gets_its_motion_and_several_their_names() -> None:
 
 
 def test_alternatives_with_the_same_motion_share_it() -> None:
-    assert decide("position_dependent_friction", ["torque_ripple", "gravity_error"]) == (
+    assert motion_to_decide("position_dependent_friction", ["torque_ripple", "gravity_error"]) == (
         "pass every place four times in each direction"
     )

@@ -140,7 +140,7 @@ MOTIONS: dict[str, str] = {
 """The motion on which an effect shows itself best: what its gate asks for, and what sets it apart."""
 
 
-def decide(name: str, alternatives: Sequence[str]) -> str:
+def motion_to_decide(name: str, alternatives: Sequence[str]) -> str:
     """Say what to record to tell an effect from its alternatives; empty without any.
 
     Args:
