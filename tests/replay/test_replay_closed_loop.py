@@ -94,6 +94,20 @@ def test_a_recorded_compensator_does_not_disturb_the_same_operator() -> None:
     np.testing.assert_allclose(joint.replayed.dq, log_of(BENCH).dq[:, 0], atol=0.02)
 
 
+def test_over_compensation_is_taken_back_in_closed_loop() -> None:
+    too_much = EnergyCompensator(window=4, factor=1.5)
+    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=too_much)
+    passivity = replay(log_of(BENCH), settings).replay.joints[0].passivity
+    assert passivity is not None
+    assert passivity.injected_j > 0.0
+    assert passivity.lowest_j < 0.0
+    assert passivity.violations == 0
+    bare = replace(settings, compensator=replace(too_much, passivity=False))
+    passivity = replay(log_of(BENCH), bare).replay.joints[0].passivity
+    assert passivity is not None
+    assert passivity.violations > 1000
+
+
 def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
     rival = Rival(name="torque-regulation", desired_inertia_kg_m2=0.02)
     found = replay(log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=rival)).replay

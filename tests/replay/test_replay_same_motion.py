@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,14 +10,14 @@ import pytest
 from friction_audit.audit import AuditSettings, LogReplay, replay_log
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.replay.result import JointReplay
+from friction_audit.replay.result import JointReplay, ReplayHistory
 from friction_audit.replay.settings import ReplaySettings, energy_compensator
 from friction_audit.simulate.bench import BenchSettings, simulate_bench
 from friction_audit.simulate.effects.friction_step import FrictionStep
 from friction_audit.simulate.effects.hidden import Hidden
 from friction_audit.simulate.motion import Sinusoid
 from friction_audit.simulate.operator import Operator
-from friction_audit.simulate.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+from friction_audit.simulate.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 VISCOUS_JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.2)
@@ -46,6 +47,28 @@ def joint_of(log: JointLog, compensator: EnergyCompensator | FixedCompensation) 
     return replay(log, compensator).replay.joints[0]
 
 
+ONE_BY_ONE = {
+    "viscous": VISCOUS_JOINT,
+    "coulomb": replace(JOINT, viscous_nms_per_rad=0.0),
+    "combined": JOINT,
+}
+"""A joint for each friction model."""
+
+
+def friction_of(joint: JointParameters, history: ReplayHistory) -> Float:
+    """Return the mean friction torque of a joint over the path of each cycle. [N m]"""
+    return joint.coulomb_nm + joint.viscous_nms_per_rad * history.square_speed_rad2_s / history.path_rad
+
+
+def estimated_friction(joint: JointReplay) -> Float:
+    """Return the mean friction torque over the path of each cycle, by the estimate that its end made known. [N m]"""
+    history = joint.history
+    assert history is not None
+    speed = history.square_speed_rad2_s / history.path_rad
+    coulomb, viscous = history.coulomb_estimated_nm, history.viscous_estimated_nms_per_rad
+    return np.nan_to_num(coulomb) + np.nan_to_num(viscous) * speed
+
+
 @pytest.mark.parametrize(
     ("settings", "compensator"),
     [(BENCH, EnergyCompensator()), (VISCOUS_BENCH, EnergyCompensator(model="viscous")), (BENCH, energy_compensator())],
@@ -60,11 +83,13 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
     assert numbers.dissipation_removed < numbers.dissipation_removed_updated
 
 
-def test_with_the_noise_of_a_panda_little_is_left() -> None:
-    noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), duration_s=60.0)
-    found = [joint_of(log_of(noisy, seed), energy_compensator()).numbers for seed in range(5)]
+@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@pytest.mark.parametrize("window", [2, 4])
+def test_with_the_noise_of_a_panda_little_is_left(window: int, operator: Operator) -> None:
+    noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
+    found = [joint_of(log_of(noisy, seed), energy_compensator(window=window)).numbers for seed in range(20)]
     removed = [numbers.dissipation_removed_updated for numbers in found if numbers is not None]
-    assert len(removed) == 5
+    assert len(removed) == 20
     assert np.median(removed) >= 0.95
 
 
@@ -113,25 +138,43 @@ def test_a_log_of_the_closed_loop_gives_the_same_torque_again(compensator: Energ
 
 
 OVER = EnergyCompensator(model="viscous", forced=Coefficients(viscous_nms_per_rad=0.3))
+TOO_MUCH: dict[str, dict[str, Any]] = {
+    "viscous": {"forced": Coefficients(viscous_nms_per_rad=0.3)},
+    "coulomb": {"forced": Coefficients(coulomb_nm=0.45)},
+    "combined": {"forced": Coefficients(coulomb_nm=0.45, viscous_nms_per_rad=0.105), "window": 4},
+}
+"""Half as much again as the joints of ONE_BY_ONE have, by model."""
 
 
-@pytest.mark.parametrize(
-    "compensator", [OVER, EnergyCompensator(model="viscous", factor=1.5)], ids=["forced", "factor"]
-)
-def test_over_compensation_is_taken_back(compensator: EnergyCompensator) -> None:
-    joint = joint_of(log_of(VISCOUS_BENCH), compensator)
+@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@pytest.mark.parametrize("closed", [False, True], ids=["recorded without", "recorded with it"])
+@pytest.mark.parametrize("how", ["forced", "factor"])
+@pytest.mark.parametrize("model", ["viscous", "coulomb", "combined"])
+def test_over_compensation_by_half_is_taken_back(model: str, how: str, closed: bool, operator: Operator) -> None:
+    """No cycle ends below zero by more than a sample's energy, and two cycles later the estimate is within 2 %."""
+    window = 4 if model == "combined" else 1
+    told = TOO_MUCH[model] if how == "forced" else {"factor": 1.5, "window": window}
+    compensator = EnergyCompensator(model=model, **told)
+    bench = replace(BENCH, joints=(ONE_BY_ONE[model],), operator=operator, duration_s=60.0)
+    joint = joint_of(log_of(replace(bench, compensator=compensator if closed else None)), compensator)
     history, replayed, passivity = joint.history, joint.replayed, joint.passivity
     assert history is not None
     assert replayed is not None
     assert passivity is not None
-    sample = float(np.abs(replayed.interaction_nm * replayed.dq).max()) * 1e-3
-    assert replayed.net_energy_j[history.stop].min() >= -sample
-    assert passivity.lowest_j >= -2 * sample
+    sample = float(np.abs(joint.without.interaction_nm * replayed.dq).max()) * 1e-3
+    energy = replayed.net_energy_j
+    assert min(energy[-1], *energy[history.stop]) >= -sample
+    assert passivity.lowest_j >= -2.0 * sample
     assert passivity.violations == 0
     assert passivity.injected_j > 0.0
     acted = int(np.argmax(history.acted))
     assert history.acted[acted]
-    np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[acted:], 0.2, rtol=0.02)
+    found, truth = estimated_friction(joint), friction_of(ONE_BY_ONE[model], history)
+    np.testing.assert_allclose(found[acted + 1 :], truth[acted + 1 :], rtol=0.02)
+    if model != "combined":
+        coulomb, viscous = history.coulomb_estimated_nm, history.viscous_estimated_nms_per_rad
+        own, true = (coulomb, 0.3) if model == "coulomb" else (viscous, 0.2)
+        np.testing.assert_allclose(own[acted + 1 :], true, rtol=0.02)
 
 
 def test_the_reserve_of_the_first_cycle_is_said_to_hide_over_compensation() -> None:
@@ -153,23 +196,54 @@ def test_without_the_controller_the_ledger_falls() -> None:
     assert joint.passivity.injected_j == 0.0
 
 
-@pytest.mark.parametrize(("model", "k"), [("viscous", 1), ("viscous", 3), ("coulomb", 1)])
-def test_a_step_of_friction_is_found_and_overcome(model: str, k: int) -> None:
-    joint = replace(VISCOUS_JOINT) if model == "viscous" else replace(JOINT, viscous_nms_per_rad=0.0)
-    stepped = replace(BENCH, joints=(joint,), hidden=(Hidden(friction_step=FrictionStep(change=1.0)),), duration_s=40.0)
-    found = joint_of(log_of(stepped), EnergyCompensator(model=model, window=k, dead_band_rad_s=0.0, ramp_rad_s=0.0))
-    history, recovery = found.history, found.recovery
+OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("combined", 2), ("combined", 4))
+"""Model and window k."""
+
+
+@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+@pytest.mark.parametrize(
+    ("model", "k", "sensors"),
+    [
+        *((model, k, IDEAL_SENSORS) for model, k in OVERCOME),
+        # With a Panda's noise the estimate from a single cycle is up to 8 % off, step or no step.
+        *((model, k, PANDA_SENSORS[0]) for model, k in OVERCOME if k > 1),
+    ],
+)
+def test_a_step_of_friction_is_overcome_after_a_window_and_a_cycle(
+    model: str, k: int, operator: Operator, sensors: Sensors
+) -> None:
+    """The estimate is within 5 % of the friction at the speed of each cycle, from k + 1 cycles after the step on."""
+    joint = ONE_BY_ONE[model]
+    step = Hidden(friction_step=FrictionStep(change=1.0))
+    stepped = replace(BENCH, joints=(joint,), sensors=(sensors,), operator=operator, hidden=(step,), duration_s=60.0)
+    for seed in range(3):
+        found = joint_of(log_of(stepped, seed), EnergyCompensator(model=model, window=k))
+        history, recovery = found.history, found.recovery
+        assert history is not None
+        assert recovery is not None
+        assert recovery.step_s == pytest.approx(30.0, abs=2.0)
+        assert recovery.change == pytest.approx(2.0, rel=0.05)
+        assert recovery.cycles is not None
+        assert recovery.cycles <= k + 1
+        right = int(np.argmax(history.stop_s > 30.0)) + k
+        truth = 2.0 * friction_of(joint, history)
+        np.testing.assert_allclose(estimated_friction(found)[right:], truth[right:], rtol=0.05)
+
+
+@pytest.mark.parametrize("model", ["viscous", "coulomb", "combined"])
+def test_each_coefficient_follows_a_step_where_the_window_tells_them_apart(model: str) -> None:
+    joint = ONE_BY_ONE[model]
+    step = Hidden(friction_step=FrictionStep(change=1.0))
+    stepped = replace(BENCH, joints=(joint,), operator=Operator(), hidden=(step,), duration_s=60.0)
+    k = 4 if model == "combined" else 1
+    history = joint_of(log_of(stepped), EnergyCompensator(model=model, window=k)).history
     assert history is not None
-    assert recovery is not None
-    assert recovery.step_s == pytest.approx(20.0, abs=2.0)
-    assert recovery.change == pytest.approx(2.0, rel=0.05)
-    assert recovery.cycles is not None
-    assert recovery.cycles <= k + 1
-    truth = 0.4 if model == "viscous" else 0.6
-    unit = "viscous_estimated_nms_per_rad" if model == "viscous" else "coulomb_estimated_nm"
-    after = history.start_s >= 20.0 - 0.5
-    estimates = getattr(history, unit)[after]
-    np.testing.assert_allclose(estimates[k:], truth, rtol=0.05)
+    right = int(np.argmax(history.stop_s > 30.0)) + k
+    if model != "viscous":
+        np.testing.assert_allclose(history.coulomb_estimated_nm[right:], 2.0 * joint.coulomb_nm, rtol=0.05)
+    if model != "coulomb":
+        truth = 2.0 * joint.viscous_nms_per_rad
+        np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[right:], truth, rtol=0.05)
 
 
 def test_limits_of_an_arm_hold_and_are_reported() -> None:

@@ -15,7 +15,7 @@ from friction_audit.replay.operator_fit import FittedOperator
 from friction_audit.replay.port import Port, empty_course
 from friction_audit.replay.records import Record, fresh_memory, pack
 from friction_audit.replay.result import Signals
-from friction_audit.replay.tally import COLUMNS, fresh_tally
+from friction_audit.replay.tally import COLUMNS, fresh_tally, largest_sample
 
 SHORTEST_CYCLE = 4
 """Samples."""
@@ -95,6 +95,7 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
     """Run a compensator in a scene."""
     t = scene.port.t
     records, memory, tally = pack([compensator], 1.0 / median_step(t)), fresh_memory(1), fresh_tally()
+    tally["sample_j"] = largest_sample(scene.port)
     rows = np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS))
     signals = (_along if scene.joint is None else _closed)(scene, records[0], memory[0], tally[0], rows)
     tally["diverged"] = len(signals.t) < len(t)

@@ -8,7 +8,7 @@ from friction_audit.joint_log import Float
 from friction_audit.replay.kernels import step
 from friction_audit.replay.port import Course, Port
 from friction_audit.replay.records import Record
-from friction_audit.replay.tally import close_row, count_energy, count_tick, largest_sample
+from friction_audit.replay.tally import close_row, count_energy, count_tick
 
 
 @compiled()
@@ -31,7 +31,6 @@ def run_same_motion(
     """
     t, dq, torque, logged = port
     before = needed_before = 0.0
-    tally.sample_j = largest_sample(t, dq, torque)
     for i in range(len(t)):
         dt = t[i] - t[i - 1] if i > 0 else 0.0
         total = torque[i] + logged[i] if len(logged) > 0 else torque[i]

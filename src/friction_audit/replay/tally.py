@@ -4,6 +4,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.port import Port
 from friction_audit.replay.records import Record
 
 (
@@ -78,11 +79,13 @@ def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
 
 
 @compiled()
-def largest_sample(t: Float, dq: Float, torque: Float) -> float:
-    """Return the largest energy exchanged in a sample of a recording, signals of shape (n,). [J]"""
+def largest_sample(port: Port) -> float:
+    """Return the largest energy that the total torque exchanges in a sample of a recording. [J]"""
+    t, dq, torque, logged = port
     largest = 0.0
     for i in range(1, len(t)):
-        largest = max(largest, abs(torque[i] * dq[i]) * (t[i] - t[i - 1]))
+        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
+        largest = max(largest, abs(total * dq[i]) * (t[i] - t[i - 1]))
     return largest
 
 
