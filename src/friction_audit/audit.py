@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 from friction_audit.cycles import segment_cycles
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.cycles.settings import CycleSettings
+from friction_audit.discrepancy.diagnose import diagnose
+from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
@@ -109,3 +112,26 @@ def _hand_speed(estimate: Estimate) -> Float | None:
         return None
     log = estimate.log
     return arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Diagnosis:
+    """The result of ``diagnose``: what the declared model misses, and the estimate beside it."""
+
+    estimate: Estimate
+    discrepancy: Discrepancy
+    settings: DiagnosisSettings
+
+
+def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: DiagnosisSettings) -> Diagnosis:
+    """Find what the declared model of every joint of a log misses.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    estimate = estimate_log(log, settings)
+    found = diagnose(
+        estimate.log, estimate.interaction, estimate.cycles, estimate.friction, diagnosis_settings, estimate.log.gravity
+    )
+    return Diagnosis(estimate=estimate, discrepancy=found, settings=diagnosis_settings)

@@ -1,0 +1,125 @@
+"""The declared model on the rows of a joint: B ddq + mu_c sgn(dq) + mu_v dq, and whatever terms a model file adds.
+
+Fitted by least squares; rows of one cycle share their errors, so intervals come from leaving out one cycle at a time.
+
+Reference: A. C. Cameron, D. L. Miller, A practitioner's guide to cluster-robust inference, Journal of Human
+Resources 50 (2015) 317.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.rows import Rows
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+from friction_audit.model.joint_model import FittedTerm, JointModel
+
+CONFIDENCE = 0.95
+SIMPLE = ("coulomb_nm", "viscous_nms_per_rad", "inertia_kg_m2")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Declared:
+    """The declared model, b columns.
+
+    Attributes:
+        names: Names of the factors, unit behind: Coulomb and viscous friction, inertia unless it is stated, then the
+            linear parameters of other terms of a model file.
+        fine: Their columns on the fine grid, shape (n, b).
+        columns: The same on the rows, shape (m, b).
+        stated: Torque of numbers that are stated and not fitted, on the fine grid, shape (n,). [N m]
+        y: Torque of the rows less what is stated, shape (m,). [N m]
+        model: The model file's model of the joint, None without one.
+    """
+
+    names: tuple[str, ...]
+    fine: Float
+    columns: Float
+    stated: Float
+    y: Float
+    model: JointModel | None
+
+    def baseline(self, factors: Float) -> Baseline:
+        """What candidates lean on, for the factors of a fit, shape (b,)."""
+        value = dict(zip(self.names, factors.tolist(), strict=True))
+        inertia = value["inertia_kg_m2"] if self.model is None else self.model.inertia_kg_m2
+        return Baseline(
+            inertia_kg_m2=inertia,
+            coulomb_nm=value["coulomb_nm"],
+            viscous_nms_per_rad=value["viscous_nms_per_rad"],
+            torque=self.fine @ factors + self.stated,
+            declared=frozenset() if self.model is None else frozenset(SIMPLE),
+        )
+
+
+def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
+    """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated."""
+    fine = {"coulomb_nm": np.sign(data.dq), "viscous_nms_per_rad": data.dq}
+    stated = np.zeros(len(data.t))
+    if model is None:
+        fine["inertia_kg_m2"] = data.ddq
+    else:
+        stated = model.inertia_kg_m2 * data.ddq
+        simple = sum(
+            (term.torque(data.motion()) for term in model.terms if term.name in ("coulomb", "viscous")), stated
+        )
+        for term in model.terms:
+            fine |= _columns(term, data, simple)
+    stacked = np.column_stack(list(fine.values()))
+    return Declared(
+        names=tuple(fine),
+        fine=stacked,
+        columns=rows.of(stacked),
+        stated=stated,
+        y=rows.y - rows.of(stated),
+        model=model,
+    )
+
+
+def _columns(term: FittedTerm, data: JointData, rest: Float) -> dict[str, Float]:
+    """The linear columns of a term by name of their factor, its shape as stated."""
+    shape = term.values[len(term.term.linear) :]
+    regressor = term.term.regressor(data.motion(rest), shape)
+    return {parameter.name: regressor[:, k] for k, parameter in enumerate(term.term.linear)}
+
+
+def least_squares(columns: Float, y: Float) -> Float:
+    """Factors, shape (p,); of columns that are copies of each other, the smallest."""
+    scale = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(scale > 0, scale, 1.0)
+    return np.asarray(np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale)
+
+
+def coefficients(columns: Float, y: Float, cycle: NDArray[np.int64]) -> tuple[Coefficient, ...]:
+    """Factors with 95 % intervals from leaving out one cycle at a time (Student's t).
+
+    Args:
+        columns: Shape (m, p).
+        y: Response, shape (m,).
+        cycle: Number of the cycle of each row, in the order of time, shape (m,).
+    """
+    from scipy.special import stdtrit
+
+    scale = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(scale > 0, scale, 1.0)
+    scaled = columns / scale
+    bounds = [0, *(np.flatnonzero(np.diff(cycle)) + 1), len(cycle)]
+    grams = np.stack([scaled[i:j].T @ scaled[i:j] for i, j in pairwise(bounds)])
+    rights = np.stack([scaled[i:j].T @ y[i:j] for i, j in pairwise(bounds)])
+    gram, right = grams.sum(axis=0), rights.sum(axis=0)
+    value = np.linalg.pinv(gram, rcond=1e-12) @ right
+    without = np.stack(
+        [np.linalg.pinv(gram - g, rcond=1e-12) @ (right - r) for g, r in zip(grams, rights, strict=True)]
+    )
+    spread = (without - without.mean(axis=0)) / scale
+    m = len(grams)
+    half = stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt((m - 1) / m * np.sum(spread**2, axis=0))
+    return tuple(
+        Coefficient(value=float(v), low=float(v - h), high=float(v + h))
+        for v, h in zip(value / scale, half, strict=True)
+    )

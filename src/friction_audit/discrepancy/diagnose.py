@@ -1,0 +1,60 @@
+"""Where simulation and measurement disagree, joint by joint."""
+
+from collections.abc import Sequence
+from functools import partial
+
+from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.discrepancy.data_audit import audit_data
+from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
+from friction_audit.discrepancy.prepare import prepare
+from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.friction.history import Coefficient, FrictionHistory
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.per_joint import per_joint
+
+
+def diagnose(
+    log: JointLog,
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: FrictionHistory,
+    settings: DiagnosisSettings,
+    gravity: Float | None = None,
+) -> Discrepancy:
+    """Diagnose every joint of an interaction.
+
+    Args:
+        log: The log, in the window of the interaction.
+        interaction: Motion and torque.
+        cycles: Its energy cycles.
+        friction: What the energy method found, for comparison.
+        settings: What is asked.
+        gravity: Gravity torque of the joints where it is known, shape (n, j). [N m]
+    """
+    prepared = prepare(interaction, cycles, log, gravity)
+    candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
+    subjects = [
+        Subject(
+            data=data,
+            number=interaction.joint_numbers[data.joint],
+            name=interaction.joint_names[data.joint],
+            findings=audit_data(log, interaction, data),
+            from_energy=_from_energy(friction, data.joint),
+            model=None if settings.model is None else settings.model.joints[interaction.joint_numbers[data.joint] - 1],
+        )
+        for data in prepared
+    ]
+    one = partial(_one, subjects, candidates, settings)
+    return Discrepancy(joints=tuple(per_joint(one, len(subjects))))
+
+
+def _one(subjects: Sequence[Subject], candidates: Sequence, settings: DiagnosisSettings, k: int) -> JointDiscrepancy:
+    return diagnose_joint(subjects[k], candidates, settings)
+
+
+def _from_energy(friction: FrictionHistory, joint: int) -> dict[str, Coefficient]:
+    found = friction.joints[joint]
+    return {"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous}

@@ -1,0 +1,201 @@
+"""One joint: is anything missing, what, and how far does the gap close."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.curves import Curve, build_curves
+from friction_audit.discrepancy.data_audit import DataFinding, faults
+from friction_audit.discrepancy.declared import coefficients
+from friction_audit.discrepancy.displacement import strokes
+from friction_audit.discrepancy.floor import noise_floor
+from friction_audit.discrepancy.gap import Gap, measure_gap
+from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.naming import Names, find_names, worth
+from friction_audit.discrepancy.omnibus import Omnibus, omnibus_test
+from friction_audit.discrepancy.parameters import parameters_of
+from friction_audit.discrepancy.profiles import profile_all
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
+from friction_audit.discrepancy.search import Group
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.discrepancy.tell import effects_of, message_of
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+from friction_audit.model.joint_model import JointModel
+
+FEWEST_CYCLES = 10
+POWER_Z = 1.28
+"""Normal quantile of 90 % power."""
+OVER_FLOOR = 1.05
+"""A grown model that leaves more than so many times the floor does not explain the joint."""
+LEAST_OVER_FLOOR = 1.01
+"""A declared model that leaves less than so many times the floor misses nothing worth a word."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Subject:
+    """A joint to diagnose.
+
+    Attributes:
+        data: The joint on the fine grid.
+        number: Number for people.
+        name: Its name.
+        findings: What the audit of its data found.
+        from_energy: What the energy method says of it.
+        model: Its declared model, None for the simple one.
+    """
+
+    data: JointData
+    number: int
+    name: str
+    findings: tuple[DataFinding, ...]
+    from_energy: dict[str, Coefficient]
+    model: JointModel | None = None
+
+
+def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiscrepancy:
+    """Say whether anything is missing in the declared model of a joint, and what.
+
+    Args:
+        subject: The joint.
+        candidates: Effects that may be named.
+        settings: Error probability and seed.
+    """
+    wrong = faults(subject.findings)
+    cycles = len(np.unique(subject.data.cycle[subject.data.used]))
+    if wrong:
+        return _unanswered(subject, "data_fault", "; ".join(finding.message for finding in wrong))
+    if cycles < FEWEST_CYCLES:
+        return _unanswered(
+            subject,
+            "not_testable",
+            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: move the joint back and forth",
+        )
+    ground = make_ground(subject.data, subject.model, settings.seed)
+    return _judge(subject, ground, candidates, settings)
+
+
+def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiscrepancy:
+    return JointDiscrepancy(
+        joint=subject.number,
+        name=subject.name,
+        verdict=verdict,
+        message=message,
+        from_energy=subject.from_energy,
+        findings=subject.findings,
+    )
+
+
+def _judge(
+    subject: Subject, ground: Ground, candidates: Sequence[Candidate], settings: DiagnosisSettings
+) -> JointDiscrepancy:
+    rng = np.random.default_rng(settings.seed)
+    declared_left = ground.residual()
+    clusters = ground.clusters(declared_left, ground.working)
+    curves = build_curves(ground.data, ground.rows, len(np.unique(clusters)))
+    library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
+    names = Names(found=(), library=library, baseline=ground.baseline())
+    first = _test(ground, (), names, curves, settings.alpha, rng)
+    if library.entries and first.p_value <= settings.alpha:
+        names = find_names(ground, candidates, library, settings.alpha, rng)
+    columns = [f.columns for f in names.found]
+    last = _test(ground, columns, names, curves, settings.alpha, rng) if columns else first
+    left = ground.residual(*columns)
+    floor = noise_floor(ground, curves, *columns)
+    gap = measure_gap(declared_left[ground.locked], left[ground.locked], floor, ground.rows.cycle[ground.locked])
+    verdict = _verdict(names, first, last, gap, settings.alpha)
+    numbers = parameters_of(ground, names.found, names.baseline)
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    effects = effects_of(ground, names, curves, numbers)
+    simple = coefficients(ground.base, ground.y, ground.rows.cycle)
+    remaining = profile_all(left, curves, speed, ground.rows.cycle, last)
+    profiles = profile_all(declared_left, curves, speed, ground.rows.cycle, first)
+    limit = _detection_limit(ground, names, gap, settings.alpha)
+    return JointDiscrepancy(
+        joint=subject.number,
+        name=subject.name,
+        verdict=verdict,
+        message=message_of(verdict, effects, profiles, remaining, limit, names.library.untestable),
+        effects=effects,
+        declared=dict(zip(ground.declared.names, simple, strict=True)),
+        from_energy=subject.from_energy,
+        gap=gap,
+        ladder=_ladder(gap, effects),
+        omnibus_p=first.p_value,
+        remaining_p=last.p_value,
+        detection_limit_nm=limit,
+        profiles=profiles,
+        remaining=remaining,
+        untestable=names.library.untestable,
+        findings=subject.findings,
+        traces=_traces(ground, declared_left, left),
+    )
+
+
+def _test(
+    ground: Ground,
+    effects: Sequence[Float],
+    names: Names,
+    curves: Sequence[Curve],
+    alpha: float,
+    rng: np.random.Generator,
+) -> Omnibus:
+    """Whether anything is missing beside some effects, which enter as the torque that was fitted."""
+    w = ground.working
+    left = ground.residual(*effects)
+    torque = (ground.residual() - left)[:, None] if effects else np.zeros((len(left), 0))
+    named = {f.candidate.name for f in names.found}
+    groups = [e.group for e in names.library.entries if e.group.name not in named] + [c.group for c in curves]
+    return omnibus_test(
+        ground.y[w],
+        np.hstack([ground.base, torque])[w],
+        [Group(name=group.name, shapes=tuple(s[w] for s in group.shapes)) for group in groups],
+        ground.clusters(left, w),
+        rng,
+        alpha=alpha,
+    )
+
+
+def _verdict(names: Names, first: Omnibus, last: Omnibus, gap: Gap, alpha: float) -> Verdict:
+    if not names.library.entries:
+        return "not_testable"
+    if not names.found:
+        missing = first.p_value <= alpha and gap.before > LEAST_OVER_FLOOR * gap.floor
+        return "unexplained" if missing else "none"
+    if last.p_value <= alpha and gap.over_floor > OVER_FLOOR:
+        return "unexplained"
+    return "ambiguous" if any(f.naming.alternatives for f in names.found) else "named"
+
+
+def _detection_limit(ground: Ground, names: Names, gap: Gap, alpha: float) -> float:
+    """Root mean square of an effect, free of the declared model, that would have been seen with 90 % power."""
+    from scipy.special import ndtri
+
+    tried = max(sum(len(entry.shapes) for entry in names.library.entries), 1)
+    needed = (float(ndtri(1.0 - alpha / (2 * tried))) + POWER_Z) ** 2
+    return float(gap.after * np.sqrt(needed / worth(ground, ground.residual(*(f.columns for f in names.found)))))
+
+
+def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...]:
+    steps = [("declared model", gap.before), *((f"+ {effect.name}", effect.gap_after_nm) for effect in effects)]
+    return (*steps, ("floor of the noise", gap.floor))
+
+
+def _traces(ground: Ground, before: Float, after: Float) -> Traces:
+    every, used = ground.rows.every, ground.rows.used
+    displacement = strokes(ground.data).displacement
+    return Traces(
+        t=ground.rows.t,
+        q=ground.data.q[::every][used],
+        dq=ground.data.dq[::every][used],
+        displacement=displacement[::every][used],
+        cycle=ground.rows.cycle,
+        locked=ground.locked,
+        measured=ground.rows.y,
+        before=ground.rows.y - before,
+        after=ground.rows.y - after,
+    )

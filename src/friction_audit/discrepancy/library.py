@@ -1,0 +1,57 @@
+"""The candidates that a log can show, as columns on the rows of a joint."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.rows import Rows
+from friction_audit.discrepancy.search import Group
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Entry:
+    """A candidate with the shapes that are tried and their columns on the rows."""
+
+    candidate: Candidate
+    shapes: tuple[Shape, ...]
+    group: Group
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Library:
+    """All that may be named on a joint.
+
+    Attributes:
+        entries: Candidates that the log can show.
+        untestable: Why it cannot show the others, by name.
+    """
+
+    entries: tuple[Entry, ...]
+    untestable: dict[str, str]
+
+    def entry(self, name: str) -> Entry:
+        """The entry of a name."""
+        return next(entry for entry in self.entries if entry.candidate.name == name)
+
+
+def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Baseline, rows: Rows) -> Library:
+    """Ask every candidate whether the log can show it, and build its columns."""
+    untestable = {candidate.name: candidate.untestable(data, baseline) for candidate in candidates}
+    return Library(
+        entries=tuple(_entry(c, data, baseline, rows) for c in candidates if untestable[c.name] is None),
+        untestable={name: reason for name, reason in untestable.items() if reason is not None},
+    )
+
+
+def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
+    shapes = candidate.tried(data)
+    return Entry(
+        candidate=candidate,
+        shapes=shapes,
+        group=Group(
+            name=candidate.name,
+            shapes=tuple(rows.of(candidate.columns(data, baseline, shape)) for shape in shapes),
+            admissible=lambda factors, shape: candidate.admissible(factors, shapes[shape]),
+        ),
+    )

@@ -1,0 +1,160 @@
+"""Which effects are missing: search on the working cycles, refine, and keep what holds on the locked ones."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from friction_audit.discrepancy.acceptance import LEAST_GAIN, cycle_rss, paired_improvement, rms_gain
+from friction_audit.discrepancy.alternatives import Naming, name_effects
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.library import Library, build_library
+from friction_audit.discrepancy.refine import refine
+from friction_audit.discrepancy.search import CycleProducts, Group, Search, cycle_products, search
+from friction_audit.joint_log import Float
+
+MOST_ROUNDS = 4
+"""Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
+SETTLED = 0.05
+LEAST_SHARE = 0.1
+"""An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Found:
+    """An effect that a search found.
+
+    Attributes:
+        candidate: The effect.
+        shape: Its shape.
+        columns: Its columns on the rows, shape (m, p).
+        naming: What it may be instead.
+        p_value: Family-wise p-value of its improvement on locked cycles.
+    """
+
+    candidate: Candidate
+    shape: Shape
+    columns: Float
+    naming: Naming
+    p_value: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Names:
+    """What a joint misses.
+
+    Attributes:
+        found: Accepted effects, the strongest first.
+        library: What was looked for.
+        baseline: The declared model as fitted beside the effects.
+    """
+
+    found: tuple[Found, ...]
+    library: Library
+    baseline: Baseline
+
+
+def find_names(
+    ground: Ground, candidates: Sequence[Candidate], library: Library, alpha: float, rng: np.random.Generator
+) -> Names:
+    """Search, rebuild what leans on the declared model with its better fit, search again, refine and accept.
+
+    Args:
+        ground: The joint.
+        candidates: Effects that may be named.
+        library: Those that the log can show, built on the declared model alone.
+        alpha: Family-wise error on the locked cycles.
+        rng: Source of randomness.
+    """
+    baseline = ground.baseline()
+    products, outcome, n_eff = _search(ground, library)
+    if outcome.chosen:
+        baseline = ground.baseline(*_columns(library, outcome))
+        library = build_library(candidates, ground.data, baseline, ground.rows)
+        products, outcome, n_eff = _search(ground, library)
+    same = {candidate.name: candidate.same_as for candidate in candidates}
+    namings = name_effects(products, outcome, n_eff, same)
+    found = _refined(ground, library, outcome, namings, baseline)
+    return Names(found=_accept(ground, found, alpha, rng), library=library, baseline=baseline)
+
+
+def worth(ground: Ground, residual: Float) -> float:
+    """What the working rows are worth: their number over the memory of the residual."""
+    return float(ground.working.sum()) / ground.memory(residual)
+
+
+def _search(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
+    w = ground.working
+    groups = [
+        Group(name=e.group.name, shapes=tuple(s[w] for s in e.group.shapes), admissible=e.group.admissible)
+        for e in library.entries
+    ]
+    products = cycle_products(ground.y[w], ground.base[w], groups, ground.rows.cycle[w])
+    n_eff = worth(ground, ground.residual())
+    outcome = search(products, n_eff)
+    for _ in range(MOST_ROUNDS):
+        better = worth(ground, ground.residual(*_columns(library, outcome)))
+        if abs(better - n_eff) < SETTLED * n_eff:
+            break
+        n_eff = better
+        outcome = search(products, n_eff)
+    return products, outcome, n_eff
+
+
+def _columns(library: Library, outcome: Search) -> list[Float]:
+    return [library.entry(chosen.name).group.shapes[chosen.shape] for chosen in outcome.chosen]
+
+
+def _refined(
+    ground: Ground, library: Library, outcome: Search, namings: Sequence[Naming], baseline: Baseline
+) -> list[Found]:
+    """The effects found, their shapes refined one after the other, the strongest first."""
+    columns = _columns(library, outcome)
+    found = []
+    for k, (chosen, naming) in enumerate(zip(outcome.chosen, namings, strict=True)):
+        entry = library.entry(chosen.name)
+        base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
+        shape = refine(
+            entry.candidate,
+            entry.shapes[chosen.shape],
+            entry.shapes,
+            ground.data,
+            baseline,
+            ground.rows,
+            ground.working,
+            base,
+            ground.y,
+        )
+        columns[k] = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+        found.append(Found(candidate=entry.candidate, shape=shape, columns=columns[k], naming=naming, p_value=1.0))
+    return found
+
+
+def _accept(ground: Ground, found: list[Found], alpha: float, rng: np.random.Generator) -> tuple[Found, ...]:
+    """Drop, the weakest first, what does not hold on the locked cycles or is small beside the others."""
+    while found:
+        judged, gains, sizes = _judge(ground, found, rng)
+        fails = [
+            f.p_value > alpha or gain < LEAST_GAIN or size < LEAST_SHARE * sizes.max()
+            for f, gain, size in zip(judged, gains, sizes, strict=True)
+        ]
+        if not any(fails):
+            return tuple(judged)
+        weakest = min((k for k, fail in enumerate(fails) if fail), key=lambda k: gains[k])
+        found = judged[:weakest] + judged[weakest + 1 :]
+    return ()
+
+
+def _judge(ground: Ground, found: list[Found], rng: np.random.Generator) -> tuple[list[Found], Float, Float]:
+    """P-value of each effect on locked cycles, the share of the root mean square that it removes, and its size."""
+    locked = ground.locked
+    whole = ground.residual(*(f.columns for f in found))
+    cluster = ground.clusters(whole, locked)
+    without = [ground.residual(*(g.columns for g in found if g is not f)) for f in found]
+    rss = np.stack([cycle_rss(r[locked], cluster) for r in without])
+    base = cycle_rss(whole[locked], cluster)
+    test = paired_improvement(rss, base, rng)
+    gains = np.array([rms_gain(float(row.sum()), float(base.sum())) for row in rss])
+    sizes = np.sqrt(np.maximum(rss.sum(axis=1) - base.sum(), 0.0) / locked.sum())
+    return [replace(f, p_value=float(p)) for f, p in zip(found, test.adjusted_p, strict=True)], gains, sizes

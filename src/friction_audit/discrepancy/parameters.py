@@ -1,0 +1,81 @@
+"""Values and intervals of the grown model's numbers, from all cycles, shapes included.
+
+A shape's interval is that of one step of Gauss and Newton: the derivative of the effect's torque with respect to the
+shape is one more column, and its factor is how far the shape is off.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.declared import coefficients
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.naming import Found
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+STEP = 1e-3
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Parameters:
+    """Numbers with 95 % intervals.
+
+    Attributes:
+        declared: Of the declared model's columns as fitted beside the effects, by name.
+        effects: Of each effect, by name: linear factors, then shape.
+    """
+
+    declared: dict[str, Coefficient]
+    effects: tuple[dict[str, Coefficient], ...]
+
+
+def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Parameters:
+    """Fit everything together on all cycles."""
+    base = ground.base.shape[1]
+    linear = np.hstack([ground.base, *(f.columns for f in found)])
+    factors = [c.value for c in coefficients(linear, ground.y, ground.rows.cycle)]
+    slopes, at = [], base
+    for f in found:
+        width = f.columns.shape[1]
+        slopes.append(_slopes(ground, f, baseline, np.array(factors[at : at + width])))
+        at += width
+    every = coefficients(np.hstack([linear, *slopes]), ground.y, ground.rows.cycle)
+    declared = dict(zip(ground.declared.names, every[:base], strict=True))
+    effects, at, after = [], base, linear.shape[1]
+    for f, slope in zip(found, slopes, strict=True):
+        width, shapes = f.columns.shape[1], slope.shape[1]
+        values = dict(zip(_factor_names(f), every[at : at + width], strict=True))
+        free = every[after : after + shapes]
+        values |= {name: _shifted(f.shape[name], step) for name, step in zip(f.shape, free, strict=True)}
+        effects.append(values)
+        at, after = at + width, after + shapes
+    return Parameters(declared=declared, effects=tuple(effects))
+
+
+def _factor_names(found: Found) -> list[str]:
+    term = found.candidate.term
+    if term is not None:
+        return [parameter.name for parameter in term.linear]
+    return [f"factor_{k}_{unit}" for k, unit in enumerate(found.candidate.column_units, start=1)]
+
+
+def _slopes(ground: Ground, found: Found, baseline: Baseline, factors: Float) -> Float:
+    """Derivative of an effect's torque with respect to each number of its shape, shape (m, k)."""
+    columns = [np.zeros((len(ground.y), 0))]
+    for name, value in found.shape.items():
+        step = STEP * max(abs(value), STEP)
+        up, down = (
+            ground.rows.of(found.candidate.columns(ground.data, baseline, {**found.shape, name: value + side * step}))
+            for side in (1, -1)
+        )
+        columns.append(((up - down) @ factors / (2 * step))[:, None])
+    return np.hstack(columns)
+
+
+def _shifted(value: float, step: Coefficient) -> Coefficient:
+    """A shape with the interval of its step; the value itself stays, for the torque was computed with it."""
+    half = (step.high - step.low) / 2.0
+    return Coefficient(value=value, low=value - half, high=value + half)

@@ -1,0 +1,103 @@
+"""What people are told of a joint: its effects with sizes and places, and one message."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from friction_audit.discrepancy.curves import Curve
+from friction_audit.discrepancy.declared import least_squares
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.naming import Found, Names
+from friction_audit.discrepancy.parameters import Parameters
+from friction_audit.discrepancy.profiles import profile_all
+from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict
+from friction_audit.joint_log import Float
+
+RIVALS_SHOWN = 6
+
+
+def effects_of(ground: Ground, names: Names, curves: Sequence[Curve], numbers: Parameters) -> tuple[Effect, ...]:
+    """The accepted effects as results, the strongest first, gaps on locked cycles one after the other."""
+    found = names.found
+    columns = np.hstack([ground.base, *(f.columns for f in found)])
+    factors = least_squares(columns[ground.working], ground.y[ground.working])
+    effects, at = [], ground.base.shape[1]
+    for k, f in enumerate(found):
+        width = f.columns.shape[1]
+        torque = f.columns @ factors[at : at + width]
+        at += width
+        effects.append(_effect(ground, found, k, torque, numbers.effects[k], curves))
+    return tuple(effects)
+
+
+def _effect(
+    ground: Ground,
+    found: Sequence[Found],
+    k: int,
+    torque: Float,
+    parameters: dict[str, object],
+    curves: Sequence[Curve],
+) -> Effect:
+    f = found[k]
+    before, after = (
+        float(np.sqrt(np.mean(ground.residual(*(g.columns for g in found[:upto]))[ground.locked] ** 2)))
+        for upto in (k, k + 1)
+    )
+    others = np.hstack([ground.base, *(g.columns for g in found if g is not f)])
+    free = torque - others @ least_squares(others, torque)
+    return Effect(
+        name=f.candidate.name,
+        label=f.candidate.label,
+        alternatives=f.naming.alternatives,
+        decide="",
+        parameters=parameters,
+        p_value=f.p_value,
+        where=_where(ground, found, f, curves),
+        axis=f.candidate.axis,
+        gap_before_nm=before,
+        gap_after_nm=after,
+        partial_nm=float(np.sqrt(np.mean(free**2))),
+        torque=torque,
+        evidence=(
+            Evidence(name=f.candidate.name, delta_bic=0.0, correlation=1.0),
+            *(
+                Evidence(name=r.name, delta_bic=r.delta_bic, correlation=r.correlation)
+                for r in sorted(f.naming.rivals, key=lambda r: r.delta_bic)[:RIVALS_SHOWN]
+            ),
+        ),
+    )
+
+
+def _where(ground: Ground, found: Sequence[Found], f: Found, curves: Sequence[Curve]) -> str:
+    """Where the residual lies without this effect, along its own axis or else the most telling one."""
+    left = ground.residual(*(g.columns for g in found if g is not f))
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    profiles = profile_all(left, curves, speed, ground.rows.cycle, None)
+    own = [p for p in profiles if p.axis == f.candidate.axis and p.where] or [p for p in profiles if p.where]
+    return own[0].where if own else "spread over the whole motion"
+
+
+def message_of(
+    verdict: Verdict,
+    effects: Sequence[Effect],
+    profiles: Sequence[Profile],
+    remaining: Sequence[Profile],
+    limit_nm: float,
+    untestable: Mapping[str, str],
+) -> str:
+    """One or two sentences."""
+    named = " and ".join(f"{e.name} ({e.label})" for e in effects)
+    if verdict == "none":
+        return f"nothing is missing: an effect of {limit_nm:.2g} N m rms would have been seen"
+    if verdict == "not_testable":
+        return "; ".join(dict.fromkeys(untestable.values()))
+    if verdict == "unexplained":
+        at = next((p.where for p in remaining if p.where), "spread over the whole motion")
+        what = f"beside {named} something" if effects else "something"
+        return f"{what} is missing that nothing in the catalogue explains: {at}"
+    if verdict == "ambiguous":
+        unsure = "; ".join(
+            f"{e.name} cannot be told from {', '.join(e.alternatives)} in this log" for e in effects if e.alternatives
+        )
+        return f"{named}: {unsure}"
+    return f"{named}: {effects[0].where}"
