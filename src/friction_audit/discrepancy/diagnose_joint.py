@@ -122,6 +122,7 @@ def _judge(
         message=message_of(verdict, effects, profiles, remaining, limit, names.library.untestable),
         effects=effects,
         declared=dict(zip(ground.declared.names, simple, strict=True)),
+        grown=numbers.declared,
         from_energy=subject.from_energy,
         gap=gap,
         ladder=_ladder(gap, effects),

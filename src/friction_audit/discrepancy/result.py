@@ -154,6 +154,7 @@ class JointDiscrepancy:
         verdict: The one word.
         effects: What is missing, the strongest first.
         declared: Factors of the declared model with their intervals; empty where it could not be fitted.
+        grown: The same factors as fitted beside the effects; those of the grown model.
         from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
         gap: The gap in torque on locked cycles; None where nothing was fitted.
         simulation: The gap in motion; None where nothing was simulated.
@@ -176,6 +177,7 @@ class JointDiscrepancy:
     message: str
     effects: tuple[Effect, ...] = ()
     declared: dict[str, Coefficient] = field(default_factory=dict)
+    grown: dict[str, Coefficient] = field(default_factory=dict)
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
     gap: Gap | None = None
     simulation: SimulationGap | None = None
