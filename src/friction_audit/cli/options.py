@@ -294,3 +294,28 @@ class AuditOptions:
     estimate: EstimateOptions
     output: OutputOptions
     general: GeneralOptions
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LogOptions:
+    """What every command that goes from a log to its cycles understands."""
+
+    selection: SelectionOptions
+    reading: ReadingOptions
+    torque: TorqueOptions
+    cycles: CycleOptions
+    output: OutputOptions
+    general: GeneralOptions
+
+    @property
+    def audit(self) -> AuditOptions:
+        """The options of the whole chain; the estimate that runs beside is the default one."""
+        return AuditOptions(
+            selection=self.selection,
+            reading=self.reading,
+            torque=self.torque,
+            cycles=self.cycles,
+            estimate=EstimateOptions(),
+            output=self.output,
+            general=self.general,
+        )

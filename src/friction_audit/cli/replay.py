@@ -1,6 +1,5 @@
 """``friction-audit replay``."""
 
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -11,20 +10,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
 from friction_audit.cli.figure_files import draw_files, possible_files
-from friction_audit.cli.options import (
-    OUTPUT,
-    PNG,
-    AuditOptions,
-    CycleOptions,
-    EstimateOptions,
-    FiguresBeside,
-    GeneralOptions,
-    LogPath,
-    OutputOptions,
-    ReadingOptions,
-    SelectionOptions,
-    TorqueOptions,
-)
+from friction_audit.cli.options import OUTPUT, PNG, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError
@@ -39,31 +25,6 @@ EXAMPLES = """Examples:
   friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class LogOptions:
-    """What every command that goes from a log to its cycles understands."""
-
-    selection: SelectionOptions
-    reading: ReadingOptions
-    torque: TorqueOptions
-    cycles: CycleOptions
-    output: OutputOptions
-    general: GeneralOptions
-
-    @property
-    def audit(self) -> AuditOptions:
-        """The options of the whole chain; the estimate that runs beside a replay is the default one."""
-        return AuditOptions(
-            selection=self.selection,
-            reading=self.reading,
-            torque=self.torque,
-            cycles=self.cycles,
-            estimate=EstimateOptions(),
-            output=self.output,
-            general=self.general,
-        )
 
 
 def command(
