@@ -4,11 +4,39 @@ import difflib
 
 from friction_audit.errors import AnalysisError
 from friction_audit.model.term import Term
-from friction_audit.model.terms import coulomb, inertia, offset, stribeck, viscous
+from friction_audit.model.terms import (
+    cable_spring,
+    coulomb,
+    friction_step,
+    inertia,
+    joint_limit_stop,
+    nonlinear_viscous,
+    offset,
+    position_dependent_friction,
+    stribeck,
+    torque_drift,
+    torque_ripple,
+    viscous,
+    warm_up,
+)
 
 __all__ = ["TERMS", "near_names", "term_of"]
 
-TERMS: tuple[Term, ...] = (inertia.TERM, coulomb.TERM, viscous.TERM, offset.TERM, stribeck.TERM)
+TERMS: tuple[Term, ...] = (
+    inertia.TERM,
+    coulomb.TERM,
+    viscous.TERM,
+    offset.TERM,
+    stribeck.TERM,
+    nonlinear_viscous.TERM,
+    position_dependent_friction.TERM,
+    torque_ripple.TERM,
+    cable_spring.TERM,
+    joint_limit_stop.TERM,
+    torque_drift.TERM,
+    warm_up.TERM,
+    friction_step.TERM,
+)
 """In the order of the documentation."""
 
 
