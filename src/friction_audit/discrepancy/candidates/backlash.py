@@ -1,39 +1,44 @@
-"""Backlash: friction and inertia are missing within a dead zone after each reversal."""
+"""Backlash: play between what is measured and what rubs, opened where the torque changes sign."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import reversals
-from friction_audit.discrepancy.displacement import strokes
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.backlash import TERM
+
+SPAN_SHARES = np.geomspace(3e-5, 0.03, 16)
+"""Widths of the play as shares of the span of the motion."""
+FEWEST_REVERSALS = 20
+LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
+"""All that is behind the sensor is behind the play, as far as a fit that did not know of it can tell."""
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Backlash, shape (n, p)."""
-    stroke = strokes(data)
-    free = (np.abs(stroke.displacement) < shape["gap_rad"]) & (stroke.direction != 0)
-    return np.column_stack([direction(data) * free, data.ddq * free])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """All widths."""
+    span = float(np.ptp(data.q)) or 1.0
+    return tuple({"gap_rad": float(share) * span} for share in SPAN_SHARES)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline, 20)
+    return reversals(data, baseline, FEWEST_REVERSALS)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    return bool(factors[0] <= 0)
+    return bool(LEAST_SHARE <= factors[0] <= LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(
     name="backlash",
     label="free play at a reversal",
-    shapes=tuple({"gap_rad": float(g)} for g in np.geomspace(1e-3, 0.1, 9)),
-    columns=columns,
-    column_units=("nm", "kg_m2"),
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=("1",),
     untestable=untestable,
     admissible=admissible,
     axis="displacement",
+    term=TERM,
 )

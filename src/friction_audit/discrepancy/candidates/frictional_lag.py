@@ -2,36 +2,43 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import several_speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.frictional_lag import TERM
+
+LAGS_S = np.geomspace(3e-3, 1.0, 8)
+FADING_SHARES = np.geomspace(0.02, 0.5, 5)
+"""Speeds at which Stribeck friction fades, as shares of the usual top speed."""
+UNFADING = 100.0
+"""In usual top speeds: the slope is the same at all of them."""
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Frictional lag, shape (n, p)."""
-    from scipy.signal import lfilter
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Viscous friction and Stribeck friction of several widths, by all lags."""
+    usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
+    return tuple(
+        {"friction_lag_s": float(lag), "lag_speed_rad_s": float(share) * usual}
+        for share in (UNFADING, *FADING_SHARES)
+        for lag in LAGS_S
+    )
 
-    keep = float(np.exp(-data.step_s / shape["lag_s"]))
-    speed = np.abs(data.dq)
-    lagged = lfilter([1.0 - keep], [1.0, -keep], speed, zi=[keep * speed[0]])[0]
-    weaker = np.exp(-((lagged / shape["speed_rad_s"]) ** 2)) - np.exp(-((speed / shape["speed_rad_s"]) ** 2))
-    return np.column_stack([direction(data) * weaker, direction(data) * (lagged - speed)])
 
-
-def admissible(factors: Float, _shape: Shape) -> bool:
+def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    return bool(np.any(factors > 0))
+    del shape
+    return bool(factors[0] != 0)
 
 
 CANDIDATE = Candidate(
     name="frictional_lag",
     label="friction follows speed late",
-    shapes=tuple({"lag_s": lag, "speed_rad_s": v} for lag in (0.01, 0.03, 0.1, 0.3) for v in (0.05, 0.15, 0.4)),
-    columns=columns,
-    column_units=("nm", "nms_per_rad"),
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=("nms_per_rad",),
     untestable=several_speeds,
     admissible=admissible,
     axis="acceleration",
+    term=TERM,
 )

@@ -1,31 +1,34 @@
-"""Elasticity: second derivative of the smooth part of the model torque."""
+"""Elasticity: a spring between what is measured and what rubs."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import several_speeds
-from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.joint_elasticity import TERM
+
+STIFFNESSES_NM_PER_RAD = np.geomspace(10.0, 1e5, 25)
+"""From a rubber band to a steel shaft."""
+LARGEST_SHARE = 1.6
+LEAST_SHARE = 0.5
+"""Compliance found times the stiffness it was built for; a stiffer spring than the stiffest looks just like it."""
 
 
-def columns(data: JointData, baseline: Baseline, _shape: Shape) -> Float:
-    """Elasticity, shape (n, p)."""
-    smooth = baseline.inertia_kg_m2 * data.ddq + baseline.viscous_nms_per_rad * data.dq
-    return np.asarray(np.gradient(np.gradient(smooth, data.step_s), data.step_s))[:, None]
-
-
-def admissible(_factors: Float, _shape: Shape) -> bool:
+def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    return True
+    share = factors[0] * shape["spring_nm_per_rad"]
+    least = 0.0 if shape["spring_nm_per_rad"] >= STIFFNESSES_NM_PER_RAD[-1] else LEAST_SHARE
+    return bool(least < share <= LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(
     name="joint_elasticity",
     label="a spring between motor and link",
-    shapes=({},),
-    columns=columns,
-    column_units=("s2",),
+    shapes=tuple({"spring_nm_per_rad": float(k)} for k in STIFFNESSES_NM_PER_RAD),
+    columns=columns_of(TERM),
+    column_units=("rad_per_nm",),
     untestable=several_speeds,
     admissible=admissible,
     axis="acceleration",
+    term=TERM,
 )

@@ -1,23 +1,33 @@
-"""Presliding: a stop element in the place of the sign."""
+"""Presliding: bristles in the place of the sign."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import reversals
-from friction_audit.discrepancy.displacement import stop_operator
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.presliding import TERM
+
+SPAN_SHARES = np.geomspace(1e-4, 0.3, 18)
+"""Reaches as shares of the span of the motion."""
+KINDS = ((0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.003), (1.0, 0.01), (1.0, 0.03))
+"""Exponents with times of damping: one stop, a row of stops, Dahl's, a slow one, and LuGre's with its damping."""
+FEWEST_REVERSALS = 20
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Presliding, shape (n, p)."""
-    return np.asarray(stop_operator(data.q, shape["reach_rad"]) - direction(data))[:, None]
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """All reaches of all kinds."""
+    span = float(np.ptp(data.q)) or 1.0
+    return tuple(
+        {"reach_rad": float(share) * span, "yielding_exponent": exponent, "bristle_damping_s": damping}
+        for exponent, damping in KINDS
+        for share in SPAN_SHARES
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline, 20)
+    return reversals(data, baseline, FEWEST_REVERSALS)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
@@ -28,10 +38,11 @@ def admissible(factors: Float, _shape: Shape) -> bool:
 CANDIDATE = Candidate(
     name="presliding",
     label="friction builds up after a reversal",
-    shapes=tuple({"reach_rad": float(d)} for d in np.geomspace(3e-4, 0.1, 11)),
-    columns=columns,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm",),
     untestable=untestable,
     admissible=admissible,
     axis="displacement",
+    term=TERM,
 )

@@ -1,32 +1,32 @@
-"""Delay: minus the derivative of the predicted torque."""
+"""Delay: the predicted torque, read at another time."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import several_speeds
-from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.time_delay import TERM
 
-LONGEST_S = 0.1
-
-
-def columns(data: JointData, baseline: Baseline, _shape: Shape) -> Float:
-    """Delay, shape (n, p)."""
-    return np.asarray(-np.gradient(baseline.torque, data.step_s))[:, None]
+STEPS_S = np.geomspace(1e-3, 0.1, 13)
+LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
+"""Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it."""
 
 
-def admissible(factors: Float, _shape: Shape) -> bool:
+def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    return bool(abs(factors[0]) < LONGEST_S)
+    share = factors[0] / shape["delay_step_s"]
+    least = 0.0 if abs(shape["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
+    return bool(least < share <= LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(
     name="time_delay",
     label="torque and velocity are not simultaneous",
-    shapes=({},),
-    columns=columns,
+    shapes=tuple({"delay_step_s": float(sign * step)} for sign in (1.0, -1.0) for step in STEPS_S),
+    columns=columns_of(TERM),
     column_units=("s",),
     untestable=several_speeds,
     admissible=admissible,
     axis="acceleration",
+    term=TERM,
 )

@@ -5,15 +5,20 @@ import difflib
 from friction_audit.errors import AnalysisError
 from friction_audit.model.term import Term
 from friction_audit.model.terms import (
+    backlash,
     cable_spring,
     coulomb,
     friction_step,
+    frictional_lag,
     inertia,
+    joint_elasticity,
     joint_limit_stop,
     nonlinear_viscous,
     offset,
     position_dependent_friction,
+    presliding,
     stribeck,
+    time_delay,
     torque_drift,
     torque_ripple,
     viscous,
@@ -36,6 +41,11 @@ TERMS: tuple[Term, ...] = (
     torque_drift.TERM,
     warm_up.TERM,
     friction_step.TERM,
+    presliding.TERM,
+    frictional_lag.TERM,
+    time_delay.TERM,
+    joint_elasticity.TERM,
+    backlash.TERM,
 )
 """In the order of the documentation."""
 

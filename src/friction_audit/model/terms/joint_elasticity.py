@@ -1,0 +1,40 @@
+"""Joint elasticity: a spring between the side that is measured and the side that rubs.
+
+The regressor is built for one stiffness and given per compliance: what the spring adds to the torque grows with the
+compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
+"""
+
+from collections.abc import Sequence
+
+from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.transmission import added_torque
+
+DAMPING_RATIO = 0.05
+"""Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
+
+
+def basis(motion: Motion, shape: Sequence[float]) -> Float:
+    """Return what the spring adds to the torque per compliance, as a column."""
+    (stiffness,) = shape
+    return stiffness * added_torque(motion, stiffness, DAMPING_RATIO)[:, None]
+
+
+TERM = Term(
+    name="joint_elasticity",
+    label="a spring between motor and link",
+    linear=(
+        Parameter(name="compliance_rad_per_nm", unit="rad/(N m)", meaning="twist per torque", lower=0.0, upper=1.0),
+    ),
+    shape=(
+        Parameter(
+            name="spring_nm_per_rad",
+            unit="N m/rad",
+            meaning="stiffness that the ringing is built for",
+            lower=1.0,
+            upper=1e6,
+        ),
+    ),
+    basis=basis,
+    forward="spring",
+)

@@ -1,0 +1,30 @@
+"""Time delay: the torque reaches the log later than the motion, or earlier if the delay is below zero.
+
+The regressor is the torque of inertia and friction, read earlier by a step, less what it is now, per step: jumps at
+reversals stay jumps. It is exact where the delay is the step.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.transmission import simple_torque
+
+
+def basis(motion: Motion, shape: Sequence[float]) -> Float:
+    """Return (rest(t - s) - rest(t)) / s as a column, the first and the last value held."""
+    (step,) = shape
+    rest = simple_torque(motion)
+    return np.asarray((np.interp(motion.t - step, motion.t, rest) - rest) / step)[:, None]
+
+
+TERM = Term(
+    name="time_delay",
+    label="torque and motion are not simultaneous",
+    linear=(Parameter(name="delay_s", unit="s", meaning="by how much the torque is late", lower=-1.0, upper=1.0),),
+    shape=(Parameter(name="delay_step_s", unit="s", meaning="delay for which jumps are right", lower=-1.0, upper=1.0),),
+    basis=basis,
+    forward="delay",
+)
