@@ -1,7 +1,7 @@
 """JointModel: what is known of a joint, as inertia and a tuple of named terms."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import isfinite
 
 import numpy as np
@@ -10,6 +10,9 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Term
 from friction_audit.model.terms import term_of
+
+REST = ("coulomb", "viscous")
+"""Terms of ``Motion.rest`` besides the inertia."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +103,19 @@ class JointModel:
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque F_m + u that the motion takes. [N m], shape (n,)."""
-        return self.inertia_kg_m2 * motion.ddq + _sum(self.terms, motion)
+        return self.inertia_kg_m2 * motion.ddq + _sum(self.terms, self._known(motion))
 
     def friction(self, motion: Motion) -> Float:
         """Return the torque that the terms of friction take. [N m], shape (n,)."""
-        return _sum((term for term in self.terms if term.term.friction), motion)
+        return _sum((term for term in self.terms if term.term.friction), self._known(motion))
+
+    def rest(self, motion: Motion) -> Float:
+        """Return the torque that inertia, Coulomb and viscous friction take. [N m], shape (n,)."""
+        return self.inertia_kg_m2 * motion.ddq + _sum((term for term in self.terms if term.name in REST), motion)
+
+    def _known(self, motion: Motion) -> Motion:
+        """Tell the motion what the simple terms take, unless somebody has."""
+        return replace(motion, rest=self.rest(motion)) if motion.rest is None else motion
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -103,9 +103,10 @@ class Term:
               joints as recorded. Should the past matter too, its torque along the motion is iterated.
             - ``bristle``: by a torque that builds up with the path since a reversal.
             - ``delay``: the torque that drives the joint was read late; the basis acts on ``Motion.rest``.
-            - ``spring``: the measured side turns further than the side of friction, by torque times the parameter
-              whose unit is rad/(N m).
-            - ``play``: likewise, by the play whose full width is the shape parameter with the unit rad.
+            - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the
+              parameter whose name ends on ``_rad_per_nm``.
+            - ``play``: the measured side moves within a play, of the full width of the parameter whose name ends on
+              ``_rad``, before it takes the side of friction with it.
     """
 
     name: str

@@ -1,0 +1,73 @@
+"""The gap in motion: a joint simulated under the measured torque, cycle by cycle, against the motion it made.
+
+Every cycle starts at the measured position and velocity, bristles as the measured motion before has bent them, and
+runs free to its end; nothing pulls it back to the measurement. A torque that is wrong by e for a time T moves the
+velocity by e T / B, so errors add up over a cycle: that is what makes the gap in motion a hard test, and the noise of
+the torque, added up likewise, is the floor that no model goes below.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.result import SimulationGap
+from friction_audit.joint_log import Float
+from friction_audit.model.along_recording import simulate_along
+from friction_audit.model.joint_model import JointModel
+
+SHORTEST = 3
+"""Samples of a cycle that is worth simulating."""
+
+
+def simulate_cycles(
+    declared: JointModel, grown: JointModel, data: JointData, cycles: NDArray[np.int64]
+) -> SimulationGap | None:
+    """Simulate whole cycles with both models.
+
+    Args:
+        declared: The model without the effects that were found.
+        grown: The model with them.
+        data: The joint.
+        cycles: Numbers of the cycles, those that no choice was made on.
+
+    Returns:
+        The gap; None where no cycle is without a hole, or a model cannot be simulated: the gap in torque is then all
+        that can be told.
+    """
+    pieces = _whole(data, cycles)
+    if not len(pieces):
+        return None
+    speeds = [simulate_along(model, data.motion(), data.torque, pieces) for model in (declared, grown)]
+    before, after = speeds
+    if before is None or after is None:
+        return None
+    inside = np.isfinite(before)
+    return SimulationGap(
+        before=_rms((before - data.dq)[inside]),
+        after=_rms((after - data.dq)[inside]),
+        unit="rad/s",
+        t=_traced(data.t, pieces),
+        measured=_traced(data.dq, pieces),
+        declared=_traced(before, pieces),
+        grown=_traced(after, pieces),
+    )
+
+
+def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
+    """First and last sample of the cycles without a hole, shape (p, 2)."""
+    pieces = []
+    for number in cycles:
+        samples = np.flatnonzero(data.cycle == number)
+        if len(samples) >= SHORTEST and data.valid[samples].all():
+            pieces.append((samples[0], samples[-1]))
+    return np.asarray(pieces, np.int64).reshape(-1, 2)
+
+
+def _traced(signal: Float, pieces: NDArray[np.int64]) -> Float:
+    """Cut the pieces out and put a NaN behind each but the last."""
+    parts = [np.append(signal[first : last + 1], np.nan) for first, last in pieces]
+    return np.concatenate(parts)[:-1]
+
+
+def _rms(signal: Float) -> float:
+    return float(np.sqrt(np.mean(signal**2)))

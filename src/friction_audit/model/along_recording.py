@@ -1,0 +1,188 @@
+"""A joint of any terms moved forward under a recorded torque, piece by piece, each from its recorded start.
+
+Torques that follow from the instant are tabulated, bristles are springs that slip (``tables``). A term that needs the
+past of the motion is asked for its torque along the motion found so far, and the motion is found again, until it no
+longer changes; a term with which it never settles cannot be simulated.
+
+What sits between the torque sensor and the side on which friction acts does not change that side's motion under a
+measured torque; it changes what is measured. A delay of the torque is undone in the drive. A spring puts the measured
+side ahead by torque times compliance. Where within a play the measured side is, the torque does not tell, for it is
+zero there: that is taken from the recording.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+from friction_audit.model.bristles import Bristles
+from friction_audit.model.joint_model import FittedTerm, JointModel
+from friction_audit.model.move import run_pieces
+from friction_audit.model.tables import Tables, certain, tabulate
+from friction_audit.model.term import Motion
+
+SWEEPS = 12
+SETTLED = 1e-3
+"""Change of the velocity in a sweep at which it has settled, as a share of the velocity."""
+BETWEEN = ("delay", "spring", "play")
+"""What is between the sensor and the side of friction."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Reading:
+    """How the measured side differs from the side on which friction acts; shape (n,) each.
+
+    Attributes:
+        drive: Torque that drives the side of friction, at its time. [N m]
+        ahead: By how much the measured side is ahead. [rad]
+    """
+
+    drive: Float
+    ahead: Float
+
+
+def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDArray[np.int64]) -> Float | None:
+    """Simulate a joint under a recorded torque.
+
+    Args:
+        model: The joint.
+        motion: The recording, on an even grid, n samples.
+        drive: Torque F_m + u as recorded, shape (n,). [N m]
+        pieces: First and last sample of each piece, shape (p, 2).
+
+    Returns:
+        Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
+        grows beyond all bounds.
+    """
+    reading = _read_through(model, motion, drive)
+    step = float(motion.t[1] - motion.t[0])
+    inner = _inner(motion, reading, step)
+    acting = [term for term in model.terms if term.term.forward not in BETWEEN]
+    tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
+    if tables.inertia_kg_m2 <= 0.0:
+        return None
+    held = Bristles(stiffness=tables.bristle_stiffness, reach=tables.bristle_reach).along(inner.q)
+    found = _settle(model, tables, past, inner, reading.drive, pieces, held, step)
+    return None if found is None else np.asarray(found + np.gradient(reading.ahead, step))
+
+
+def _settle(
+    model: JointModel,
+    tables: Tables,
+    past: Sequence[FittedTerm],
+    recorded: Motion,
+    drive: Float,
+    pieces: NDArray[np.int64],
+    held: Float,
+    step: float,
+) -> Float | None:
+    """Sweep until the motion and the torque of terms with a past fit each other; return the velocity."""
+    motion, last = recorded, recorded.dq
+    inside = _inside(pieces, len(drive))
+    for _ in range(SWEEPS):
+        found = run_pieces(step, drive, recorded.q, recorded.dq, pieces, held, _with_past(tables, past, model, motion))
+        velocity = found[1]
+        if not np.isfinite(velocity[inside]).all():
+            return None
+        if not past or _rms(velocity[inside] - last[inside]) <= SETTLED * _rms(recorded.dq[inside]):
+            return np.asarray(velocity)
+        motion, last = _spliced(recorded, found, inside, pieces, step), velocity
+    return None
+
+
+def _with_past(tables: Tables, past: Sequence[FittedTerm], model: JointModel, motion: Motion) -> Tables:
+    """Add the torque of terms with a past along a motion: friction by direction, all else as it is."""
+    known = replace(motion, rest=model.rest(motion))
+    for term in past:
+        torque = term.torque(known)
+        ways = np.array([[1.0], [-1.0]]) * _level(torque, motion) if term.term.friction else np.stack([torque, torque])
+        tables = tables._replace(time=tables.time + ways)
+    return tables
+
+
+def _level(torque: Float, motion: Motion) -> Float:
+    """Friction against the motion, carried over where the direction is not certain."""
+    way = certain(motion)
+    sure = way != 0.0
+    if not sure.any():
+        return np.zeros(len(torque))
+    return np.asarray(np.interp(motion.t, motion.t[sure], (torque * way)[sure]))
+
+
+def _spliced(
+    recorded: Motion, found: Float, inside: NDArray[np.bool_], pieces: NDArray[np.int64], step: float
+) -> Motion:
+    """Put simulated pieces into a recording."""
+    ddq = recorded.ddq.copy()
+    for first, last in pieces:
+        ddq[first : last + 1] = np.gradient(found[1, first : last + 1], step)
+    q, dq = np.where(inside, found[0], recorded.q), np.where(inside, found[1], recorded.dq)
+    return replace(recorded, q=q, dq=dq, ddq=ddq)
+
+
+def _inside(pieces: NDArray[np.int64], samples: int) -> NDArray[np.bool_]:
+    inside = np.zeros(samples, bool)
+    for first, last in pieces:
+        inside[first : last + 1] = True
+    return inside
+
+
+def _rms(signal: Float) -> float:
+    return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
+
+
+def _read_through(model: JointModel, motion: Motion, drive: Float) -> _Reading:
+    """Undo what is between the sensor and the side of friction."""
+    between = {term.term.forward: term for term in model.terms if term.term.forward in BETWEEN}
+    if "delay" in between:
+        drive = np.interp(motion.t + _delay(between["delay"], motion), motion.t, drive)
+    ahead = np.zeros(len(drive))
+    if "spring" in between:
+        ahead = ahead + _parameter(between["spring"], "_rad_per_nm") * drive
+    if "play" in between:
+        ahead = ahead + _within(motion.q, 0.5 * _parameter(between["play"], "_rad"))
+    return _Reading(drive=drive, ahead=ahead)
+
+
+def _delay(term: FittedTerm, motion: Motion) -> float:
+    """By how much the torque is late: what becomes of one that rises by 1 N m/s. [s]"""
+    still = np.zeros(len(motion.t))
+    rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0])
+    return -float(np.median(term.torque(rising)))
+
+
+def _parameter(term: FittedTerm, ending: str) -> float:
+    """Return the one parameter of a term whose name has an ending.
+
+    Raises:
+        AnalysisError: If there is none, or more than one.
+    """
+    pairs = zip(term.term.parameters, term.values, strict=True)
+    values = [value for parameter, value in pairs if parameter.name.endswith(ending)]
+    if len(values) != 1:
+        raise AnalysisError(
+            f"term {term.name}: {len(values)} parameters end on {ending}; expected one, for it is a {term.term.forward}"
+        )
+    return values[0]
+
+
+def _within(q: Float, half: float) -> Float:
+    """By how much the measured side is ahead of a side that it takes with it only at the ends of a play."""
+    stop = Bristles(stiffness=np.ones(1), reach=np.array([half]))
+    return stop.along(q)[:, 0]
+
+
+def _inner(motion: Motion, reading: _Reading, step: float) -> Motion:
+    """The recorded motion of the side on which friction acts."""
+    if not reading.ahead.any():
+        return motion
+    ahead_dq = np.gradient(reading.ahead, step)
+    return replace(
+        motion,
+        q=motion.q - reading.ahead,
+        dq=motion.dq - ahead_dq,
+        ddq=motion.ddq - np.gradient(ahead_dq, step),
+    )

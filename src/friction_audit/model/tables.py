@@ -1,0 +1,219 @@
+"""Tables of what the terms of a joint take along a recording, as the compiled forward simulation reads them.
+
+A term says what torque a motion takes; a simulation asks at every step what is taken here, now, at this speed. The
+terms are therefore asked for motions that vary one thing at a time, and the answers are kept as tables over speed, over
+place or over time, for each direction. Where a table, read along the recorded motion, does not give what the term gives
+there, the term follows from more than the instant: it is left to the caller.
+"""
+
+from collections.abc import Callable, Iterable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.model.bristles import NO_BRISTLES, Bristles, bristles_of
+from friction_audit.model.joint_model import FittedTerm
+from friction_audit.model.term import Motion
+
+CRAWL_RAD_S = 1e-9
+"""Speed that stands for the limit at rest."""
+HEADROOM = 1.5
+"""Speeds are tabulated up to so many times the largest of the recording."""
+MARGIN = 0.25
+"""Places are tabulated so much of the recorded range beyond its ends."""
+LEAST_MARGIN_RAD = 0.05
+TOLERANCE = 0.02
+"""Largest error of tables along the recording, as a share of the term's torque."""
+BRISTLE_TOLERANCE = 0.2
+"""The same of bristles: what depends on the rate of their deflection is left out."""
+ROUNDING_NM = 1e-9
+SLOW = 1e-3
+"""Below this share of the largest speed a recorded motion has no certain direction."""
+
+
+class Tables(NamedTuple):
+    """Torque that a joint takes, against the drive, signed; n samples of a recording.
+
+    Tables have one row per direction, forwards and backwards; those ``per_speed`` are multiplied by the speed.
+
+    Attributes:
+        inertia_kg_m2: Inertia.
+        speed_step: Spacing of the table over speed, which begins at rest. [rad/s]
+        speed: Torque over speed, shape (2, n). [N m]
+        place_start: First place of the tables over it. [rad]
+        place_step: Their spacing. [rad]
+        place: Torque over place, shape (2, n). [N m]
+        place_per_speed: Shape (2, n). [N m s/rad]
+        time: Torque at the stamps of the recording, shape (2, n). [N m]
+        time_per_speed: Shape (2, n). [N m s/rad]
+        bristle_stiffness: Of each bristle, shape (k,). [N m/rad]
+        bristle_reach: Deflection at which it slips, shape (k,). [rad]
+    """
+
+    inertia_kg_m2: float
+    speed_step: float
+    speed: Float
+    place_start: float
+    place_step: float
+    place: Float
+    place_per_speed: Float
+    time: Float
+    time_per_speed: Float
+    bristle_stiffness: Float
+    bristle_reach: Float
+
+
+def tabulate(
+    inertia_kg_m2: float, terms: Iterable[FittedTerm], motion: Motion
+) -> tuple[Tables, tuple[FittedTerm, ...]]:
+    """Tabulate the terms of a joint.
+
+    Args:
+        inertia_kg_m2: Its inertia.
+        terms: Terms that act by a torque, instantly or by bristles.
+        motion: The recording, on an even grid.
+
+    Returns:
+        The tables, and the terms that no table holds.
+    """
+    tables, past = _empty(motion)._replace(inertia_kg_m2=inertia_kg_m2), []
+    for term in terms:
+        forms = (_bristle_form,) if term.term.forward == "bristle" else FORMS
+        share = next((share for form in forms if _holds(share := form(term, motion), term, motion)), None)
+        if share is None:
+            past.append(term)
+        else:
+            tables = _add(tables, share)
+    return tables, tuple(past)
+
+
+def certain(motion: Motion) -> Float:
+    """Direction of a recorded motion: -1, 1, or 0 where it is not certain, shape (n,)."""
+    return np.where(np.abs(motion.dq) > SLOW * np.max(np.abs(motion.dq), initial=0.0), np.sign(motion.dq), 0.0)
+
+
+def _empty(motion: Motion) -> Tables:
+    n = len(motion.t)
+    top = HEADROOM * max(float(np.max(np.abs(motion.dq), initial=0.0)), CRAWL_RAD_S)
+    low, high = float(motion.q.min()), float(motion.q.max())
+    margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
+    still = np.zeros((2, n))
+    return Tables(
+        inertia_kg_m2=0.0,
+        speed_step=top / (n - 1),
+        speed=still,
+        place_start=low - margin,
+        place_step=(high - low + 2.0 * margin) / (n - 1),
+        place=still,
+        place_per_speed=still,
+        time=still,
+        time_per_speed=still,
+        bristle_stiffness=NO_BRISTLES.stiffness,
+        bristle_reach=NO_BRISTLES.reach,
+    )
+
+
+def _add(one: Tables, other: Tables) -> Tables:
+    return one._replace(
+        inertia_kg_m2=one.inertia_kg_m2 + other.inertia_kg_m2,
+        speed=one.speed + other.speed,
+        place=one.place + other.place,
+        place_per_speed=one.place_per_speed + other.place_per_speed,
+        time=one.time + other.time,
+        time_per_speed=one.time_per_speed + other.time_per_speed,
+        bristle_stiffness=np.append(one.bristle_stiffness, other.bristle_stiffness),
+        bristle_reach=np.append(one.bristle_reach, other.bristle_reach),
+    )
+
+
+def _holds(share: Tables, term: FittedTerm, motion: Motion) -> bool:
+    """Whether the tables of a term give its torque along the recording, wherever the direction is certain."""
+    sure = certain(motion) != 0.0
+    torque = term.torque(motion)
+    error = (torque - read_along(share, motion))[sure]
+    allowed = BRISTLE_TOLERANCE if term.term.forward == "bristle" else TOLERANCE
+    return bool(_rms(error) <= allowed * _rms(torque[sure]) + ROUNDING_NM)
+
+
+def read_along(tables: Tables, motion: Motion) -> Float:
+    """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
+    n, speed = len(motion.t), np.abs(motion.dq)
+    speeds, places = tables.speed_step * np.arange(n), tables.place_start + tables.place_step * np.arange(n)
+    held = Bristles(stiffness=tables.bristle_stiffness, reach=tables.bristle_reach).torque_along(motion.q)
+    ways = [
+        np.interp(speed, speeds, tables.speed[way])
+        + np.interp(motion.q, places, tables.place[way])
+        + np.interp(motion.q, places, tables.place_per_speed[way]) * speed
+        + tables.time[way]
+        + tables.time_per_speed[way] * speed
+        for way in (0, 1)
+    ]
+    return np.asarray(tables.inertia_kg_m2 * motion.ddq + np.where(motion.dq < 0.0, ways[1], ways[0]) + held)
+
+
+def _rms(signal: Float) -> float:
+    return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
+
+
+def _asked(term: FittedTerm, motion: Motion) -> Float:
+    """A term's torque for a motion that nobody made; nonsense, if the term needs the past, is found out later."""
+    with np.errstate(all="ignore"):
+        return term.torque(motion)
+
+
+def _speed_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Torque over speed at one place, and the inertia that the term adds."""
+    empty = _empty(motion)
+    speeds = np.asarray(empty.speed_step * np.arange(len(motion.t)), np.float64)
+    speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
+    still = replace(motion, q=np.full(len(speeds), float(np.median(motion.q))), ddq=np.zeros(len(speeds)))
+    table = np.stack([_asked(term, replace(still, dq=sign * speeds)) for sign in (1.0, -1.0)])
+    return empty._replace(inertia_kg_m2=_inertia(term, motion), speed=table)
+
+
+def _place_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Torque over place, with a share in proportion to the speed."""
+    empty = _empty(motion)
+    places = np.asarray(empty.place_start + empty.place_step * np.arange(len(motion.t)), np.float64)
+    level, slope = _affine(term, replace(motion, q=places), empty)
+    return empty._replace(inertia_kg_m2=_inertia(term, motion), place=level, place_per_speed=slope)
+
+
+def _time_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Torque over time with all else as recorded, with a share in proportion to the speed."""
+    empty = _empty(motion)
+    level, slope = _affine(term, motion, empty)
+    return empty._replace(inertia_kg_m2=_inertia(term, motion), time=level, time_per_speed=slope)
+
+
+def _bristle_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Bristles, and the dry friction whose place they take."""
+    dry, found = bristles_of(term)
+    way = np.array([[dry], [-dry]])
+    return _empty(motion)._replace(
+        speed=np.repeat(way, len(motion.t), axis=1),
+        bristle_stiffness=found.stiffness,
+        bristle_reach=found.reach,
+    )
+
+
+FORMS: tuple[Callable[[FittedTerm, Motion], Tables], ...] = (_speed_form, _place_form, _time_form)
+"""In the order in which they are tried: the fewer a recorded quantity is needed for, the better."""
+
+
+def _affine(term: FittedTerm, motion: Motion, empty: Tables) -> tuple[Float, Float]:
+    """Torque in the limit at rest, and its slope in the speed, by direction, shape (2, n) each."""
+    n = len(motion.t)
+    fast = 0.5 * empty.speed_step * (n - 1)
+    still = np.zeros(n)
+    ways = (1.0, -1.0)
+    level = np.stack([_asked(term, replace(motion, dq=np.full(n, w * CRAWL_RAD_S), ddq=still)) for w in ways])
+    moving = np.stack([_asked(term, replace(motion, dq=np.full(n, w * fast), ddq=still)) for w in ways])
+    return level, (moving - level) / fast
+
+
+def _inertia(term: FittedTerm, motion: Motion) -> float:
+    """Inertia that a term adds: what it takes for one more rad/s^2, on average."""
+    return float(np.mean(_asked(term, replace(motion, ddq=motion.ddq + 1.0)) - term.torque(motion)))
