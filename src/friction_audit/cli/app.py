@@ -5,14 +5,14 @@ from typing import Annotated
 import typer
 
 from friction_audit import __version__
-from friction_audit.cli import compare, convert, estimate, info, plot, replay, reproduce, simulate
+from friction_audit.cli import compare, convert, diagnose, estimate, info, plot, replay, reproduce, simulate
 from friction_audit.cli.grouped_help import GroupedCommand
 from friction_audit.cli.option_groups import with_option_groups
 
 # Plain help text: rich would cost more time than everything else that --help does.
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-COMMANDS = (info, estimate, plot, replay, convert, simulate, reproduce, compare)
+COMMANDS = (info, estimate, plot, replay, diagnose, convert, simulate, reproduce, compare)
 """Modules of the commands, in the order of the help text; each holds ``command``, named as the module, and EXAMPLES."""
 
 for module in COMMANDS:

@@ -22,6 +22,33 @@ FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
 REPLAY_FIGURES = ("replay", "replay-velocity-torque")
 KINDS = (*FIGURES, *REPLAY_FIGURES, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
+EFFECTS = (
+    "stribeck",
+    "stiction",
+    "nonlinear_viscous",
+    "asymmetric_coulomb",
+    "asymmetric_viscous",
+    "presliding",
+    "frictional_lag",
+    "load_dependent_friction",
+    "position_dependent_friction",
+    "torque_ripple",
+    "gravity_error",
+    "cable_spring",
+    "joint_limit_stop",
+    "torque_bias",
+    "torque_drift",
+    "time_delay",
+    "torque_crosstalk",
+    "joint_elasticity",
+    "backlash",
+    "inertia_error",
+    "inertial_coupling",
+    "warm_up",
+    "friction_step",
+    "contact_event",
+    "unlogged_compensation",
+)
 
 
 def metavar(names: Sequence[str]) -> str:

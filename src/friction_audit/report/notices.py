@@ -1,8 +1,9 @@
 """Everything the user must know about a result, from every step of the chain, in one list."""
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
-from friction_audit.audit import Estimate, LogReplay
+from friction_audit.audit import Diagnosis, Estimate, LogReplay
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import JointLog
 
@@ -43,3 +44,30 @@ def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
     own = tuple(Notice(one.code, one.joint, one.message) for one in found.replay.warnings)
     every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + own
     return tuple(dict.fromkeys(every))
+
+
+def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the diagnosis, each once: with limits of its data."""
+    data = tuple(
+        Notice(finding.code, joint.joint, finding.message)
+        for joint in found.discrepancy.joints
+        for finding in joint.findings
+        if finding.message
+    )
+    every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + data
+    return tuple(dict.fromkeys(every))
+
+
+def notice_lines(notices: Iterable[Notice]) -> list[str]:
+    """Return one line per sentence, led by the joints that it is about."""
+    about: dict[str, list[Notice]] = {}
+    for notice in notices:
+        about.setdefault(notice.message, []).append(notice)
+    return [_line(message, same) for message, same in about.items()]
+
+
+def _line(message: str, same: list[Notice]) -> str:
+    joints = list(dict.fromkeys(notice.joint for notice in same))
+    if len(joints) == 1 or None in joints:
+        return str(same[0])
+    return f"joints {', '.join(map(str, joints))}: {message}"

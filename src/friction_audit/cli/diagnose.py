@@ -1,0 +1,196 @@
+"""``friction-audit diagnose``."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain, choices
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.options import OUTPUT, LogOptions, LogPath
+from friction_audit.cli.settings import audit_settings, read_options
+from friction_audit.errors import AnalysisError, UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.audit import Diagnosis
+    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.joint_log import JointLog
+    from friction_audit.model.joint_model import ArmModel
+
+DIAGNOSIS = "Diagnosis"
+
+EXAMPLES = """Examples:
+  friction-audit diagnose run.mcap
+  friction-audit diagnose run.csv --drive robot -o results
+  friction-audit diagnose run.parquet --candidates stribeck,presliding --joints 1 --json
+  friction-audit diagnose next.parquet --model results/model.toml"""
+
+DOCUMENT, MODEL = "diagnose.json", "model.toml"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DiagnosisOptions:
+    """What is asked of a diagnosis."""
+
+    candidates: Annotated[
+        list[str],
+        typer.Option(
+            metavar="NAME",
+            callback=choices.some_of(choices.EFFECTS),
+            help="Effects that may be named; repeatable, or separated by commas. Default: all.",
+            rich_help_panel=DIAGNOSIS,
+        ),
+    ] = ()  # type: ignore[assignment] # a dataclass takes no list
+    alpha: Annotated[
+        float,
+        typer.Option(
+            metavar="P",
+            help="Probability of saying of a joint that something is missing where nothing is.",
+            rich_help_panel=DIAGNOSIS,
+        ),
+    ] = 0.05
+    seed: Annotated[
+        int,
+        typer.Option(
+            metavar="INT",
+            min=0,
+            help="Of the cycles that are locked away and of the tests; same seed, same answer.",
+            rich_help_panel=DIAGNOSIS,
+        ),
+    ] = 0
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml",
+            exists=True,
+            dir_okay=False,
+            help="Declared model of the joints, e.g. of an earlier diagnosis. "
+            "Default: inertia, Coulomb and viscous friction.",
+            rich_help_panel=DIAGNOSIS,
+        ),
+    ] = None
+
+
+def command(
+    context: typer.Context,
+    log: LogPath,
+    options: DiagnosisOptions,
+    shared: LogOptions,
+    folder: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help=f"Also write {DOCUMENT} and the grown {MODEL} there.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = None,
+) -> None:
+    """Find what the model of each joint misses, name it, and show how far the gap closes."""
+    if shared.general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
+    settings = _settings(options)
+    if folder is not None:
+        chain.check_outputs([folder / DOCUMENT, folder / MODEL], overwrite=output.overwrite)
+    with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
+        recorded = chain.read(log, reading, voice)
+    _check_model(settings.model, recorded)
+    with voice.step("diagnose"):
+        from friction_audit.audit import diagnose_log
+
+        found = diagnose_log(recorded, audit, settings)
+    if not output.json:
+        _warn(found, voice)
+    _require_an_answer(found)
+    text = _document(found, chain.reading_settings(reading))
+    if folder is not None:
+        _write(found, text, folder, voice, overwrite=output.overwrite)
+    _print(found, text, json=output.json, verbose=voice.verbose)
+    chain.exit_if_damaged(recorded)
+
+
+def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
+    """Return what is asked.
+
+    Raises:
+        InputError: If the file of a model is none.
+        UsageError: If a value cannot be used.
+    """
+    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.model.model_file import load_model
+
+    return DiagnosisSettings(
+        candidates=tuple(options.candidates) or None,
+        alpha=options.alpha,
+        seed=options.seed,
+        model=None if options.model is None else load_model(options.model),
+    )
+
+
+def _check_model(model: "ArmModel | None", log: "JointLog") -> None:
+    """Refuse a model of another arm, before anything long is done.
+
+    Raises:
+        UsageError: If there is not one joint for each of the log.
+    """
+    if model is not None and len(model.joints) != len(log.joint_names):
+        raise UsageError(
+            f"--model: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
+            "give a model with an entry for every joint of the log"
+        )
+
+
+def _warn(found: "Diagnosis", voice: Voice) -> None:
+    from friction_audit.report.notices import diagnose_notices, notice_lines
+
+    voice.warn(notice_lines(diagnose_notices(found)))
+
+
+UNANSWERED = ("not_testable", "data_fault")
+"""Verdicts that are no answer."""
+
+
+def _require_an_answer(found: "Diagnosis") -> None:
+    """Refuse a result without an answer for any joint.
+
+    Raises:
+        AnalysisError: With what is said of each joint.
+    """
+    joints = found.discrepancy.joints
+    if all(joint.verdict in UNANSWERED for joint in joints):
+        lines = "".join(f"\n  joint {joint.joint}: {joint.message}" for joint in joints)
+        raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
+
+
+def _document(found: "Diagnosis", reading: dict[str, object]) -> str:
+    from friction_audit.report.diagnose_document import diagnose_document
+    from friction_audit.report.document import write_document
+
+    return write_document(diagnose_document(found, reading))
+
+
+def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.discrepancy.grown_model import grow_models
+    from friction_audit.model.model_file import save_model
+    from friction_audit.whole_file import whole_file
+
+    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
+        draft.write_text(document, encoding="utf-8")
+    grown = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
+    voice.warn(f"{folder / MODEL}: joint {joint}: {lack}" for joint, lack in grown.lacking)
+    save_model(grown.model, folder / MODEL, overwrite=overwrite)
+
+
+def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:
+    if json:
+        typer.echo(document, nl=False)
+    else:
+        from friction_audit.report.diagnose_table import diagnose_table
+
+        print_rich(diagnose_table(found, verbose=verbose))

@@ -1,0 +1,165 @@
+"""Diagnosis -> the table and the sentences that people read."""
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy
+from friction_audit.friction.history import Coefficient
+from friction_audit.model.terms import TERMS
+from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.table import Table
+
+TITLES = ("joint", "verdict", "missing", "before\n[N m]", "after\n[N m]", "floor\n[N m]", "closed\n[%]")
+WORDS = 3
+"""Columns of words; the others hold numbers."""
+SMALLEST_P = 0.001
+UNITS = {parameter.name: parameter.unit for term in TERMS for parameter in term.parameters}
+MEANINGS = {parameter.name: parameter.meaning for term in TERMS for parameter in term.parameters}
+FACTORS = {term.name: tuple(parameter.name for parameter in term.linear) for term in TERMS}
+SCALED = ("s", "rad")
+"""Units of which a thousandth is easier to read where a number is small."""
+SMALL = 0.02
+
+
+def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[RenderableType]":
+    """Return what was asked, a row per joint, and what is to be said of each.
+
+    Args:
+        found: The result.
+        verbose: If True, also the rivals of an effect, what the log cannot show, and what its data are worth.
+    """
+    from rich.text import Text
+
+    joints = found.discrepancy.joints
+    parts: list[RenderableType] = [Text(line) for line in _head(found)]
+    parts.append(_table(joints))
+    for joint in joints:
+        parts.extend(Text(line) for line in _sentences(joint))
+        if verbose:
+            parts.extend(Text(f"  {line}") for line in _details(joint))
+    return parts
+
+
+def _head(found: Diagnosis) -> tuple[str, ...]:
+    log, settings = found.estimate.log, found.settings
+    samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    declared = (
+        "inertia, Coulomb and viscous friction, fitted" if settings.model is None else "as given, friction fitted"
+    )
+    return (
+        f"{log.source.path}: {log.source.format}, {samples}",
+        f"interaction torque: {found.estimate.interaction.choice.formula}",
+        f"declared model: {declared}",
+        f"gaps are rms torques on cycles that no choice was made on{_locked(found)}; intervals are 95 %",
+    )
+
+
+def _locked(found: Diagnosis) -> str:
+    """Return how many cycles were locked away, where any were."""
+    counts = [joint.gap.cycles for joint in found.discrepancy.joints if joint.gap is not None]
+    if not counts:
+        return ""
+    span = f"{min(counts)}" if min(counts) == max(counts) else f"{min(counts)} to {max(counts)}"
+    return f" ({span} per joint)"
+
+
+def _table(joints: tuple[JointDiscrepancy, ...]) -> "Table":
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+    for column, title in enumerate(TITLES):
+        table.add_column(Text(title), justify="left" if column < WORDS else "right", no_wrap=True)
+    for joint in joints:
+        table.add_row(*_row(joint))
+    return table
+
+
+def _row(joint: JointDiscrepancy) -> tuple[str, ...]:
+    missing = "\n".join(line for effect in joint.effects for line in _missing(effect)) or NOTHING
+    return (joint_label(joint.joint, joint.name), joint.verdict.replace("_", " "), missing, *_gap(joint))
+
+
+def _gap(joint: JointDiscrepancy) -> tuple[str, str, str, str]:
+    gap = joint.gap
+    if gap is None:
+        return NOTHING, NOTHING, NOTHING, NOTHING
+    if not joint.effects:
+        return _torque(gap.before), NOTHING, _torque(gap.floor), NOTHING
+    closed = NOTHING if math.isnan(gap.shrink) else f"{100 * gap.shrink:.1f}"
+    return _torque(gap.before), _torque(gap.after), _torque(gap.floor), closed
+
+
+def _torque(value: float) -> str:
+    return NOTHING if math.isnan(value) else f"{value:.3f}" if value < 10.0 else f"{value:.1f}"  # noqa: PLR2004
+
+
+def _missing(effect: Effect) -> Iterator[str]:
+    """Yield an effect with its alternatives and its size, a line each."""
+    yield effect.name
+    yield from (f"or {name}" for name in effect.alternatives)
+    yield f"  {_size(effect)}"
+
+
+def _size(effect: Effect) -> str:
+    """Return the one factor of an effect; of several the rms of its torque, free of the rest of the model."""
+    factors = [name for name in FACTORS.get(effect.name, ()) if name in effect.parameters]
+    if len(factors) == 1:
+        return format_quantity(effect.parameters[factors[0]], UNITS[factors[0]])
+    return f"{_torque(effect.partial_nm)} N m rms"
+
+
+def format_quantity(number: Coefficient, unit: str) -> str:
+    """Return a value with its 95 % interval and unit, in thousandths where it is small.
+
+    Examples: ``0.150 ± 0.010 N m``; ``3.1 ± 0.2 ms``.
+    """
+    largest = max(abs(bound) for bound in (number.value, number.low, number.high) if not math.isnan(bound))
+    if unit in SCALED and largest < SMALL:
+        scaled = Coefficient(value=1e3 * number.value, low=1e3 * number.low, high=1e3 * number.high)
+        return f"{format_coefficient(scaled)} m{unit}"
+    return format_coefficient(number) if unit in ("", "1") else f"{format_coefficient(number)} {unit}"
+
+
+def _sentences(joint: JointDiscrepancy) -> Iterator[str]:
+    """Yield what is to be said of a joint: its message, each effect in numbers, the simulated motion."""
+    yield f"joint {joint.joint}: {joint.message}"
+    for effect in joint.effects:
+        yield from (f"  {line}" for line in _effect(effect, joint.message))
+    gap = joint.simulation
+    if gap is not None:
+        yield f"  simulated motion strays by {gap.before:.3g} -> {gap.after:.3g} {gap.unit} rms"
+
+
+def _effect(effect: Effect, said: str) -> Iterator[str]:
+    numbers = ", ".join(_parameter(name, number) for name, number in effect.parameters.items())
+    p_value = f"p < {SMALLEST_P}" if effect.p_value < SMALLEST_P else f"p = {effect.p_value:.2g}"
+    gap = f"gap {_torque(effect.gap_before_nm)} -> {_torque(effect.gap_after_nm)} N m"
+    yield f"{effect.name}: {'; '.join(text for text in (numbers, gap, p_value) if text)}"
+    if effect.where not in said:
+        yield f"  where: {effect.where}"
+    if effect.decide:
+        yield f"  to decide: {effect.decide}"
+
+
+def _parameter(name: str, number: Coefficient) -> str:
+    """Return a parameter in words; one of no term by its name alone."""
+    return f"{MEANINGS.get(name, name)} {format_quantity(number, UNITS.get(name, ''))}"
+
+
+def _details(joint: JointDiscrepancy) -> Iterator[str]:
+    """Yield what only some want to know."""
+    for effect in joint.effects:
+        rivals = [rival for rival in effect.evidence if rival.name != effect.name]
+        for rival in rivals:
+            yield f"{effect.name} or {rival.name}: BIC {rival.delta_bic:+.0f}, correlation {rival.correlation:.2f}"
+    if joint.effects and not math.isnan(joint.detection_limit_nm):
+        yield f"what else is missing is below {joint.detection_limit_nm:.2g} N m rms"
+    yield from (f"not shown by this log: {name}: {reason}" for name, reason in joint.untestable.items())
+    yield from (f"data: {finding.message}" for finding in joint.findings if finding.message)
