@@ -1,30 +1,27 @@
-"""Step of friction: s H, v H at the border of a cycle."""
+"""Step of friction: Coulomb and viscous friction change at one moment."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions
+from friction_audit.discrepancy.candidates.extent import duration
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.friction_step import TERM
 
 FEWEST_CYCLES = 8
+MOMENTS = 32
+LENGTHS = (0.0, 0.1)
+"""How long the change takes, as shares of the log's length; a ramp of the whole log would be a warm-up."""
 
 
-def step_at(data: JointData, share: float) -> Float:
-    """1 from the cycle on that lies at that share of all cycles, shape (n,)."""
-    cycles = np.unique(data.cycle[data.cycle >= 0])
-    if len(cycles) == 0:
-        return np.zeros(len(data.t))
-    first = cycles[min(int(share * len(cycles)), len(cycles) - 1)]
-    start = int(np.flatnonzero(data.cycle == first)[0])
-    return (np.arange(len(data.t)) >= start).astype(float)
-
-
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Step of friction, shape (n, p)."""
-    later = step_at(data, shape["share"])
-    return np.column_stack([direction(data) * later, data.dq * later])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Moments from a sixteenth of the log on."""
+    length = duration(data)
+    moments = data.t[0] + length * np.arange(2, MOMENTS - 1) / MOMENTS
+    return tuple(
+        {"step_time_s": float(moment), "step_length_s": share * length} for moment in moments for share in LENGTHS
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -36,17 +33,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """More or less friction than before."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="friction_step",
-    label="friction changes at one moment",
-    shapes=tuple({"share": k / 24} for k in range(2, 23)),
-    columns=columns,
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm", "nms_per_rad"),
     untestable=untestable,
     admissible=admissible,
     axis="time",
+    term=TERM,
 )

@@ -1,18 +1,26 @@
-"""Stops: quadratic hinges at both ends of the range."""
+"""Stops: springs near one end of the range or both, where and how steep unknown."""
 
-import numpy as np
-
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import span
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.joint_limit_stop import TERM
+
+DEPTHS = (0.0, 0.02, 0.06, 0.2)
+"""How deep the joint goes into a stop, as shares of the range; 0 where it does not reach it."""
+EXPONENTS = (1.0, 2.0)
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Stops, shape (n, p)."""
-    above = np.maximum(0.0, data.q - (data.q.max() - shape["margin_rad"]))
-    below = np.maximum(0.0, data.q.min() + shape["margin_rad"] - data.q)
-    return np.column_stack([above**2, -(below**2)])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """All pairs of depths but none on both sides, with the exponents."""
+    low, high = float(data.q.min()), float(data.q.max())
+    length = high - low
+    pairs = [(up, down) for up in DEPTHS for down in DEPTHS if up + down > 0.0]
+    return tuple(
+        {"stop_upper_rad": high - up * length, "stop_lower_rad": low + down * length, "stop_exponent": exponent}
+        for up, down in pairs
+        for exponent in EXPONENTS
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -21,17 +29,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
-    return bool(np.sum(factors) > 0)
+    """Stops push back."""
+    return bool(factors[0] >= 0 and factors[1] >= 0 and factors[0] + factors[1] > 0)
 
 
 CANDIDATE = Candidate(
-    name="joint_limit_stop",
-    label="a stop near the end of the range",
-    shapes=tuple({"margin_rad": m} for m in (0.05, 0.1, 0.2, 0.4)),
-    columns=columns,
-    column_units=("nm_per_rad2", "nm_per_rad2"),
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=("nm", "nm", "nms_per_rad"),
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    term=TERM,
 )

@@ -1,17 +1,31 @@
-"""Nonlinear viscous friction: s |v|^p."""
+"""Nonlinear viscous friction: drag, or a lubricant that thins or saturates, as one family of curves."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import speed_range
+from friction_audit.discrepancy.candidates.extent import speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.nonlinear_viscous import TERM
+
+POWERS = (0.5, 1.5, 2.0, 3.0)
+"""Exponents of plain powers: the bend lies below all speeds of the log."""
+BENDS = 4
+LOWEST, HIGHEST = 0.03, 1.0
+"""Shares of the log's high speed between which a friction may saturate."""
+NO_BEND = 1e-3
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Nonlinear viscous friction, shape (n, p)."""
-    return np.asarray(direction(data) * np.abs(data.dq) ** shape["exponent"])[:, None]
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Plain powers, and saturation at several speeds."""
+    (fast,) = speeds(data, 95.0)
+    powers = [(exponent, NO_BEND) for exponent in POWERS]
+    saturating = [(0.0, float(share)) for share in np.geomspace(LOWEST, HIGHEST, BENDS)]
+    return tuple(
+        {"curved_viscous_exponent": exponent, "curved_viscous_speed_rad_s": share * float(fast)}
+        for exponent, share in (*powers, *saturating)
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -19,18 +33,19 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
     return speed_range(data, baseline, 5.0)
 
 
-def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
-    return True
+def admissible(factors: Float, shape: Shape) -> bool:
+    """A curve that flattens must rise: if it fell, friction would fall steeply with speed, which is Stribeck's."""
+    return bool(factors[0] > 0 or shape["curved_viscous_exponent"] > 1.0)
 
 
 CANDIDATE = Candidate(
-    name="nonlinear_viscous",
-    label="friction curved in speed",
-    shapes=tuple({"exponent": p} for p in (0.3, 0.5, 0.7, 1.5, 2.0, 2.5, 3.0)),
-    columns=columns,
-    column_units=("nm_at_1_rad_s",),
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=("nm",),
     untestable=untestable,
     admissible=admissible,
     axis="speed",
+    term=TERM,
 )

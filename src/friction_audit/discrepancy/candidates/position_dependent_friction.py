@@ -1,18 +1,40 @@
-"""Position-dependent friction: s cos kq, s sin kq."""
+"""Friction by position: waves over the whole range, or a patch somewhere in it."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions, span
+from friction_audit.discrepancy.candidates.extent import reach
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.position_dependent_friction import TERM
+
+WAVES = 10
+PATCHES = (8, 16)
+"""Half widths of patches, as how many of them the range takes."""
+EVERYWHERE = 100.0
+"""Width of a bell that does not matter, over the range."""
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Position-dependent friction, shape (n, p)."""
-    angle = shape["order"] * data.q
-    return np.asarray(direction(data)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)]))
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Waves from half a period over the range on, half a period apart; patches a width and a half apart."""
+    low, high = reach(data)
+    length = max(high - low, 1e-3)
+    middle = 0.5 * (low + high)
+    waves = [(np.pi / length * k, middle, EVERYWHERE * length) for k in range(1, WAVES + 1)]
+    patches = [
+        (parts / length, low + (k + 0.5) * 1.5 * length / parts, length / parts)
+        for parts in PATCHES
+        for k in range(int(parts / 1.5))
+    ]
+    return tuple(
+        {
+            "position_friction_order": float(order),
+            "position_friction_centre_rad": float(centre),
+            "position_friction_width_rad": float(width),
+        }
+        for order, centre, width in (*waves, *patches)
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -21,17 +43,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """More or less friction than elsewhere."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="position_dependent_friction",
-    label="friction changes with position",
-    shapes=tuple({"order": float(k)} for k in range(1, 9)),
-    columns=columns,
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm", "nm"),
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    term=TERM,
 )

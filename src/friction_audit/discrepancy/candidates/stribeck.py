@@ -1,18 +1,25 @@
-"""Stribeck friction: s exp(-|v/vs|^d)."""
+"""Stribeck friction: more friction at low speed."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import speed_range
+from friction_audit.discrepancy.candidates.extent import speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.stribeck import TERM
+
+SPEEDS = 8
+EXPONENTS = (0.5, 1.0, 2.0)
+LOWEST, HIGHEST = 0.01, 0.4
+"""Shares of the log's high speed between which friction may fade: beyond, no film has built up within the log."""
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Stribeck friction, shape (n, p)."""
-    ratio = np.abs(data.dq) / shape["speed_rad_s"]
-    return np.asarray(direction(data) * np.exp(-(ratio ** shape["exponent"])))[:, None]
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Speeds of fading by the speeds of the log, each with the exponents."""
+    (fast,) = speeds(data, 95.0)
+    fading = np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, SPEEDS), TERM.shape[0].lower, TERM.shape[0].upper)
+    return tuple({"stribeck_speed_rad_s": float(v), "stribeck_exponent": d} for v in fading for d in EXPONENTS)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -21,17 +28,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """Friction falls with speed."""
     return bool(factors[0] > 0)
 
 
 CANDIDATE = Candidate(
-    name="stribeck",
+    name=TERM.name,
     label="more friction at low speed",
-    shapes=tuple({"speed_rad_s": float(v), "exponent": d} for v in np.geomspace(0.01, 0.5, 9) for d in (1.0, 2.0)),
-    columns=columns,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm",),
     untestable=untestable,
     admissible=admissible,
     axis="speed",
+    term=TERM,
 )

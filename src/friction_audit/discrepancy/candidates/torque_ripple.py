@@ -1,17 +1,29 @@
-"""Ripple: cos kq, sin kq; every order tried is a trial."""
+"""Ripple: a wave in the position; every order tried is a trial."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import span
+from friction_audit.discrepancy.candidates.extent import reach, speeds
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.rows import CORNER_HZ
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.torque_ripple import TERM
+
+SPREAD = 0.8
+"""Distance of orders times the standard deviation of the position: phases then differ by 0.4 rad rms at most."""
+MOST_ORDERS = 150
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Ripple, shape (n, p)."""
-    angle = shape["order"] * data.q
-    return np.column_stack([np.cos(angle), np.sin(angle)])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Orders from one period over the range up to where a slow motion leaves the band."""
+    low, high = reach(data)
+    (slow,) = speeds(data, 25.0)
+    step = SPREAD / max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
+    first = 2.0 * np.pi / max(high - low, 1e-3)
+    last = max(2.0 * np.pi * CORNER_HZ / float(slow), first)
+    orders = np.arange(first, last, step)[:MOST_ORDERS]
+    return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -20,17 +32,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """Any phase."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="torque_ripple",
-    label="torque periodic in position",
-    shapes=tuple({"order": float(k)} for k in range(8, 241, 2)),
-    columns=columns,
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm", "nm"),
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    term=TERM,
 )

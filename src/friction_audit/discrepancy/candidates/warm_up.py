@@ -1,50 +1,55 @@
-"""Warm-up: s and v times exp(-t/T), or exp(-k dT) with a temperature."""
+"""Warm-up: friction fades with the time since the start, or with the logged temperature."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions
+from friction_audit.discrepancy.candidates.extent import duration
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.warm_up import TERM
 
 SHORTEST_S = 30.0
+TIMES = (0.08, 0.2, 0.5, 1.5)
+"""Time constants as shares of the log's length; beyond, an exponential is a straight line."""
+FOREVER = 1e4
+DECAYS = (0.3, 1.5, 5.0)
+"""How far friction fades over the range of the temperature, as exponents."""
+LEAST_K = 0.5
+"""Range of a temperature that is worth a look."""
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Warm-up, shape (n, p)."""
-    if "time_constant_s" in shape:
-        cold = np.exp(-(data.t - data.t[0]) / shape["time_constant_s"])
-    elif data.temperature is not None:
-        cold = np.exp(-shape["per_degc"] * (data.temperature - data.temperature[0]))
-    else:
-        cold = np.zeros(len(data.t))
-    return np.column_stack([direction(data) * cold, data.dq * cold])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Time constants by the length of the log; rates by the range of the temperature, where there is one."""
+    length = duration(data)
+    tried: list[Shape] = [{"warm_up_time_s": share * length, "warm_up_per_k": 0.0} for share in TIMES]
+    rise = 0.0 if data.temperature is None else float(np.ptp(data.temperature))
+    if rise >= LEAST_K:
+        tried += [{"warm_up_time_s": FOREVER * length, "warm_up_per_k": decay / rise} for decay in DECAYS]
+    return tuple(tried)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    duration = float(data.t[-1] - data.t[0])
-    if duration < SHORTEST_S:
-        return f"{duration:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
+    length = duration(data)
+    if length < SHORTEST_S:
+        return f"{length:.0f} s are too short: record at least {SHORTEST_S:g} s from a cold start, slow and fast"
     return both_directions(data, baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """A cold joint has more friction of one kind at least."""
     return bool(np.any(factors > 0))
 
 
 CANDIDATE = Candidate(
-    name="warm_up",
-    label="friction falls as the joint warms",
-    shapes=(
-        *({"time_constant_s": float(s)} for s in np.geomspace(15.0, 1200.0, 8)),
-        *({"per_degc": k} for k in (0.01, 0.03, 0.1)),
-    ),
-    columns=columns,
+    name=TERM.name,
+    label=TERM.label,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm", "nms_per_rad"),
     untestable=untestable,
     admissible=admissible,
     axis="time",
+    term=TERM,
 )
