@@ -43,6 +43,7 @@ def _joint(joint: JointDiscrepancy) -> Document:
         "omnibus_p_value": to_json(joint.omnibus_p),
         "remaining_p_value": to_json(joint.remaining_p),
         "declared": {name: coefficient_document(value) for name, value in joint.declared.items()},
+        "grown": {name: coefficient_document(value) for name, value in joint.grown.items()},
         "from_energy": {name: coefficient_document(value) for name, value in joint.from_energy.items()},
         "ladder": [{"step": step, "rms_nm": to_json(rms)} for step, rms in joint.ladder],
         "profiles": _profiles(joint.profiles),

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy
+from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.friction.history import Coefficient
 from friction_audit.model.terms import TERMS
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
@@ -31,7 +31,7 @@ def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Renderab
 
     Args:
         found: The result.
-        verbose: If True, also the rivals of an effect, what the log cannot show, and what its data are worth.
+        verbose: If True, also the rivals of an effect and what the log cannot show.
     """
     from rich.text import Text
 
@@ -49,7 +49,9 @@ def _head(found: Diagnosis) -> tuple[str, ...]:
     log, settings = found.estimate.log, found.settings
     samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
     declared = (
-        "inertia, Coulomb and viscous friction, fitted" if settings.model is None else "as given, friction fitted"
+        "inertia, Coulomb and viscous friction, fitted"
+        if settings.model is None
+        else "as given, its friction fitted again"
     )
     return (
         f"{log.source.path}: {log.source.format}, {samples}",
@@ -120,10 +122,11 @@ def format_quantity(number: Coefficient, unit: str) -> str:
 
     Examples: ``0.150 ± 0.010 N m``; ``3.1 ± 0.2 ms``.
     """
-    largest = max(abs(bound) for bound in (number.value, number.low, number.high) if not math.isnan(bound))
-    if unit in SCALED and largest < SMALL:
-        scaled = Coefficient(value=1e3 * number.value, low=1e3 * number.low, high=1e3 * number.high)
-        return f"{format_coefficient(scaled)} m{unit}"
+    if math.isnan(number.value):
+        return NOTHING
+    if unit in SCALED and abs(number.value) < SMALL:
+        number = Coefficient(value=1e3 * number.value, low=1e3 * number.low, high=1e3 * number.high)
+        unit = f"m{unit}"
     return format_coefficient(number) if unit in ("", "1") else f"{format_coefficient(number)} {unit}"
 
 
@@ -156,10 +159,16 @@ def _parameter(name: str, number: Coefficient) -> str:
 def _details(joint: JointDiscrepancy) -> Iterator[str]:
     """Yield what only some want to know."""
     for effect in joint.effects:
-        rivals = [rival for rival in effect.evidence if rival.name != effect.name]
-        for rival in rivals:
-            yield f"{effect.name} or {rival.name}: BIC {rival.delta_bic:+.0f}, correlation {rival.correlation:.2f}"
+        for rival in effect.evidence:
+            if rival.name != effect.name:
+                yield _rival(effect, rival)
     if joint.effects and not math.isnan(joint.detection_limit_nm):
         yield f"what else is missing is below {joint.detection_limit_nm:.2g} N m rms"
-    yield from (f"not shown by this log: {name}: {reason}" for name, reason in joint.untestable.items())
-    yield from (f"data: {finding.message}" for finding in joint.findings if finding.message)
+    reasons: dict[str, list[str]] = {}
+    for name, reason in joint.untestable.items():
+        reasons.setdefault(reason, []).append(name)
+    yield from (f"this log cannot show {', '.join(names)}: {reason}" for reason, names in reasons.items())
+
+
+def _rival(effect: Effect, rival: Evidence) -> str:
+    return f"{rival.name} in place of {effect.name}: BIC {rival.delta_bic:+.0f}, correlation {rival.correlation:.2f}"
