@@ -70,6 +70,7 @@ def test_damage_is_said(run: Run, logs: Path) -> None:
         (["--fixed", "coulomb=0.2", "--factor", "2"], "leave --factor away"),
         (["--fixed", "stiction=0.2"], "expected coulomb=NUMBER,viscous=NUMBER"),
         (["--fixed", "coulomb=x"], "expected coulomb=NUMBER"),
+        (["--fixed", "coulomb=0.2,viscous=-0.1"], "would brake the joint"),
         (["--no-passivity", "--max-damping", "3"], "nothing is damped"),
         (["--compensator", "sigmoid", "--fixed", "coulomb=0.2"], "has no use for --fixed"),
         (["--compensator", "lugre", "--observer-gain", "5"], "has no use for --observer-gain"),

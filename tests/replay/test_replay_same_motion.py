@@ -284,6 +284,34 @@ def test_an_unnamed_compensator_is_suspected() -> None:
     assert "seems_compensated" in codes
 
 
+@pytest.mark.parametrize(
+    ("compensator", "message"),
+    [
+        (EnergyCompensator(), "all but vanishes within the log"),
+        (EnergyCompensator(window=4, factor=1.2, passivity=False), "gives out energy in the later half"),
+        (FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.07), "takes next to nothing"),
+    ],
+    ids=["learns", "over-compensates", "knows"],
+)
+@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+def test_a_compensator_that_does_its_work_is_suspected(
+    compensator: EnergyCompensator | FixedCompensation, message: str, operator: Operator
+) -> None:
+    bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
+    log = log_of(replace(bench, compensator=compensator))
+    silent = replace(log, tau_compensation=None, tau_passivity=None)
+    found = [one.message for one in replay(silent, energy_compensator()).replay.warnings]
+    assert any(message in one and "--map tau_compensation" in one for one in found), found
+
+
+@pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
+def test_friction_that_changes_is_not_suspected(operator: Operator) -> None:
+    step = Hidden(friction_step=FrictionStep(change=-0.5))
+    bench = replace(BENCH, sensors=(PANDA_SENSORS[0],), operator=operator, hidden=(step,), duration_s=60.0)
+    codes = {caution.code for caution in replay(log_of(bench), energy_compensator()).replay.warnings}
+    assert "seems_compensated" not in codes
+
+
 def test_friction_far_below_a_panda_s_is_suspected() -> None:
     most = FixedCompensation(coulomb_nm=0.27, viscous_nms_per_rad=0.06)
     log = log_of(replace(BENCH, compensator=most))

@@ -233,5 +233,7 @@ def parse_coefficients(text: str) -> "Coefficients":
             value = float("nan")
         if not equals or name not in ("coulomb", "viscous") or name in values or not isfinite(value):
             raise UsageError(f"--fixed {text}: {part.strip()!r}: expected coulomb=NUMBER,viscous=NUMBER")
+        if value < 0:
+            raise UsageError(f"--fixed {text}: {part.strip()!r} would brake the joint; expected zero or more")
         values[name] = value
     return Coefficients(coulomb_nm=values.get("coulomb", 0.0), viscous_nms_per_rad=values.get("viscous", 0.0))

@@ -3,6 +3,9 @@
 from collections.abc import Iterator
 from math import isnan
 
+import numpy as np
+
+from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import JointFriction
 from friction_audit.interaction.interaction import Caution, Interaction
 from friction_audit.replay.compensators.sigmoid import PUBLISHED
@@ -11,6 +14,17 @@ from friction_audit.replay.result import JointReplay
 
 FAR_BELOW = 0.25
 """Share of the published friction of its kind that no healthy joint falls below."""
+
+NEXT_TO_NOTHING = 0.03
+"""Mean friction torque over the rms torque below which no joint with a gear is; one moved fast by hand has 0.3."""
+
+GONE = 0.1
+"""Friction in the later half of a log over that of its beginning: joints that warm up keep half of it."""
+
+UNCOMPENSATED = 2
+"""Cycles before the compensator of the paper has an estimate."""
+
+FEWEST_CYCLES = 4
 
 
 def cautions_of(joint: JointReplay) -> Iterator[Caution]:
@@ -43,27 +57,49 @@ def cautions_of(joint: JointReplay) -> Iterator[Caution]:
         yield Caution(code="torque_limited", joint=joint.joint, message=message)
 
 
-def seems_compensated(interaction: Interaction, friction: JointFriction, robot: str) -> Iterator[Caution]:
+def seems_compensated(
+    interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str
+) -> Iterator[Caution]:
     """Yield a caution where friction looks as if a compensator had been active, and no column tells of one."""
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
     negative = [name for name, found in coefficients.items() if found.high < 0]
-    low = _far_below(friction, robot)
     if negative:
         what = f"negative {' and '.join(negative)} friction"
     elif interaction.choice.sign_turned and interaction.choice.source == "interaction":
         what = "with the usual sign of the torque the joint gives out energy, as negative friction would"
-    elif low:
-        what = low
     else:
-        return
-    message = (
-        f"joint {friction.joint} ({friction.name}): {what}, as if a friction compensator had been active, and no "
-        "column says so; then the replay comes on top of it and means little; map its torque "
-        "(--map tau_compensation=NAME), or record with it switched off"
+        what = _vanishing(interaction, cycles, friction.joint) or _far_below(friction, robot)
+    if what:
+        message = (
+            f"joint {friction.joint} ({friction.name}): {what}, as if a friction compensator had been active, and no "
+            "column says so; then the replay comes on top of it and means little; map its torque "
+            "(--map tau_compensation=NAME), or record with it switched off"
+        )
+        yield Caution(code="seems_compensated", joint=friction.joint, message=message)
+
+
+def _vanishing(interaction: Interaction, cycles: EnergyCycles, joint: int) -> str:
+    """Say that friction is gone, from the start or after the first cycles; nothing where it is not."""
+    column = interaction.joint_numbers.index(joint)
+    own = cycles.of_joint(column)
+    if len(own.start) < FEWEST_CYCLES or interaction.choice.gravity_in_torque:
+        return ""
+    work, path = own.work_j, own.sums.path_rad
+    moving = np.concatenate(
+        [interaction.torque[start:stop, column] for start, stop in zip(own.start, own.stop, strict=True)]
     )
-    yield Caution(code="seems_compensated", joint=friction.joint, message=message)
+    little = NEXT_TO_NOTHING * np.sqrt(np.mean(moving**2))
+    half = len(work) // 2
+    before, after = work[:UNCOMPENSATED].sum() / path[:UNCOMPENSATED].sum(), work[half:].sum() / path[half:].sum()
+    if before > little and after < -GONE * before:
+        return f"the joint gives out energy in the later half of the log ({after:.3f} N m on average)"
+    if before > little and after < GONE * before:
+        return f"friction all but vanishes within the log, from {before:.3f} to {after:.3f} N m"
+    if abs(work.sum()) < little * path.sum():
+        return "friction takes next to nothing of the work that moves the joint"
+    return ""
 
 
 def _far_below(friction: JointFriction, robot: str) -> str:

@@ -8,8 +8,8 @@ from friction_audit.replay.records import ESTIMATED, GAP, NOT_MOVED, TOO_ALIKE
 from friction_audit.replay.result import ReplayHistory
 
 ADVICE = {
-    GAP: "a hole in the log lies in most of them; record without dropping samples",
-    NOT_MOVED: "the joint hardly moved in them; move it farther",
+    GAP: "holes in the log; record without dropping samples",
+    NOT_MOVED: "the joint hardly moved; move it farther",
     TOO_ALIKE: "they are too alike to tell Coulomb from viscous friction; vary the speed, raise --window, or choose "
     "--model coulomb or viscous",
 }
@@ -33,7 +33,8 @@ def missing_estimate(history: ReplayHistory, friction: JointFriction, compensato
         return ""
     if (history.status == ESTIMATED).any():
         return ""
+    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
     refused = history.status[history.status >= NOT_MOVED]
     if len(refused):
-        return f"no estimate in {cycles} cycles: {ADVICE[int(np.bincount(refused).argmax())]}"
-    return f"only {cycles} cycles, and the compensator needs {compensator.cycles_per_estimate}; record more strokes"
+        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
+    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more strokes"

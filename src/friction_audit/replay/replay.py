@@ -63,7 +63,7 @@ def replay(
     replays = tuple(per_joint(lambda place: work(columns[place]), len(columns)))
     found = [one for joint in replays for one in cautions_of(joint)]
     several = [friction.joints[column] for column in columns]
-    suspicions = [one for joint in several for one in seems_compensated(interaction, joint, robot)]
+    suspicions = [one for joint in several for one in seems_compensated(interaction, cycles, joint, robot)]
     return Replay(
         counterfactual=next(one for one in COUNTERFACTUALS if one.name == settings.assume),
         joints=replays,
