@@ -1,6 +1,6 @@
 """A joint of any terms moved forward under a recorded torque, piece by piece, each from its recorded start.
 
-Torques that follow from the instant are tabulated, bristles are springs that slip (``tables``). A term that needs the
+Torques that follow from the instant are tabulated, bristles follow their curve (``tables``). A term that needs the
 past of the motion is asked for its torque along the motion found so far, and the motion is found again, until it no
 longer changes; a term with which it never settles cannot be simulated.
 
@@ -16,9 +16,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.model.bristles import Bristles
 from friction_audit.model.joint_model import FittedTerm, JointModel
 from friction_audit.model.move import run_pieces
 from friction_audit.model.tables import Tables, certain, tabulate
@@ -64,7 +64,7 @@ def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDAr
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
     if tables.inertia_kg_m2 <= 0.0:
         return None
-    held = Bristles(stiffness=tables.bristle_stiffness, reach=tables.bristle_reach).along(inner.q)
+    held = tables.bristles.along(inner.q)
     found = _settle(model, tables, past, inner, reading.drive, pieces, held, step)
     return None if found is None else np.asarray(found + np.gradient(reading.ahead, step))
 
@@ -171,8 +171,15 @@ def _parameter(term: FittedTerm, ending: str) -> float:
 
 def _within(q: Float, half: float) -> Float:
     """By how much the measured side is ahead of a side that it takes with it only at the ends of a play."""
-    stop = Bristles(stiffness=np.ones(1), reach=np.array([half]))
-    return stop.along(q)[:, 0]
+    return np.asarray(_stop(np.ascontiguousarray(q), half))
+
+
+@compiled()
+def _stop(q: Float, half: float) -> Float:
+    ahead = np.zeros(len(q))
+    for i in range(1, len(q)):
+        ahead[i] = min(half, max(-half, ahead[i - 1] + q[i] - q[i - 1]))
+    return ahead
 
 
 def _inner(motion: Motion, reading: _Reading, step: float) -> Motion:

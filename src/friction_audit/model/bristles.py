@@ -1,97 +1,162 @@
-"""Bristles: any friction that builds up with the path since a reversal, as springs in parallel that slip.
+"""Bristles: friction that builds up with the path since a reversal, whatever the formula.
 
-A hysteresis that does not depend on the rate follows from the curve that it traces after a reversal from steady
-sliding; springs with dry sliders (Maxwell slip) have any curve that rises ever more slowly, by as many straight pieces
-as there are springs. The curve is asked of the term, whatever its formula.
+In Dahl's picture the torque T of the bristles changes along the path by a slope that depends on T and the direction
+alone. All that such bristles do is then on one curve: the torque against the path after a reversal from steady sliding.
+From any torque they go on along that curve, and along its mirror image in the other direction. The curve is asked of
+the term; so is a damping in proportion to the rate of T.
 
-Reference: F. Al-Bender, V. Lampaert, J. Swevers, The generalized Maxwell-slip model, IEEE Transactions on Automatic
-Control 50 (2005) 1883.
+Reference: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm
 from friction_audit.model.term import Motion
 
-PIECES = 12
-"""Straight pieces of a curve."""
 PATH_RAD = 0.4
 """Length of the stroke before and after the reversal: no bristle bends further."""
 STEP_RAD = 1e-5
-PROBE_RAD_S = 1e-3
-"""So slow that what depends on the rate is nothing."""
-LEAST_SHARE = 1e-6
-"""A spring that bears less of the torque is none."""
+POINTS = 400
+"""Of a curve, at even steps of the torque."""
+SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1
+"""Speeds at which a term is asked; what it takes more at the other is its damping."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Bristles:
-    """Springs in parallel, k of them.
+    """Bristles by their curve, k points; no points, no bristles.
 
     Attributes:
-        stiffness: Shape (k,). [N m/rad]
-        reach: Deflection at which each slips, shape (k,). [rad]
+        path: Path since a reversal to backwards, rising from 0, shape (k,). [rad]
+        torque: What they take there, falling, shape (k,). [N m]
+        damping_s: Damping over stiffness. [s]
     """
 
-    stiffness: Float
-    reach: Float
+    path: Float
+    torque: Float
+    damping_s: float
 
     def along(self, q: Float) -> Float:
-        """Deflections along a motion that begins with all at zero, shape (n, k). [rad]"""
-        return np.asarray(_follow(np.ascontiguousarray(q), self.reach))
-
-    def torque_along(self, q: Float) -> Float:
-        """Torque along a motion, shape (n,). [N m]"""
-        if not len(self.reach):
+        """Torque along a motion that begins with none, without damping, shape (n,). [N m]"""
+        if not len(self.path):
             return np.zeros(len(q))
-        return np.asarray(self.along(q) @ self.stiffness)
+        return np.asarray(_follow(np.ascontiguousarray(q), self.path, self.torque))
 
 
-NO_BRISTLES = Bristles(stiffness=np.zeros(0), reach=np.zeros(0))
+NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), damping_s=0.0)
 
 
 def bristles_of(term: FittedTerm) -> tuple[float, Bristles]:
-    """Ask a term for its curve after a reversal, and find the springs that have it.
+    """Ask a term for its curve after a reversal.
 
     Returns:
         Dry friction that the term adds to that of the joint, below zero where bristles take its place [N m]; the
-        springs.
+        bristles.
     """
-    torque, steps = _reversal(term)
+    before, slow = _reversal(term, SLOW_RAD_S)
     # At the reversal the direction jumps at once, the bristles do not; the first sample behind it is a step further.
-    dry = -0.5 * (2.0 * torque[1] - torque[2] - torque[0])
-    built = np.maximum.accumulate(np.append(0.0, torque[0] - dry - (torque[1:] + dry)))
-    path = STEP_RAD * np.arange(steps + 1)
-    wanted = built[-1] * np.arange(1, PIECES + 1) / PIECES
-    knots = np.append(0, np.searchsorted(built, wanted * (1.0 - 1e-9)))
-    knots = np.unique(np.minimum(knots, steps))
-    slopes = np.append(np.diff(built[knots]) / np.diff(path[knots]), 0.0)
-    stiffness, reach = np.maximum(-np.diff(slopes), 0.0), 0.5 * path[knots[1:]]
-    bears = stiffness * reach > LEAST_SHARE * built[-1]
-    return float(dry), Bristles(stiffness=stiffness[bears], reach=reach[bears])
+    dry = -0.5 * (2.0 * slow[0] - slow[1] - before)
+    curve = np.minimum.accumulate(np.append(before - dry, slow + dry))
+    path = np.asarray(STEP_RAD * np.arange(len(curve)), np.float64)
+    rate = np.gradient(curve, STEP_RAD)[1:]
+    more = _reversal(term, FAST_RAD_S)[1] - slow
+    square = float(rate[1:] @ rate[1:])
+    damping = float(rate[1:] @ more[1:]) / square / (FAST_RAD_S - SLOW_RAD_S) if square > 0.0 else 0.0
+    chosen = _thin(curve)
+    return float(dry), Bristles(path=path[chosen], torque=curve[chosen], damping_s=max(damping, 0.0))
 
 
-def _reversal(term: FittedTerm) -> tuple[Float, int]:
-    """Torque just before the reversal of a long stroke and at every step behind it, shape (1 + steps,). [N m]"""
+def _thin(curve: Float) -> NDArray[np.int64]:
+    """Choose points of a falling curve at even steps of its height, the first and the last among them."""
+    wanted = np.linspace(curve[0], curve[-1], POINTS)
+    points = np.append(np.searchsorted(-curve, -wanted), len(curve) - 1)
+    return np.unique(points.clip(max=len(curve) - 1))
+
+
+def _reversal(term: FittedTerm, speed: float) -> tuple[float, Float]:
+    """Torque just before the reversal of a long stroke, and at every step behind it. [N m]"""
     steps = round(PATH_RAD / STEP_RAD)
     there = STEP_RAD * np.arange(steps + 1)
     q = np.concatenate([there, there[-2::-1]])
     still = np.zeros(len(q))
-    dq = np.where(np.arange(len(q)) <= steps, PROBE_RAD_S, -PROBE_RAD_S)
-    t = np.asarray(np.arange(len(q)) * (STEP_RAD / PROBE_RAD_S), np.float64)
+    dq = np.where(np.arange(len(q)) <= steps, speed, -speed)
+    t = np.asarray(np.arange(len(q)) * (STEP_RAD / speed), np.float64)
     torque = term.torque(Motion(t=t, q=q, dq=dq, ddq=still, rest=still))
-    return np.asarray(torque[steps:]), steps
+    # A rate is smeared over the reversal; the torque of steady sliding holds there too.
+    return float(torque[steps - 2]), torque[steps + 1 :]
 
 
 @compiled()
-def _follow(q: Float, reach: Float) -> Float:
-    """Deflections of sliding springs along a motion, shape (n, k)."""
-    out = np.zeros((len(q), len(reach)))
+def on_path(value: float, table: Float, result: Float) -> float:
+    """Interpolate linearly in a rising table; level beyond its ends."""
+    if value <= table[0]:
+        return float(result[0])
+    last = len(table) - 1
+    if value >= table[last]:
+        return float(result[last])
+    low = np.searchsorted(table, value) - 1
+    share = (value - table[low]) / (table[low + 1] - table[low])
+    return float(result[low] + share * (result[low + 1] - result[low]))
+
+
+@compiled()
+def bend(held: float, way: float, path: Float, torque: Float) -> float:
+    """Return the torque of bristles after a piece of the way. [N m]
+
+    Args:
+        held: Torque before. [N m]
+        way: Signed. [rad]
+        path: Of the curve, shape (k,). [rad]
+        torque: Of the curve, shape (k,). [N m]
+    """
+    if len(path) == 0 or way == 0.0:
+        return held
+    sign = -1.0 if way > 0.0 else 1.0
+    place = _place(sign * held, path, torque)
+    return sign * on_path(place + abs(way), path, torque)
+
+
+@compiled()
+def slope(held: float, sign: float, path: Float, torque: Float) -> float:
+    """Return the stiffness of bristles that bend on in a direction. [N m/rad]"""
+    if len(path) == 0:
+        return 0.0
+    value = -sign * held
+    low, high = _around(value, torque)
+    return float((torque[low] - torque[high]) / (path[high] - path[low]))
+
+
+@compiled()
+def _around(value: float, torque: Float) -> tuple[int, int]:
+    """Return the points of a falling curve around a torque (bisection)."""
+    low, high = 0, len(torque) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if torque[middle] >= value:
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+@compiled()
+def _place(value: float, path: Float, torque: Float) -> float:
+    """Return the path at which a falling curve has a torque."""
+    low, high = _around(value, torque)
+    drop = torque[low] - torque[high]
+    share = min(1.0, max(0.0, (torque[low] - value) / drop)) if drop > 0.0 else 1.0
+    return float(path[low] + share * (path[high] - path[low]))
+
+
+@compiled()
+def _follow(q: Float, path: Float, torque: Float) -> Float:
+    """Torque of bristles along a motion, shape (n,)."""
+    out = np.zeros(len(q))
     for i in range(1, len(q)):
-        for k in range(len(reach)):
-            out[i, k] = min(reach[k], max(-reach[k], out[i - 1, k] + q[i] - q[i - 1]))
+        out[i] = bend(out[i - 1], q[i] - q[i - 1], path, torque)
     return out

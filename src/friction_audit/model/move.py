@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.model.bristles import bend, slope
 from friction_audit.model.tables import Tables
 
 EVENTS = 8
@@ -59,24 +60,6 @@ def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> fl
 
 
 @compiled()
-def bend(bristles: Float, way: float, tables: Tables) -> None:
-    """Let the bristles follow a piece of the way, in place."""
-    for k in range(len(bristles)):
-        reach = tables.bristle_reach[k]
-        bristles[k] = min(reach, max(-reach, bristles[k] + way))
-
-
-@compiled()
-def bristle_torque(bristles: Float, way: float, tables: Tables) -> float:
-    """Return the torque of the bristles a piece of the way ahead. [N m]"""
-    torque = 0.0
-    for k in range(len(bristles)):
-        reach = tables.bristle_reach[k]
-        torque += tables.bristle_stiffness[k] * min(reach, max(-reach, bristles[k] + way))
-    return torque
-
-
-@compiled()
 def break_away(start: float, end: float, q: float, moment: float, tables: Tables) -> tuple[float, float]:
     """Find when the drive, less the bristles, moves a joint at rest.
 
@@ -99,14 +82,16 @@ def break_away(start: float, end: float, q: float, moment: float, tables: Tables
 
 
 @compiled()
-def slide(q: float, v: float, sign: float, step: Step, bristles: Float, tables: Tables) -> float:
+def slide(q: float, v: float, sign: float, step: Step, held: float, tables: Tables) -> float:
     """Return the velocity after sliding through a step in one direction."""
     way = 0 if sign > 0.0 else 1
-    torque = taken(way, q, abs(v), step.begin, tables) + bristle_torque(bristles, 0.0, tables)
+    path, curve = tables.bristle_path, tables.bristle_torque
+    drag = tables.bristle_damping_s * slope(held, sign, path, curve)
+    torque = taken(way, q, abs(v), step.begin, tables) + held + drag * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
     moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(way, q + ahead, speed, moment, tables) + bristle_torque(bristles, ahead, tables)
+    torque = taken(way, q + ahead, speed, moment, tables) + bend(held, ahead, path, curve) + drag * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 
@@ -123,7 +108,9 @@ def rest_of(step: Step, share: float) -> Step:
 
 
 @compiled()
-def advance(q: float, v: float, sign: float, step: Step, bristles: Float, tables: Tables) -> tuple[float, float, float]:
+def advance(
+    q: float, v: float, sign: float, step: Step, held: float, tables: Tables
+) -> tuple[float, float, float, float]:
     """Move the joint on by a step with stick and slip.
 
     Args:
@@ -131,37 +118,37 @@ def advance(q: float, v: float, sign: float, step: Step, bristles: Float, tables
         v: Velocity. [rad/s]
         sign: Direction in which it slides; 0 if friction holds it.
         step: The step.
-        bristles: Deflections, shape (k,); changed. [rad]
+        held: Torque of the bristles. [N m]
         tables: What the joint takes.
 
     Returns:
-        Position, velocity and direction at the end.
+        Position, velocity, direction and torque of the bristles at the end.
     """
+    path, curve = tables.bristle_path, tables.bristle_torque
     for _ in range(EVENTS):
         if sign == 0.0:
-            held = bristle_torque(bristles, 0.0, tables)
             share, sign = break_away(step.drive0 - held, step.drive1 - held, q, step.begin, tables)
             if sign == 0.0:
-                return q, 0.0, 0.0
+                return q, 0.0, 0.0, held
             step = rest_of(step, share)
-        after = slide(q, v, sign, step, bristles, tables)
+        after = slide(q, v, sign, step, held, tables)
         if after * sign >= 0.0:
             way = 0.5 * step.h * (v + after)
-            bend(bristles, way, tables)
-            return q + way, after, sign
+            return q + way, after, sign, bend(held, way, path, curve)
         share = v / (v - after)
         way = 0.5 * share * step.h * v
-        bend(bristles, way, tables)
-        q, v, sign = q + way, 0.0, 0.0
+        q, v, sign, held = q + way, 0.0, 0.0, bend(held, way, path, curve)
         step = rest_of(step, share)
-    return q, 0.0, 0.0
+    return q, 0.0, 0.0, held
 
 
 @compiled()
 def steps_per_sample(step_s: float, tables: Tables) -> int:
     """Return how many steps of the simulation a sample takes, so that no spring is too stiff for them."""
-    stiffness = np.sum(tables.bristle_stiffness)
-    steepest = 0.0
+    steepest, stiffness = 0.0, 0.0
+    for k in range(len(tables.bristle_path) - 1):
+        drop = tables.bristle_torque[k] - tables.bristle_torque[k + 1]
+        stiffness = max(stiffness, drop / (tables.bristle_path[k + 1] - tables.bristle_path[k]))
     for way in range(2):
         for k in range(len(tables.place[way]) - 1):
             steepest = max(steepest, abs(tables.place[way, k + 1] - tables.place[way, k]) / tables.place_step)
@@ -174,10 +161,9 @@ def steps_per_sample(step_s: float, tables: Tables) -> int:
 def run(
     step_s: float,
     drive: Float,
-    start: tuple[float, float],
+    start: tuple[float, float, float],
     first: int,
     last: int,
-    bristles: Float,
     tables: Tables,
     out: Float,
 ) -> None:
@@ -186,15 +172,14 @@ def run(
     Args:
         step_s: Spacing of the samples. [s]
         drive: Torque at the samples, linear between, shape (n,). [N m]
-        start: Position [rad] and velocity [rad/s] at the first sample.
+        start: Position [rad], velocity [rad/s] and torque of the bristles [N m] at the first sample.
         first: First sample.
         last: Last sample.
-        bristles: Deflections at the first sample, shape (k,); changed. [rad]
         tables: What the joint takes.
         out: Receives position and velocity at samples first to last, shape (2, n).
     """
     steps = steps_per_sample(step_s, tables)
-    q, v = start
+    q, v, held = start
     sign = np.sign(v)
     out[0, first], out[1, first] = q, v
     for i in range(first, last):
@@ -202,7 +187,7 @@ def run(
         for k in range(steps):
             push = drive[i] + k * rise
             step = Step(step_s / steps, push, push + rise, i + k / steps, i + (k + 1.0) / steps)
-            q, v, sign = advance(q, v, sign, step, bristles, tables)
+            q, v, sign, held = advance(q, v, sign, step, held, tables)
         out[0, i + 1], out[1, i + 1] = q, v
 
 
@@ -213,7 +198,7 @@ def run_pieces(
     q: Float,
     dq: Float,
     pieces: NDArray[np.int64],
-    bristles: Float,
+    held: Float,
     tables: Tables,
 ) -> Float:
     """Move the joint through pieces of a recording, each from the recorded start; see ``run``.
@@ -224,7 +209,7 @@ def run_pieces(
         q: Recorded position, shape (n,). [rad]
         dq: Recorded velocity, shape (n,). [rad/s]
         pieces: First and last sample of each piece, shape (p, 2).
-        bristles: Deflections along the recording, shape (n, k). [rad]
+        held: Torque of the bristles along the recording, shape (n,). [N m]
         tables: What the joint takes.
 
     Returns:
@@ -233,5 +218,5 @@ def run_pieces(
     out = np.full((2, len(drive)), np.nan)
     for p in range(len(pieces)):
         first, last = pieces[p]
-        run(step_s, drive, (q[first], dq[first]), first, last, bristles[first].copy(), tables, out)
+        run(step_s, drive, (q[first], dq[first], held[first]), first, last, tables, out)
     return out

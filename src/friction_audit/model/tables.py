@@ -26,8 +26,8 @@ MARGIN = 0.25
 LEAST_MARGIN_RAD = 0.05
 TOLERANCE = 0.02
 """Largest error of tables along the recording, as a share of the term's torque."""
-BRISTLE_TOLERANCE = 0.2
-"""The same of bristles: what depends on the rate of their deflection is left out."""
+BRISTLE_TOLERANCE = 0.1
+"""The same of bristles, whose path the samples of a recording do not show between them."""
 ROUNDING_NM = 1e-9
 SLOW = 1e-3
 """Below this share of the largest speed a recorded motion has no certain direction."""
@@ -48,8 +48,9 @@ class Tables(NamedTuple):
         place_per_speed: Shape (2, n). [N m s/rad]
         time: Torque at the stamps of the recording, shape (2, n). [N m]
         time_per_speed: Shape (2, n). [N m s/rad]
-        bristle_stiffness: Of each bristle, shape (k,). [N m/rad]
-        bristle_reach: Deflection at which it slips, shape (k,). [rad]
+        bristle_path: Path of the curve of the bristles, shape (k,). [rad]
+        bristle_torque: Torque of that curve. [N m]
+        bristle_damping_s: Damping of the bristles over their stiffness. [s]
     """
 
     inertia_kg_m2: float
@@ -61,8 +62,14 @@ class Tables(NamedTuple):
     place_per_speed: Float
     time: Float
     time_per_speed: Float
-    bristle_stiffness: Float
-    bristle_reach: Float
+    bristle_path: Float
+    bristle_torque: Float
+    bristle_damping_s: float
+
+    @property
+    def bristles(self) -> Bristles:
+        """The bristles."""
+        return Bristles(path=self.bristle_path, torque=self.bristle_torque, damping_s=self.bristle_damping_s)
 
 
 def tabulate(
@@ -76,13 +83,13 @@ def tabulate(
         motion: The recording, on an even grid.
 
     Returns:
-        The tables, and the terms that no table holds.
+        The tables, and the terms that no table holds; second bristles are among them.
     """
     tables, past = _empty(motion)._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
         forms = (_bristle_form,) if term.term.forward == "bristle" else FORMS
         share = next((share for form in forms if _holds(share := form(term, motion), term, motion)), None)
-        if share is None:
+        if share is None or (len(share.bristle_path) and len(tables.bristle_path)):
             past.append(term)
         else:
             tables = _add(tables, share)
@@ -110,8 +117,9 @@ def _empty(motion: Motion) -> Tables:
         place_per_speed=still,
         time=still,
         time_per_speed=still,
-        bristle_stiffness=NO_BRISTLES.stiffness,
-        bristle_reach=NO_BRISTLES.reach,
+        bristle_path=NO_BRISTLES.path,
+        bristle_torque=NO_BRISTLES.torque,
+        bristle_damping_s=NO_BRISTLES.damping_s,
     )
 
 
@@ -123,8 +131,9 @@ def _add(one: Tables, other: Tables) -> Tables:
         place_per_speed=one.place_per_speed + other.place_per_speed,
         time=one.time + other.time,
         time_per_speed=one.time_per_speed + other.time_per_speed,
-        bristle_stiffness=np.append(one.bristle_stiffness, other.bristle_stiffness),
-        bristle_reach=np.append(one.bristle_reach, other.bristle_reach),
+        bristle_path=np.append(one.bristle_path, other.bristle_path),
+        bristle_torque=np.append(one.bristle_torque, other.bristle_torque),
+        bristle_damping_s=one.bristle_damping_s + other.bristle_damping_s,
     )
 
 
@@ -141,7 +150,8 @@ def read_along(tables: Tables, motion: Motion) -> Float:
     """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
     n, speed = len(motion.t), np.abs(motion.dq)
     speeds, places = tables.speed_step * np.arange(n), tables.place_start + tables.place_step * np.arange(n)
-    held = Bristles(stiffness=tables.bristle_stiffness, reach=tables.bristle_reach).torque_along(motion.q)
+    held = tables.bristles.along(motion.q)
+    held = held + tables.bristle_damping_s * np.gradient(held, motion.t)
     ways = [
         np.interp(speed, speeds, tables.speed[way])
         + np.interp(motion.q, places, tables.place[way])
@@ -194,8 +204,9 @@ def _bristle_form(term: FittedTerm, motion: Motion) -> Tables:
     way = np.array([[dry], [-dry]])
     return _empty(motion)._replace(
         speed=np.repeat(way, len(motion.t), axis=1),
-        bristle_stiffness=found.stiffness,
-        bristle_reach=found.reach,
+        bristle_path=found.path,
+        bristle_torque=found.torque,
+        bristle_damping_s=found.damping_s,
     )
 
 
