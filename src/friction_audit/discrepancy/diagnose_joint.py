@@ -20,6 +20,7 @@ from friction_audit.discrepancy.omnibus import Omnibus, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
+from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.tell import effects_of, message_of
@@ -27,7 +28,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
 
-FEWEST_CYCLES = 10
+FEWEST_CYCLES = 14
 POWER_Z = 1.28
 """Normal quantile of 90 % power."""
 OVER_FLOOR = 1.05
@@ -66,9 +67,9 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
         settings: Error probability and seed.
     """
     wrong = faults(subject.findings)
-    cycles = len(np.unique(subject.data.cycle[subject.data.used]))
     if wrong:
         return _unanswered(subject, "data_fault", "; ".join(finding.message for finding in wrong))
+    cycles = len(np.unique(make_rows(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
         return _unanswered(
             subject,
@@ -119,7 +120,7 @@ def _judge(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message_of(verdict, effects, profiles, remaining, limit, names.library.untestable),
+        message=message_of(verdict, effects, remaining, limit, names.library.untestable),
         effects=effects,
         declared=dict(zip(ground.declared.names, simple, strict=True)),
         grown=numbers.declared,

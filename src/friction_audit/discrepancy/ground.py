@@ -10,7 +10,7 @@ from friction_audit.discrepancy.declared import Declared, declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
 from friction_audit.discrepancy.omnibus import independent_clusters
-from friction_audit.discrepancy.rows import Rows, make_rows
+from friction_audit.discrepancy.rows import CORNER_HZ, Rows, corner_for, make_rows
 from friction_audit.discrepancy.split import split_cycles
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
@@ -76,6 +76,11 @@ def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
         AnalysisError: If there are fewer than four cycles.
     """
     rows = make_rows(data)
+    declared = declare(data, rows, model)
+    inertia = declared.baseline(least_squares(declared.columns, declared.y)).inertia_kg_m2
+    if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
+        rows = make_rows(data, corner)
+        declared = declare(data, rows, model)
     numbers, place = np.unique(rows.cycle, return_inverse=True)
     speed = np.abs(data.dq[:: rows.every][rows.used])
     usual = np.bincount(place, weights=speed, minlength=len(numbers)) / np.maximum(np.bincount(place), 1)
@@ -86,7 +91,7 @@ def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
     return Ground(
         data=data,
         rows=rows,
-        declared=declare(data, rows, model),
+        declared=declared,
         working=np.isin(rows.cycle, split.working),
         run=run,
     )

@@ -31,6 +31,7 @@ class JointData:
         moving: Samples in which the direction of motion is certain, shape (n,).
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
         dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
+        derived_from: ``"q"`` or ``"dq"``: what velocity and acceleration were taken from.
     """
 
     joint: int
@@ -48,6 +49,7 @@ class JointData:
     moving: NDArray[np.bool_]
     valid: NDArray[np.bool_]
     dead_speed_rad_s: float
+    derived_from: str = "dq"
 
     @property
     def used(self) -> NDArray[np.bool_]:

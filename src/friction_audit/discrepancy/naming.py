@@ -17,7 +17,7 @@ from friction_audit.joint_log import Float
 MOST_ROUNDS = 4
 """Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
 SETTLED = 0.05
-LEAST_SHARE = 0.1
+LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
 
 

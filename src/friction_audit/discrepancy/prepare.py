@@ -132,7 +132,7 @@ def prepare(
     t = _stamps(interaction.t[new], interaction.q[new])
     low_pass = low_pass_for(t)
     filtered = per_joint(partial(_filter_joint, interaction, low_pass, t, new), len(interaction.joint_numbers))
-    q, dq, ddq, torque = (np.stack(column, axis=1) for column in zip(*filtered, strict=True))
+    q, dq, ddq, torque = (np.stack([one[k] for one in filtered], axis=1) for k in range(4))
     valid = _valid(low_pass, t)
     loads = None if gravity is None else np.stack([low_pass.of(t, column) for column in gravity[new].T], axis=1)
     dead = [_dead_speed(dq[valid, joint]) for joint in range(q.shape[1])]
@@ -153,6 +153,7 @@ def prepare(
             moving=_moving(dq[:, joint], dead[joint], round(TURN_S / (low_pass.t[1] - low_pass.t[0]))),
             valid=valid,
             dead_speed_rad_s=dead[joint],
+            derived_from=filtered[joint][4],
         )
         for joint in range(q.shape[1])
     )
@@ -180,15 +181,15 @@ def holes(t: Float) -> NDArray[np.int64]:
 
 def _filter_joint(
     interaction: Interaction, low_pass: LowPass, t: Float, new: NDArray[np.bool_], joint: int
-) -> tuple[Float, Float, Float, Float]:
+) -> tuple[Float, Float, Float, Float, str]:
     torque = interaction.torque[new, joint]
     if interaction.compensation is not None:
         torque = torque + interaction.compensation[new, joint]
     q, slope = low_pass.with_slope(t, interaction.q[new, joint])
     dq, ddq = low_pass.with_slope(t, interaction.dq[new, joint])
     if _noise(slope) < _noise(dq):
-        dq, ddq = slope, np.gradient(slope, low_pass.t)
-    return q, dq, ddq, low_pass.of(t, torque)
+        return q, slope, np.gradient(slope, low_pass.t), low_pass.of(t, torque), "q"
+    return q, dq, ddq, low_pass.of(t, torque), "dq"
 
 
 def _logged(

@@ -76,6 +76,7 @@ class Effect:
         gap_after_nm: The same with it. [N m]
         partial_nm: Root mean square of its torque free of all else in the model. [N m]
         torque: Its torque at the rows, shape (m,). [N m]
+        curve: What the grown model leaves plus this torque, along the axis: the effect as the log shows it.
         evidence: The candidates in its place, the best first.
     """
 
@@ -91,6 +92,7 @@ class Effect:
     gap_after_nm: float
     partial_nm: float
     torque: Float
+    curve: Profile
     evidence: tuple[Evidence, ...]
 
 

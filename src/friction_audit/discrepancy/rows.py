@@ -2,7 +2,8 @@
 
 A column is built on the fine grid, where the sign of the velocity is sharp, and then goes through the very filter
 that the torque goes through; what a reversal smears in one it smears in the other. The corner stands at 25 Hz, above
-what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz).
+what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the noise of the
+acceleration, times the inertia, would outweigh that of the torque: a model cannot be held against it there.
 """
 
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
 CORNER_HZ = 25.0
+LOWEST_CORNER_HZ = 8.0
 ROW_HZ = 100.0
 STOPBAND_DB = 60.0
 MOST_UNCERTAIN = 0.02
@@ -50,13 +52,18 @@ class Rows:
         return filter_rows(columns, self.kernel, self.every)[self.used]
 
 
-def make_rows(data: JointData) -> Rows:
-    """Choose the filter from the grid and take the rows in which the direction of motion is certain."""
+def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
+    """Take the rows in which the direction of motion is certain.
+
+    Args:
+        data: The joint.
+        corner_hz: Half of the amplitude passes here, or at a quarter of the rows' rate if that is lower. [Hz]
+    """
     from scipy.signal import firwin, kaiserord
 
     rate = 1.0 / data.step_s
     every = max(int(rate / ROW_HZ + 1e-9), 1)
-    corner = min(CORNER_HZ, rate / every / 4)
+    corner = min(corner_hz, rate / every / 4)
     taps, beta = kaiserord(STOPBAND_DB, corner / (rate / 2))
     kernel = np.asarray(firwin(taps | 1, corner, window=("kaiser", beta), fs=rate), np.float64)
     doubt = filter_rows((~(data.moving & data.valid)).astype(float), np.abs(kernel), every)
@@ -71,6 +78,27 @@ def make_rows(data: JointData) -> Rows:
         y=filter_rows(data.torque, kernel, every)[used],
         cycle=cycle[used],
     )
+
+
+def corner_for(data: JointData, inertia_kg_m2: float) -> float:
+    """Frequency above which the noise of inertia times acceleration is larger than that of the torque. [Hz]
+
+    The position's noise, white, grows with the square of the frequency in its second derivative, the velocity's with
+    the frequency.
+    """
+    order = 2 if data.derived_from == "q" else 1
+    torque = _noise_density(data.torque, data.step_s, 0)
+    inertial = inertia_kg_m2 * _noise_density(data.ddq, data.step_s, order)
+    crossing = (torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
+
+
+def _noise_density(signal: Float, step_s: float, order: int) -> float:
+    """D of a noise whose amplitude density is D f^order up to a fifth of the rate, from second differences."""
+    w = np.linspace(0.0, 0.4 * np.pi, 400)
+    gain = float(np.sqrt(np.trapezoid((w / (2 * np.pi * step_s)) ** (2 * order) * (2 - 2 * np.cos(w)) ** 2, w)))
+    bend = float(np.median(np.abs(np.diff(signal, n=2))))
+    return bend / gain
 
 
 def filter_rows(columns: Float, kernel: Float, every: int) -> Float:

@@ -161,9 +161,11 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
     order = slice(None) if np.all(np.diff(block) >= 0) else np.argsort(block, kind="stable")
     rows = rows[:, order]
     bounds = np.searchsorted(block[order], np.arange(block.max() + 2))
-    parts = [rows[:, i:j] for i, j in pairwise(bounds)]
+    gram = np.empty((len(bounds) - 1, len(rows), len(rows)))
+    for block_gram, (i, j) in zip(gram, pairwise(bounds), strict=True):
+        np.matmul(rows[:, i:j], rows[:, i:j].T, out=block_gram)
     return CycleProducts(
-        gram=np.stack([part @ part.T for part in parts]),
+        gram=gram,
         scale=scale,
         samples=np.diff(bounds),
         base=base.shape[1],

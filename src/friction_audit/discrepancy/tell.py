@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from friction_audit.discrepancy.curves import Curve
+from friction_audit.discrepancy.decide import motion_to_decide
 from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found, Names
@@ -45,19 +46,21 @@ def _effect(
     )
     others = np.hstack([ground.base, *(g.columns for g in found if g is not f)])
     free = torque - others @ least_squares(others, torque)
+    curve = _curve(ground, ground.residual(*(g.columns for g in found)) + torque, f, curves)
     return Effect(
         name=f.candidate.name,
         label=f.candidate.label,
         alternatives=f.naming.alternatives,
-        decide="",
+        decide=motion_to_decide(f.candidate.name, f.naming.alternatives),
         parameters=parameters,
         p_value=f.p_value,
-        where=_where(ground, found, f, curves),
+        where=curve.where or "spread over the whole motion",
         axis=f.candidate.axis,
         gap_before_nm=before,
         gap_after_nm=after,
         partial_nm=float(np.sqrt(np.mean(free**2))),
         torque=torque,
+        curve=curve,
         evidence=(
             Evidence(name=f.candidate.name, delta_bic=0.0, correlation=1.0),
             *(
@@ -68,19 +71,16 @@ def _effect(
     )
 
 
-def _where(ground: Ground, found: Sequence[Found], f: Found, curves: Sequence[Curve]) -> str:
-    """Where the residual lies without this effect, along its own axis or else the most telling one."""
-    left = ground.residual(*(g.columns for g in found if g is not f))
+def _curve(ground: Ground, shown: Float, f: Found, curves: Sequence[Curve]) -> Profile:
+    """What an effect and the noise leave along the effect's own axis, or the most telling one where it has none."""
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
-    profiles = profile_all(left, curves, speed, ground.rows.cycle, None)
-    own = [p for p in profiles if p.axis == f.candidate.axis and p.where] or [p for p in profiles if p.where]
-    return own[0].where if own else "spread over the whole motion"
+    profiles = profile_all(shown, curves, speed, ground.rows.cycle, None)
+    return next((profile for profile in profiles if profile.axis == f.candidate.axis), profiles[0])
 
 
 def message_of(
     verdict: Verdict,
     effects: Sequence[Effect],
-    profiles: Sequence[Profile],
     remaining: Sequence[Profile],
     limit_nm: float,
     untestable: Mapping[str, str],

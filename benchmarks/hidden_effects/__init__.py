@@ -1,0 +1,1 @@
+"""How often `diagnose` is right on logs in which an effect is hidden."""

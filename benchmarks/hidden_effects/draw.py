@@ -1,0 +1,114 @@
+"""Cases: a joint, who moves it, its sensors, and what is hidden in it, drawn by seed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from friction_audit.simulate.effects import EFFECTS
+from friction_audit.simulate.effects.effect import Effect
+from friction_audit.simulate.scenarios import SCENARIOS
+from friction_audit.simulate.settings import PANDA_SENSORS, JointParameters, Sensors
+
+SPREAD = 2.0
+"""Every number of an effect is drawn from half to twice its usual value."""
+NOISES = ("as measured", "slow", "very slow")
+"""Colours of the torque noise: a Panda's, one that remembers 20 ms, one that remembers 100 ms."""
+ONE_JOINT = ("joint", "joint-sine", "joint-slow", "joint-loaded", "joint-driven")
+MOTIONS: dict[str, tuple[str, ...]] = {
+    "load_dependent_friction": ("joint-loaded", "joint-driven"),
+    "gravity_error": ("joint-loaded", "joint-driven"),
+    "joint_elasticity": ("joint-driven", "joint-sine", "joint"),
+    "unlogged_compensation": ("joint", "joint-sine", "joint-slow", "joint-loaded"),
+    "torque_crosstalk": ("panda-driven", "panda"),
+    "inertial_coupling": ("panda-driven",),
+    "inertia_error": ("joint-driven", "joint-sine", "joint"),
+}
+"""Scenarios in which an effect can be seen; all of one joint for those that are not here."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Case:
+    """What one log is made from.
+
+    Attributes:
+        seed: Seed of the draw and of the simulation.
+        scenario: Name of the scenario.
+        noise: Colour of the torque noise.
+        effects: Names of the hidden effects.
+        groups: Their numbers, strengths not yet scaled.
+        joint: The joint, of a scenario of one.
+        duration_s: Length of the log. [s]
+        partial: Strength asked for: rms of what the effect adds, free of the declared model, over the noise's rms.
+    """
+
+    seed: int
+    scenario: str
+    noise: str
+    effects: tuple[str, ...]
+    groups: tuple[Any, ...]
+    joint: JointParameters
+    duration_s: float
+    partial: float
+
+
+def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | None = None) -> Case:
+    """Draw everything but the effects' names and strength."""
+    rng = np.random.default_rng([seed, 20261121])
+    effects = [next(effect for effect in EFFECTS if effect.name == name) for name in names]
+    joint = JointParameters(
+        inertia_kg_m2=float(rng.uniform(0.1, 0.6)),
+        coulomb_nm=float(rng.uniform(0.15, 0.5)),
+        viscous_nms_per_rad=float(rng.uniform(0.03, 0.1)),
+    )
+    can = [MOTIONS.get(name, ONE_JOINT) for name in names] or [ONE_JOINT]
+    common = [place for place in can[0] if all(place in others for others in can)]
+    place = scenario or str(rng.choice(common))
+    longer = 3.0 if "warm_up" in names or place == "joint-slow" else 1.0
+    return Case(
+        seed=seed,
+        scenario=place,
+        noise=str(rng.choice(NOISES)),
+        effects=tuple(names),
+        groups=tuple(_draw_group(effect, rng) for effect in effects),
+        joint=joint,
+        duration_s=longer * float(rng.uniform(60.0, 120.0)),
+        partial=partial,
+    )
+
+
+def _draw_group(effect: Effect, rng: np.random.Generator) -> Any:  # noqa: ANN401 - every effect has its own
+    numbers = {}
+    for parameter in effect.parameters:
+        value = parameter.usual * float(np.exp(rng.uniform(-np.log(SPREAD), np.log(SPREAD))))
+        numbers[parameter.name] = repr(min(max(value, parameter.low), parameter.high))
+    if effect.forms:
+        numbers["form"] = str(rng.choice(effect.forms))
+    return effect.make(numbers)
+
+
+def settings_of(case: Case, scales: Sequence[float], *, ideal: bool = False) -> Any:  # noqa: ANN401 - of any scenario
+    """Settings of the simulation, every effect's strength times its scale."""
+    settings = next(item for item in SCENARIOS if item.name == case.scenario).settings
+    several = len(settings.hidden) > 1
+    hidden = list(settings.hidden)
+    for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
+        strength = next(effect for effect in EFFECTS if effect.name == name).strength
+        scaled = replace(group, **{strength: getattr(group, strength) * scale})
+        hidden = [replace(one, **{name: scaled}) for one in hidden]
+    changes: dict[str, Any] = {"duration_s": case.duration_s, "hidden": tuple(hidden)}
+    sensors = PANDA_SENSORS if several else PANDA_SENSORS[:1]
+    changes["sensors"] = tuple(Sensors() if ideal else coloured(one, case.noise) for one in sensors)
+    if not several:
+        changes["joints"] = (case.joint,)
+    return replace(settings, **changes)
+
+
+def coloured(sensors: Sensors, noise: str) -> Sensors:
+    """The sensors with a noise of another memory, about as strong below 25 Hz."""
+    if noise == "slow":
+        return replace(sensors, torque_noise_nm=0.6 * sensors.torque_noise_nm, torque_correlation_s=0.02)
+    if noise == "very slow":
+        return replace(sensors, torque_noise_nm=0.45 * sensors.torque_noise_nm, torque_correlation_s=0.1)
+    return sensors

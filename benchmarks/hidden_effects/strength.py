@@ -1,0 +1,55 @@
+"""How strong an effect must be made so that its torque, free of the declared model, is so many times the noise."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from benchmarks.hidden_effects.draw import Case, settings_of
+from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.discrepancy.declared import least_squares
+from friction_audit.discrepancy.ground import make_ground
+from friction_audit.discrepancy.prepare import prepare
+from friction_audit.errors import FrictionAuditError
+from friction_audit.joint_log import JointLog
+from friction_audit.simulate.dispatch import simulate
+
+ROUNDS = 5
+CLOSE = 0.1
+LARGEST_SCALE = 30.0
+
+
+def left_over(log: JointLog, joint: int) -> float:
+    """What the declared model leaves of one joint's torque, root mean square. [N m]"""
+    estimate = estimate_log(log, AuditSettings())
+    data = prepare(estimate.interaction, estimate.cycles, estimate.log, estimate.log.gravity)[joint]
+    ground = make_ground(data, None, 0)
+    left = ground.y - ground.base @ least_squares(ground.base, ground.y)
+    return float(np.sqrt(np.mean(left**2)))
+
+
+def scales_for(case: Case, joint: int = 0) -> tuple[float, ...] | None:
+    """Scale of each effect's strength, each on its own, on ideal sensors; None where it cannot be reached."""
+    noise = left_over(simulate(settings_of(case, (0.0,) * len(case.effects)), case.seed).log, joint)
+    ideal = left_over(simulate(settings_of(case, (0.0,) * len(case.effects), ideal=True), case.seed).log, joint)
+    found = [_scale(case, k, noise * case.partial, ideal, joint) for k in range(len(case.effects))]
+    scales = [scale for scale in found if scale is not None]
+    return tuple(scales) if len(scales) == len(found) else None
+
+
+def _scale(case: Case, which: int, wanted: float, ideal: float, joint: int) -> float | None:
+    """Secant steps in the logarithm, for the rest of a model grows nearly in proportion to what it misses."""
+    scale = 1.0
+    for _ in range(ROUNDS):
+        alone: Sequence[float] = [scale if k == which else 0.0 for k in range(len(case.effects))]
+        try:
+            total = left_over(simulate(settings_of(case, alone, ideal=True), case.seed).log, joint)
+        except FrictionAuditError:
+            scale *= 0.5  # so strong that the joint hardly moves, or beyond what the effect allows
+            continue
+        partial = float(np.sqrt(max(total**2 - ideal**2, 1e-12)))
+        if abs(partial / wanted - 1.0) < CLOSE:
+            return scale
+        scale *= float(np.clip(wanted / partial, 0.1, 10.0))
+        if scale > LARGEST_SCALE:
+            return None
+    return scale
