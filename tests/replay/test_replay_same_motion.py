@@ -12,6 +12,7 @@ from friction_audit.joint_log import Float, JointLog
 from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.replay.result import JointReplay, ReplayHistory
 from friction_audit.replay.settings import ReplaySettings, energy_compensator
+from friction_audit.report.figures.replay import applied
 from friction_audit.simulate.bench import BenchSettings, simulate_bench
 from friction_audit.simulate.effects.friction_step import FrictionStep
 from friction_audit.simulate.effects.hidden import Hidden
@@ -104,6 +105,18 @@ def test_torques_and_energies_add_up() -> None:
     work = float(np.sum(0.25 * (given[1:] + given[:-1]) * (dq[1:] + dq[:-1]) * np.diff(log.t)))
     assert joint.numbers.energy_without_j - joint.numbers.energy_with_j == pytest.approx(work, abs=1e-9)
     assert joint.replayed.net_energy_j[-1] == pytest.approx(joint.numbers.energy_with_j, abs=1e-9)
+
+
+def test_the_coefficients_after_the_last_cycle_are_told() -> None:
+    joint = joint_of(log_of(BENCH), energy_compensator())
+    assert joint.history is not None
+    assert joint.last is not None
+    assert joint.last.coulomb_nm == joint.history.coulomb_estimated_nm[-1]
+    assert joint.last.viscous_nms_per_rad == joint.history.viscous_estimated_nms_per_rad[-1]
+    t, value = applied(joint, "coulomb_nm")
+    np.testing.assert_array_equal(value[:-2], joint.history.coulomb_applied_nm)
+    np.testing.assert_array_equal(value[-2:], joint.last.coulomb_nm)
+    np.testing.assert_array_equal(t[1:-1], joint.history.stop_s)
 
 
 def test_a_compensator_that_gives_nothing_changes_nothing() -> None:

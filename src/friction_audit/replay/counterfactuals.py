@@ -9,7 +9,7 @@ from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import JointFriction
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
-from friction_audit.replay.compensators import Compensator
+from friction_audit.replay.compensators import Coefficients, Compensator
 from friction_audit.replay.fitted_joint import FittedJoint, acceleration, lacking_torque
 from friction_audit.replay.operator_fit import FittedOperator
 from friction_audit.replay.port import Port, empty_course
@@ -29,11 +29,13 @@ class Run:
         signals: Up to where it diverged, if it did.
         rows: A row per cycle, shape (m, COLUMNS).
         tally: Record of TALLY.
+        last: Coefficients applied at the end, after the last whole cycle.
     """
 
     signals: Signals
     rows: Float
     tally: Record
+    last: Coefficients
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -99,7 +101,10 @@ def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
     rows = np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS))
     signals = (_along if scene.joint is None else _closed)(scene, records[0], memory[0], tally[0], rows)
     tally["diverged"] = len(signals.t) < len(t)
-    return Run(signals=signals, rows=rows[: int(tally["cycles"][0])].copy(), tally=tally[0])
+    last = Coefficients(
+        coulomb_nm=float(memory["coulomb_nm"][0]), viscous_nms_per_rad=float(memory["viscous_nms_per_rad"][0])
+    )
+    return Run(signals=signals, rows=rows[: int(tally["cycles"][0])].copy(), tally=tally[0], last=last)
 
 
 def _along(scene: Scene, settings: Record, memory: Record, tally: Record, rows: Float) -> Signals:

@@ -125,6 +125,7 @@ def _replay_joint(
         without=without,
         replayed=run.signals,
         history=history,
+        last=run.last,
         numbers=measure(port, without, run.signals, history, run.tally),
         passivity=measure_passivity(history, run.tally, run.signals.t),
         recovery=find_recovery(history),

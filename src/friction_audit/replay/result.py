@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.interaction.interaction import Caution
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensators import Compensator
+from friction_audit.replay.compensators import Coefficients, Compensator
 from friction_audit.replay.counterfactual import Counterfactual
 from friction_audit.replay.fitted_joint import FittedJoint
 from friction_audit.replay.limits import Limits
@@ -188,6 +188,7 @@ class JointReplay:
         without: The joint without a compensator.
         replayed: The joint with it, up to where it diverged, if it did; None where there is a reason, as below.
         history: Per cycle of the compensator.
+        last: Coefficients applied after the last cycle that ended, or None.
         numbers: What it comes to.
         passivity: How passive it stayed.
         recovery: A step of friction in the log, or None.
@@ -204,6 +205,7 @@ class JointReplay:
     without: Signals
     replayed: Signals | None = None
     history: ReplayHistory | None = None
+    last: Coefficients | None = None
     numbers: Numbers | None = None
     passivity: Passivity | None = None
     recovery: Recovery | None = None

@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_audit.audit import Estimate, LogReplay, replay_estimate
 from friction_audit.joint_log import Float
-from friction_audit.replay.result import JointReplay, ReplayHistory
+from friction_audit.replay.result import JointReplay
 from friction_audit.replay.settings import ReplaySettings
 from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.layout import MOST_SHADED, add_legend, label_panel, new_figure, say_in_panel
@@ -36,7 +36,9 @@ POINTS = 4000
 """Points of a curve: more than a column has pixels."""
 ROW_IN = 1.0
 DASHED = (0, (4, 1.5))
-LABELS = {"viscous": "viscous", "coulomb": "Coulomb"}
+LABELS = {"viscous_nms_per_rad": "viscous", "coulomb_nm": "Coulomb"}
+LEAST_COEFFICIENT = 0.05
+"""Least height of the panel of the coefficients, which may all be zero. [N m, N m s/rad]"""
 SMALLEST_TORQUE_NM = 0.5
 """Half height of the torque panel of a joint at rest, whose noise would fill it."""
 SMALLEST_SPEED_RAD_S = 0.1
@@ -72,9 +74,9 @@ def _draw_column(joint: JointReplay, title: str) -> "Figure":
     panels[0].set_ylabel("Velocity\n[rad/s]")
     panels[1].set_ylabel("Torque\n[N m]")
     panels[2].set_ylabel("Energy [J]")
-    _draw_coefficient(panels[3], joint, "viscous", FILTERED)
+    _draw_coefficient(panels[3], joint, "viscous_nms_per_rad", FILTERED)
     panels[3].set_ylabel("Viscous\n[N m s/rad]")
-    _draw_coefficient(panels[4], joint, "coulomb", DISSIPATED)
+    _draw_coefficient(panels[4], joint, "coulomb_nm", DISSIPATED)
     panels[4].set_ylabel("Coulomb\n[N m]")
     titles = (f"{_name(joint)}, {title}", "", "", "", "")
     _finish(panels, joint, titles)
@@ -90,8 +92,8 @@ def _draw_sheet(joints: "Sequence[JointReplay]", title: str) -> "Figure":
     found: list[list[Artist]] = []
     for row, joint in zip(rows, joints, strict=True):
         handles = _draw_torque(row[0], joint) + _draw_energy(row[1], joint)[1:]
-        viscous = _draw_coefficient(row[2], joint, "viscous", FILTERED)
-        coulomb = _draw_coefficient(row[2], joint, "coulomb", DISSIPATED)
+        viscous = _draw_coefficient(row[2], joint, "viscous_nms_per_rad", FILTERED)
+        coulomb = _draw_coefficient(row[2], joint, "coulomb_nm", DISSIPATED)
         found.append([*handles, *viscous, *coulomb])
         _finish(row, joint, ("", "", ""))
         row[0].set_ylabel(_name(joint))
@@ -192,20 +194,24 @@ def _draw_coefficient(axes: "Axes", joint: JointReplay, name: str, colour: str) 
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
     if joint.history is None or joint.replayed is None:
         return []
-    t, value = applied(joint.history, name, float(joint.replayed.t[-1]))
+    t, value = applied(joint, name)
+    axes.update_datalim([(t[0], LEAST_COEFFICIENT)])
     return list(axes.step(t, value, where="post", color=colour, lw=0.9, label=LABELS[name], zorder=3))
 
 
-def applied(history: ReplayHistory, name: str, end_s: float) -> tuple[Float, Float]:
-    """Return times and values of a coefficient compensated, up to the end of the log; steps, the last one holds.
+def applied(joint: JointReplay, name: str) -> tuple[Float, Float]:
+    """Return times [s] and values of a coefficient compensated: steps, the last one up to where the replay ends.
 
     Args:
-        history: Of the replay.
-        name: ``"coulomb"`` or ``"viscous"``.
-        end_s: Where the last step ends. [s]
+        joint: With a result.
+        name: ``"coulomb_nm"`` or ``"viscous_nms_per_rad"``.
     """
-    unit = "nm" if name == "coulomb" else "nms_per_rad"
-    value = getattr(history, f"{name}_applied_{unit}")
-    if not len(value):
-        return np.array([0.0, end_s]), np.zeros(2)
-    return np.append(history.start_s, end_s), np.append(value, value[-1])
+    assert joint.history is not None
+    assert joint.replayed is not None
+    assert joint.last is not None
+    kind, _, unit = name.partition("_")
+    value = getattr(joint.history, f"{kind}_applied_{unit}")
+    t = joint.replayed.t
+    ends = np.concatenate([t[:1], joint.history.stop_s, t[-1:]])
+    last = getattr(joint.last, name)
+    return ends, np.concatenate([value, [last, last]])
