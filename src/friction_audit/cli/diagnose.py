@@ -100,7 +100,7 @@ def command(
         chain.check_outputs([folder / DOCUMENT, folder / MODEL], overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
         recorded = chain.read(log, reading, voice)
-    _check_model(settings.model, recorded)
+    _check_model(options.model, settings.model, recorded)
     with voice.step("diagnose"):
         from friction_audit.audit import diagnose_log
 
@@ -133,7 +133,7 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
     )
 
 
-def _check_model(model: "ArmModel | None", log: "JointLog") -> None:
+def _check_model(path: Path | None, model: "ArmModel | None", log: "JointLog") -> None:
     """Refuse a model of another arm, before anything long is done.
 
     Raises:
@@ -141,7 +141,7 @@ def _check_model(model: "ArmModel | None", log: "JointLog") -> None:
     """
     if model is not None and len(model.joints) != len(log.joint_names):
         raise UsageError(
-            f"--model: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
+            f"--model {path}: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
             "give a model with an entry for every joint of the log"
         )
 

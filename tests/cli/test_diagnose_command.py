@@ -1,0 +1,142 @@
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.cli import choices
+from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.export import write_log
+from friction_audit.model.model_file import load_model
+from tests.cli.conftest import Run
+from tests.report.conftest import build_estimate
+
+FEW = ("--candidates", "stribeck,torque_ripple")
+WRITTEN = {"diagnose.json", "model.toml"}
+
+
+def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
+    assert tuple(candidate.name for candidate in CANDIDATES) == choices.EFFECTS
+
+
+def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> None:
+    answer = run("diagnose", logs / "moved2.csv", *FEW)
+    assert answer.code == 0
+    rows = [line.split() for line in answer.out.splitlines() if line[:2] in ("1 ", "2 ")]
+    assert [row[:2] for row in rows] == [["1", "none"], ["2", "none"]]
+    assert "joint 1: nothing is missing: an effect of" in answer.out
+    assert "joint 2: nothing is missing: an effect of" in answer.out
+    assert answer.out.count("cycles that no choice was made on") == 1
+
+
+def test_a_hidden_effect_is_named_sized_and_added_to_the_model(run: Run, tmp_path: Path) -> None:
+    clean = build_estimate(1, count=40, rate=500.0).log
+    assert clean.tau_interaction is not None
+    hidden = 0.2 * np.sign(clean.dq) * np.exp(-np.abs(clean.dq) / 0.15)
+    log = replace(clean, tau_interaction=clean.tau_interaction + hidden)
+    write_log(log, tmp_path / "hidden.parquet")
+    answer = run("diagnose", "hidden.parquet", "--candidates", "stribeck,torque_ripple", "-o", "out")
+    assert answer.code == 0
+    (row,) = (line.split() for line in answer.out.splitlines() if line.startswith("1 "))
+    assert row[1:3] == ["named", "stribeck"]
+    assert float(row[-4]) > 2.0 * float(row[-3])
+    joint = json.loads((tmp_path / "out" / "diagnose.json").read_text())["joints"][0]
+    assert joint["effects"][0]["parameters"]["stribeck_excess_nm"] == pytest.approx(0.2, rel=0.1)
+    assert joint["gap"]["shrink"] > 0.9
+    assert "[joint.terms.stribeck]" in (tmp_path / "out" / "model.toml").read_text()
+
+
+def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
+    answer = run("diagnose", logs / "moved2.csv", "--joints", "2", "--json", *FEW, "--seed", "3", "--alpha", "0.01")
+    document = answer.document()
+    assert answer.err == ""
+    asked = document["settings"]["diagnosis"]
+    assert (asked["seed"], asked["alpha"], asked["candidates"]) == (3, 0.01, ["stribeck", "torque_ripple"])
+    (joint,) = document["joints"]
+    assert (joint["joint"], joint["verdict"]) == (2, "none")
+    assert joint["gap"]["baseline_rms_nm"] == pytest.approx(joint["gap"]["noise_floor_rms_nm"], rel=0.05)
+    assert joint["gap"]["held_out_cycles"] >= 0.3 * 24 - 1
+    assert joint["declared"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
+
+
+def test_the_same_seed_gives_the_same_answer(run: Run, logs: Path) -> None:
+    first, again = (run("diagnose", logs / "moved1.csv", "--json", *FEW).out for _ in range(2))
+    assert first == again
+
+
+def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("diagnose", logs / "moved1.csv", "-o", "out/deep", "--json", *FEW)
+    folder = tmp_path / "out" / "deep"
+    assert {path.name for path in folder.iterdir()} >= WRITTEN
+    assert json.loads((folder / "diagnose.json").read_text()) == answer.document()
+    (joint,) = load_model(folder / "model.toml").joints
+    assert joint is not None
+    assert joint.values("coulomb") == pytest.approx([0.245], abs=0.01)
+    assert joint.provenance.method == "diagnose"
+    again = run("diagnose", logs / "moved1.csv", "--model", folder / "model.toml", "--json", *FEW).document()
+    assert "inertia_kg_m2" not in again["joints"][0]["declared"]
+    assert again["settings"]["diagnosis"]["model"]["joints"][0]["provenance"]["cycles"] > 10
+
+
+@pytest.mark.parametrize("name", sorted(WRITTEN))
+def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / name).write_text("old")
+    answer = run("diagnose", logs / "absent.csv", "-o", "out")
+    assert answer.code == 2
+    assert f"{name}: exists already" in answer.err
+    assert (tmp_path / "out" / name).read_text() == "old"
+
+
+def test_overwrite_replaces_it(run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "out").mkdir()
+    (tmp_path / "out" / "model.toml").write_text("old")
+    assert run("diagnose", logs / "moved1.csv", "-o", "out", "--overwrite", *FEW).code == 0
+    assert "coulomb_nm" in (tmp_path / "out" / "model.toml").read_text()
+
+
+def test_no_answer_for_any_joint(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("diagnose", logs / "still.csv", "-o", "out")
+    assert answer.code == 4
+    assert "no joint can be diagnosed:\n  joint 1: " in answer.err
+    assert answer.out == ""
+    assert not (tmp_path / "out").exists()
+
+
+def test_damage_is_said(run: Run, logs: Path) -> None:
+    answer = run("diagnose", logs / "damaged.csv", "-q", *FEW)
+    assert answer.code == 6
+    assert answer.err == ""
+    assert "joint 1: " in answer.out
+
+
+def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:
+    words = ("diagnose", logs / "moved1.csv", "--candidates", "stribeck,torque_crosstalk,inertial_coupling")
+    sentence = "this log cannot show torque_crosstalk, inertial_coupling: no other joint moves"
+    assert sentence in run(*words, "-v").out
+    assert sentence not in run(*words).out
+
+
+@pytest.mark.parametrize(
+    ("options", "code", "message"),
+    [
+        (["--candidates", "stribek"], 2, "did you mean stribeck?"),
+        (["--candidates", "stribeck,rust"], 2, "rust: expected one of stribeck, stiction"),
+        (["--alpha", "0"], 2, "alpha: 0; expected a probability above 0"),
+        (["--alpha", "nan"], 2, "alpha: nan"),
+        (["--seed", "-1"], 2, "--seed"),
+        (["--joints", "9"], 2, "--joints 9"),
+        (["--model", "absent.toml"], 2, "'absent.toml' does not exist"),
+        (["--model", "wrong.toml"], 3, "wrong.toml: schema is None"),
+        (["--model", "seven.toml"], 2, "--model seven.toml: 7 joints; "),
+    ],
+)
+def test_wrong_usage(options: list[str], code: int, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "wrong.toml").write_text("a = 1\n")
+    entries = "".join(f'[[joint]]\nname = "joint{number}"\n' for number in range(1, 8))
+    (tmp_path / "seven.toml").write_text(f'schema = "friction-audit/model/1"\n{entries}')
+    answer = run("diagnose", logs / "moved1.csv", *options)
+    assert answer.code == code
+    assert message in answer.err
+    assert answer.out == ""
