@@ -43,6 +43,21 @@ GROWN = {
 }
 
 
+def profile(axis: str, share: float) -> Profile:
+    return Profile(
+        axis=axis,
+        label=f"{axis} [unit]",
+        centre=np.array([0.1, 0.2, 0.3]),
+        forwards=np.array([0.05, 0.0, NAN]),
+        backwards=np.array([-0.05, 0.0, 0.01]),
+        forwards_se=np.array([0.01, 0.01, NAN]),
+        backwards_se=np.array([0.01, 0.01, 0.01]),
+        share=share,
+        p_value=0.001,
+        where="below 0.15 unit, in both directions",
+    )
+
+
 def effect(
     name: str, parameters: dict[str, Coefficient], *, alternatives: tuple[str, ...] = (), before: float, after: float
 ) -> Effect:
@@ -63,6 +78,7 @@ def effect(
             Evidence(name=name, delta_bic=0.0, correlation=1.0),
             Evidence(name="warm_up", delta_bic=41.3, correlation=0.31),
         ),
+        curve=profile("speed", 0.7),
     )
 
 
@@ -89,21 +105,6 @@ def gap(before: float, after: float, floor: float) -> Gap:
     shrink = (before - after) / (before - floor) if before > floor else NAN
     return Gap(
         before=before, after=after, floor=floor, shrink=shrink, shrink_se=0.01, over_floor=after / floor, cycles=LOCKED
-    )
-
-
-def profile(axis: str, share: float) -> Profile:
-    return Profile(
-        axis=axis,
-        label=f"{axis} [unit]",
-        centre=np.array([0.1, 0.2, 0.3]),
-        forwards=np.array([0.05, 0.0, NAN]),
-        backwards=np.array([-0.05, 0.0, 0.01]),
-        forwards_se=np.array([0.01, 0.01, NAN]),
-        backwards_se=np.array([0.01, 0.01, 0.01]),
-        share=share,
-        p_value=0.001,
-        where="below 0.15 unit, in both directions",
     )
 
 

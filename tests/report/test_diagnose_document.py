@@ -32,6 +32,7 @@ def test_the_effect_has_its_numbers_units_in_the_names() -> None:
     assert effect["parameters_ci95"]["stribeck_exponent"] == [None, None]
     assert (effect["gap_before_nm"], effect["gap_after_nm"]) == (0.061, 0.021)
     assert effect["decide"] is None
+    assert effect["curve"]["backwards_nm"] == [-0.05, 0.0, 0.01]
     assert effect["evidence"][1] == {"name": "warm_up", "delta_bic": 41.3, "correlation": 0.31}
 
 

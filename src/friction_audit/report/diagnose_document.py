@@ -68,6 +68,7 @@ def _effect(effect: Effect) -> Document:
         "gap_after_nm": to_json(effect.gap_after_nm),
         "partial_rms_nm": to_json(effect.partial_nm),
         "evidence": [to_json(asdict(rival)) for rival in effect.evidence],
+        "curve": _curve(effect.curve),
     }
 
 
@@ -103,8 +104,12 @@ def _profile(profile: Profile, *, curve: bool) -> Document:
         "share": to_json(profile.share),
         "p_value": to_json(profile.p_value),
         "where": profile.where,
-        "curve": {name: to_json(getattr(profile, field)) for name, field in CURVE.items()} if curve else None,
+        "curve": _curve(profile) if curve else None,
     }
+
+
+def _curve(profile: Profile) -> Document:
+    return {name: to_json(getattr(profile, field)) for name, field in CURVE.items()}
 
 
 CURVE = {
