@@ -63,8 +63,9 @@ def far_side(motion: Motion) -> FarSide:
     Raises:
         AnalysisError: If the motion says nothing of the simple model's torque.
     """
-    columns = np.column_stack([motion.ddq, np.sign(motion.dq), motion.dq])
-    numbers = np.maximum(np.linalg.lstsq(columns, simple_torque(motion), rcond=1e-10)[0], 0.0).tolist()
+    columns = np.stack([motion.ddq, np.sign(motion.dq), motion.dq])
+    gram = np.linalg.pinv(columns @ columns.T, rcond=1e-12, hermitian=True)
+    numbers = np.maximum(gram @ (columns @ simple_torque(motion)), 0.0).tolist()
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
 
 
@@ -81,14 +82,12 @@ def simple_torque(motion: Motion) -> Float:
     return motion.rest
 
 
-def added_torque(motion: Motion, stiffness_nm_per_rad: float, damping_ratio: float, gap_rad: float = 0.0) -> Float:
+def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
-    far = far_side(motion)
     if far.inertia_kg_m2 == 0.0:
         return np.zeros(len(motion.t))
-    link = Transmission(stiffness_nm_per_rad=stiffness_nm_per_rad, damping_ratio=damping_ratio, gap_rad=gap_rad)
     friction = far.coulomb_nm * np.sign(motion.dq) + far.viscous_nms_per_rad * motion.dq
-    return transmitted(motion, far, link) - far.inertia_kg_m2 * motion.ddq - friction
+    return transmitted(motion, far, transmission) - far.inertia_kg_m2 * motion.ddq - friction
 
 
 def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
@@ -125,8 +124,8 @@ def _follow(
     inertia, coulomb, viscous = far
     h = step / steps
     torque = np.zeros(len(q))
-    share = np.full(len(q), steps + 0.0)
-    share[0] = share[-1] = max(0.5 * steps, 1.0)
+    share = np.full(len(q), 1.0 * steps)
+    share[0] = share[-1] = 0.5 * steps
     theta, omega = q[0], dq[0]
     for k in range(len(q) - 1):
         for i in range(steps):
@@ -143,8 +142,9 @@ def _follow(
             held = h * coulomb / (inertia + h * (drag + viscous))
             omega = max(free - held, 0.0) if free > 0.0 else min(free + held, 0.0)
             theta += 0.5 * h * omega
-            torque[k if 2 * i < steps else k + 1] += push + drag * (speed - omega)
-    return np.divide(torque, share)
+            near = k if 2 * i < steps else k + 1
+            torque[near] += (push + drag * (speed - omega)) / share[near]
+    return torque
 
 
 @compiled()

@@ -8,17 +8,19 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.backlash import TERM
 
-SPAN_SHARES = np.geomspace(3e-5, 0.03, 16)
-"""Widths of the play as shares of the span of the motion."""
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 28)
+"""Widths of the play as shares of the span of the motion, close to each other: they set when the flanks strike."""
+CONTACTS_HZ = (15.0, 40.0)
+"""Soft flanks and, beyond what a regression sees, hard ones."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 """All that is behind the sensor is behind the play, as far as a fit that did not know of it can tell."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """All widths."""
+    """All widths on both kinds of flanks."""
     span = float(np.ptp(data.q)) or 1.0
-    return tuple({"gap_rad": float(share) * span} for share in SPAN_SHARES)
+    return tuple({"gap_rad": float(share) * span, "contact_hz": hz} for hz in CONTACTS_HZ for share in SPAN_SHARES)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

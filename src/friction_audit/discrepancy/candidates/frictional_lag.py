@@ -8,27 +8,26 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.frictional_lag import TERM
 
-LAGS_S = np.geomspace(3e-3, 1.0, 8)
-FADING_SHARES = np.geomspace(0.02, 0.5, 5)
-"""Speeds at which Stribeck friction fades, as shares of the usual top speed."""
-UNFADING = 100.0
-"""In usual top speeds: the slope is the same at all of them."""
+LAGS_S = np.geomspace(3e-3, 0.5, 8)
+STRIBECK = ((0.0, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for share in np.geomspace(0.02, 0.5, 4)))
+"""Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed."""
+LARGEST_SHARE = 1.6
+"""All the friction that depends on the speed lags, as far as a fit that did not know of it can tell."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """Viscous friction and Stribeck friction of several widths, by all lags."""
+    """Viscous friction, and Stribeck friction of several sizes and widths, by all lags."""
     usual = float(np.quantile(np.abs(data.dq), 0.95)) or 1.0
     return tuple(
-        {"friction_lag_s": float(lag), "lag_speed_rad_s": float(share) * usual}
-        for share in (UNFADING, *FADING_SHARES)
+        {"friction_lag_s": float(lag), "lagging_excess": excess, "lag_speed_rad_s": share * usual}
+        for excess, share in STRIBECK
         for lag in LAGS_S
     )
 
 
-def admissible(factors: Float, shape: Shape) -> bool:
+def admissible(factors: Float, _shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    del shape
-    return bool(factors[0] != 0)
+    return bool(0.0 < factors[0] <= LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(
@@ -36,7 +35,7 @@ CANDIDATE = Candidate(
     label="friction follows speed late",
     shapes=shapes,
     columns=columns_of(TERM),
-    column_units=("nms_per_rad",),
+    column_units=("1",),
     untestable=several_speeds,
     admissible=admissible,
     axis="acceleration",

@@ -5,21 +5,23 @@ play and strikes it on the other flank.
 """
 
 from collections.abc import Sequence
+from math import pi
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import added_torque
+from friction_audit.model.transmission import Transmission, added_torque, far_side
 
-CONTACT_NM_PER_RAD = 2e4
-"""Stiffness of the flanks: so high that of an impact only its momentum passes the filter of a regression."""
 CONTACT_DAMPING_RATIO = 0.2
-"""Of metal on lubricated metal."""
+"""Of metal on lubricated metal: half of the speed is left after an impact."""
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what play in front of all inertia and friction adds to the torque, as a column."""
-    (gap,) = shape
-    return added_torque(motion, CONTACT_NM_PER_RAD, CONTACT_DAMPING_RATIO, gap)[:, None]
+    gap, contact_hz = shape
+    far = far_side(motion)
+    stiffness = far.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2
+    flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
+    return added_torque(motion, far, flanks)[:, None]
 
 
 TERM = Term(
@@ -34,7 +36,10 @@ TERM = Term(
             upper=1.5,
         ),
     ),
-    shape=(Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=0.0, upper=1.0),),
+    shape=(
+        Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=0.0, upper=1.0),
+        Parameter(name="contact_hz", unit="Hz", meaning="ringing on a flank that touches", lower=1.0, upper=1e3),
+    ),
     basis=basis,
     forward="play",
 )

@@ -1,8 +1,8 @@
 """Frictional lag: friction follows the speed late, its direction does not.
 
-Friction is level + slope v_s (1 - exp(-s / v_s)) at a speed s that lags behind the present one by a first-order delay
-(A. Ruina, J. Geophys. Res. 88 (1983) 10359; D. P. Hess, A. Soom, J. Tribol. 112 (1990) 147). A slope above zero is
-viscous friction, one below zero Stribeck's, which fades at v_s.
+Of the torque of friction at a steady speed s, level + mu_v s + e mu_c exp(-s / v_s), all that depends on the speed is
+that of a speed behind a first-order delay (A. Ruina, J. Geophys. Res. 88 (1983) 10359; D. P. Hess, A. Soom, J. Tribol.
+112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
 """
 
 from collections.abc import Sequence
@@ -12,6 +12,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.transmission import far_side
 
 
 def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
@@ -23,22 +24,25 @@ def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
-    """Return friction at the lagged speed less that at the present one, per slope, as a column."""
-    lag, fading = shape
-    speed = np.abs(motion.dq)
+    """Return friction at the lagged speed less that at the present one, as a column."""
+    lag, excess, fading = shape
+    far, speed = far_side(motion), np.abs(motion.dq)
     seen = lagged(speed, float(motion.t[1] - motion.t[0]), lag)
-    return np.asarray(np.sign(motion.dq) * fading * (np.exp(-speed / fading) - np.exp(-seen / fading)))[:, None]
+    viscous = far.viscous_nms_per_rad * (seen - speed)
+    stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - np.exp(-speed / fading))
+    return np.asarray(np.sign(motion.dq) * (viscous + stribeck))[:, None]
 
 
 TERM = Term(
     name="frictional_lag",
     label="friction follows speed late",
-    linear=(Parameter(name="lagging_nms_per_rad", unit="N m s/rad", meaning="slope of the friction that lags"),),
+    linear=(Parameter(name="lagging_share", unit="1", meaning="share of friction that lags", lower=0.0, upper=2.0),),
     shape=(
         Parameter(name="friction_lag_s", unit="s", meaning="time by which friction lags", lower=1e-4, upper=10.0),
         Parameter(
-            name="lag_speed_rad_s", unit="rad/s", meaning="speed at which the slope fades", lower=1e-4, upper=1e4
+            name="lagging_excess", unit="1", meaning="Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0
         ),
+        Parameter(name="lag_speed_rad_s", unit="rad/s", meaning="speed at which it fades", lower=1e-4, upper=1e2),
     ),
     basis=basis,
 )

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import added_torque
+from friction_audit.model.transmission import Transmission, added_torque, far_side
 
 DAMPING_RATIO = 0.05
 """Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
@@ -17,7 +17,8 @@ DAMPING_RATIO = 0.05
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what the spring adds to the torque per compliance, as a column."""
     (stiffness,) = shape
-    return stiffness * added_torque(motion, stiffness, DAMPING_RATIO)[:, None]
+    spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO)
+    return stiffness * added_torque(motion, far_side(motion), spring)[:, None]
 
 
 TERM = Term(
