@@ -1,15 +1,14 @@
-"""What holds for every candidate, and by hand for some."""
+"""What holds for every candidate, and by hand for the strokes that many lean on."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose, assert_array_equal
+from numpy.testing import assert_array_equal
 
 from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.displacement import onsets, stop_operator, strokes
-from friction_audit.joint_log import Float
+from friction_audit.discrepancy.displacement import onsets, strokes
 from tests.discrepancy.candidates.joint_data_by_hand import at_rest, baseline, joint_data, two_sines
 
 NAMES = [
@@ -43,54 +42,102 @@ ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_la
     "position_dependent_friction", "backlash", "warm_up", "friction_step", "unlogged_compensation",
     "asymmetric_coulomb", "asymmetric_viscous", "inertia_error", "joint_elasticity", "time_delay",
 }  # fmt: skip
+AXES = {"speed", "position", "displacement", "time", "acceleration", "load", "neighbour"}
+MOST_SHAPES = 200
+"""A search tries all of them on every joint."""
 MOVING = two_sines()
+BASE = baseline(MOVING)
+TOLD = replace(BASE, declared=frozenset({"inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad"}))
 each = pytest.mark.parametrize("candidate", CANDIDATES, ids=lambda c: c.name)
+with_term = pytest.mark.parametrize("candidate", [c for c in CANDIDATES if c.term], ids=lambda c: c.name)
 BY_NAME = {c.name: c for c in CANDIDATES}
-
-
-def column(name: str, **shape: float) -> Float:
-    return BY_NAME[name].columns(MOVING, baseline(MOVING), shape)
 
 
 def test_names_are_the_vocabulary_in_its_order() -> None:
     assert [c.name for c in CANDIDATES] == NAMES
 
 
-def test_what_is_the_same_says_so_both_ways() -> None:
-    assert BY_NAME["torque_bias"].same_as == ("asymmetric_coulomb",)
-    assert BY_NAME["asymmetric_coulomb"].same_as == ("torque_bias",)
-    used = MOVING.used
-    assert_array_equal(column("torque_bias")[used], column("asymmetric_coulomb")[used])
+@each
+def test_it_says_where_it_shows_and_what_it_is(candidate: Candidate) -> None:
+    assert candidate.axis in AXES
+    assert candidate.label
+    assert candidate.column_units
+    for other in candidate.same_as:
+        assert candidate.name in BY_NAME[other].same_as
 
 
 @each
 def test_columns_are_finite_and_as_many_as_units(candidate: Candidate) -> None:
-    for shape in candidate.shapes:
-        columns = candidate.columns(MOVING, baseline(MOVING), shape)
+    tried = candidate.tried(MOVING)
+    assert 1 <= len(tried) <= MOST_SHAPES
+    for shape in tried:
+        columns = candidate.columns(MOVING, BASE, shape)
         assert columns.ndim == 2
         assert len(columns) == len(MOVING.t)
         assert np.all(np.isfinite(columns))
-        if candidate.name != "inertial_coupling":  # as many as other joints, all in one unit
+        if candidate.name not in {"inertial_coupling", "contact_event"}:  # as many as other joints, or as touches
             assert columns.shape[1] == len(candidate.column_units)
 
 
 @each
-def test_no_candidate_reads_the_measured_torque(candidate: Candidate) -> None:
+def test_shapes_are_all_different(candidate: Candidate) -> None:
+    tried = [tuple(sorted(shape.items())) for shape in candidate.tried(MOVING)]
+    assert len(set(tried)) == len(tried)
+
+
+@each
+def test_no_column_reads_the_measured_torque(candidate: Candidate) -> None:
     other = replace(MOVING, torque=MOVING.torque + 1.0)
-    for shape in candidate.shapes:
-        assert_array_equal(
-            candidate.columns(MOVING, baseline(MOVING), shape), candidate.columns(other, baseline(MOVING), shape)
-        )
+    for shape in candidate.tried(MOVING):
+        assert_array_equal(candidate.columns(MOVING, BASE, shape), candidate.columns(other, BASE, shape))
+
+
+@pytest.mark.parametrize("candidate", [c for c in CANDIDATES if c.name != "contact_event"], ids=lambda c: c.name)
+def test_no_grid_reads_the_measured_torque(candidate: Candidate) -> None:
+    other = replace(MOVING, torque=np.cumsum(MOVING.torque))
+    assert candidate.tried(other) == candidate.tried(MOVING)
+    assert candidate.untestable(other, BASE) == candidate.untestable(MOVING, BASE)
 
 
 @each
 def test_what_needs_motion_is_zero_at_rest(candidate: Candidate) -> None:
     rest = at_rest()
-    for shape in candidate.shapes:
+    for shape in candidate.tried(rest):
         columns = candidate.columns(rest, baseline(rest), shape)
         assert np.all(np.isfinite(columns))
         if candidate.name in ODD:
             assert_array_equal(columns, 0.0)
+
+
+@each
+def test_factors_are_judged_by_sign_and_size(candidate: Candidate) -> None:
+    for shape in candidate.tried(MOVING):
+        width = candidate.columns(MOVING, BASE, shape).shape[1]
+        assert type(candidate.admissible(np.full(width, 0.01), shape)) is bool
+        assert not (candidate.column_units == ("s",) and candidate.admissible(np.full(width, 1e6), shape))
+
+
+@with_term
+def test_a_candidate_and_its_term_are_one(candidate: Candidate) -> None:
+    term = candidate.term
+    assert term is not None
+    assert term.name == candidate.name
+    names = {parameter.name for parameter in term.shape}
+    for shape in candidate.tried(MOVING):
+        assert names <= set(shape)
+        for parameter in term.shape:
+            assert parameter.allows(shape[parameter.name]), (parameter.name, shape)
+
+
+@with_term
+def test_what_is_admissible_a_model_can_hold(candidate: Candidate) -> None:
+    term = candidate.term
+    assert term is not None
+    rng = np.random.default_rng(0)
+    shape = candidate.tried(MOVING)[0]
+    for factors in rng.normal(scale=0.02, size=(50, len(term.linear))):
+        if candidate.admissible(factors, shape):
+            assert all(parameter.allows(float(f)) for parameter, f in zip(term.linear, factors, strict=True)), factors
 
 
 @each
@@ -103,24 +150,9 @@ def test_a_joint_at_rest_lacks_something_in_one_sentence(candidate: Candidate) -
 
 
 def test_declared_numbers_open_the_gates_of_what_needs_them() -> None:
-    told = replace(baseline(MOVING), declared=frozenset({"inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad"}))
     for name in ("inertia_error", "unlogged_compensation"):
-        assert "fitted" in str(BY_NAME[name].untestable(MOVING, baseline(MOVING)))
-        assert BY_NAME[name].untestable(MOVING, told) is None
-
-
-def test_columns_by_hand() -> None:
-    v, q = MOVING.dq, MOVING.q
-    s = np.clip(v / 0.01, -1, 1)
-    assert_allclose(column("stribeck", speed_rad_s=0.1, exponent=2.0)[:, 0], s * np.exp(-((v / 0.1) ** 2)))
-    assert_allclose(column("nonlinear_viscous", exponent=2.0)[:, 0], s * v**2)
-    assert_allclose(column("gravity_error"), np.column_stack([np.cos(q), np.sin(q)]))
-    assert_allclose(column("torque_crosstalk"), MOVING.others_torque[:, [0, 2]])
-
-
-def test_stop_element_by_hand() -> None:
-    q = np.array([0.0, 0.1, 0.3, 0.2, 0.0, -0.1])
-    assert_allclose(stop_operator(q, 0.2), [0.0, 0.5, 1.0, 0.5, -0.5, -1.0])
+        assert "fitted" in str(BY_NAME[name].untestable(MOVING, BASE))
+        assert BY_NAME[name].untestable(MOVING, TOLD) is None
 
 
 def test_strokes_by_hand() -> None:

@@ -1,34 +1,142 @@
-"""Contact: one raised-cosine window in time."""
+"""Contact: something touches the arm now and then, for stretches that stand out of all that the motion explains.
+
+No motion tells when an arm is touched: the moments are found where the torque that inertia, friction and gravity leave
+is out of the ordinary, and only they are taken from the torque; what is fitted there is a curve of time. Stretches that
+come with every stroke are no contacts but a function of the motion.
+"""
+
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
-WINDOWS = 120
+WINDOWS_S = (0.1, 0.3, 1.0)
+"""Lengths of a touch that are looked for; a longer one is found by its beginning and its end."""
+LEAST_SIGMAS = 6.0
+"""How far a window's mean stands out: of thousands of windows of noise, none does."""
+LEAST_FILLED = 0.5
+"""Share of a window in which the joint must move."""
+APART_S = 0.1
+"""Stretches that are closer belong to one contact."""
+MOST_CYCLES = 0.25
+"""Share of the cycles in which contacts may be."""
+LONGEST_S = 10.0
+KNOTS = 5
+"""Points of the curve through one contact, nothing at its ends."""
+SIGMA_PER_MEDIAN = 1.4826
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Contact:
+    """One stretch of time.
+
+    Attributes:
+        start_s: Its beginning. [s]
+        stop_s: Its end. [s]
+    """
+
+    start_s: float
+    stop_s: float
+
+
+def find_contacts(data: JointData) -> tuple[Contact, ...]:
+    """Find the stretches of a log in which something touches the joint; none where they come with every stroke."""
+    if not data.used.any():
+        return ()
+    left = _left(data)
+    outlying = np.zeros(len(left), bool)
+    for length in WINDOWS_S:
+        outlying |= _outlying(left, data.used, round(length / data.step_s))
+    found = _stretches(data.t, outlying)
+    inside = np.zeros(len(left), bool)
+    for contact in found:
+        inside |= (data.t >= contact.start_s) & (data.t <= contact.stop_s)
+    touched = len(np.unique(data.cycle[data.used & inside]))
+    rare = touched <= max(MOST_CYCLES * len(np.unique(data.cycle[data.used])), 1.0)
+    return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
+
+
+def _left(data: JointData) -> Float:
+    """Torque that inertia, friction, gravity and a constant leave, 0 where the joint does not move."""
+    columns = np.column_stack(
+        [data.ddq, np.sign(data.dq), data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))]
+    )
+    kept = data.used.copy()
+    left = data.torque
+    for _ in range(3):  # what stands out must not bend the fit
+        left = data.torque - columns @ np.linalg.lstsq(columns[kept], data.torque[kept])[0]
+        kept = data.used & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[data.used])))
+    return np.where(data.used, left, 0.0)
+
+
+def _outlying(left: Float, used: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
+    """Samples within windows of raised cosines in which the mean stands out."""
+    from scipy.signal import fftconvolve
+
+    bell = np.hanning(max(samples, 1) + 2)[1:-1]
+    if len(bell) >= len(left):
+        return np.zeros(len(left), bool)
+    filled = fftconvolve(used.astype(np.float64), bell**2, mode="same") / np.sum(bell**2)
+    enough = filled > LEAST_FILLED
+    mean = np.where(enough, fftconvolve(left, bell, mode="same") / np.sqrt(np.where(enough, filled, 1.0)), 0.0)
+    usual = SIGMA_PER_MEDIAN * float(np.median(np.abs(mean[enough]))) if enough.any() else np.inf
+    out = (np.abs(mean) > LEAST_SIGMAS * usual).astype(np.float64)
+    return np.asarray(fftconvolve(out, np.ones(len(bell)), mode="same") > 0.5)  # noqa: PLR2004 - one window or more
+
+
+def _stretches(t: Float, outlying: NDArray[np.bool_]) -> tuple[Contact, ...]:
+    """Runs of outlying samples, those that are close put together."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], outlying, [False]])))
+    starts, stops = t[edges[::2]], t[edges[1::2] - 1]
+    far = np.append(True, starts[1:] - stops[:-1] > APART_S) if len(starts) else np.zeros(0, bool)
+    last = np.append(np.flatnonzero(far)[1:] - 1, len(starts) - 1) if len(starts) else np.zeros(0, int)
+    return tuple(Contact(start_s=float(a), stop_s=float(b)) for a, b in zip(starts[far], stops[last], strict=True))
+
+
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """One shape: where all contacts begin and end."""
+    return (
+        {
+            name: value
+            for k, contact in enumerate(find_contacts(data), start=1)
+            for name, value in ((f"start_{k}_s", contact.start_s), (f"stop_{k}_s", contact.stop_s))
+        },
+    )
 
 
 def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Contact, shape (n, p)."""
-    width = (data.t[-1] - data.t[0]) / WINDOWS
-    x = (data.t - data.t[0]) / width - shape["window"]
-    return np.asarray(np.where(np.abs(x) < 1.0, 0.5 + 0.5 * np.cos(np.pi * x), 0.0))[:, None]
+    """Hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
+    hats = [np.zeros((len(data.t), 1))] if not shape else []
+    for k in range(1, len(shape) // 2 + 1):
+        knots = np.linspace(shape[f"start_{k}_s"], shape[f"stop_{k}_s"], KNOTS + 2)
+        hats += [
+            np.interp(data.t, knots, np.eye(KNOTS + 2)[i], left=0.0, right=0.0)[:, None] for i in range(1, KNOTS + 1)
+        ]
+    return np.hstack(hats)
 
 
-def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
-    return True
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking."""
+    return moves(data, baseline)
+
+
+def admissible(_factors: Float, shape: Shape) -> bool:
+    """Any push, where there was one."""
+    return bool(shape)
 
 
 CANDIDATE = Candidate(
     name="contact_event",
     label="something touches the arm for a moment",
-    shapes=tuple({"window": float(k)} for k in range(1, WINDOWS)),
+    shapes=shapes,
     columns=columns,
     column_units=("nm",),
-    untestable=moves,
+    untestable=untestable,
     admissible=admissible,
     axis="time",
 )

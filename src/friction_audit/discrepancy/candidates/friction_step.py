@@ -11,16 +11,19 @@ from friction_audit.model.terms.friction_step import TERM
 
 FEWEST_CYCLES = 8
 MOMENTS = 32
-LENGTHS = (0.0, 0.1)
-"""How long the change takes, as shares of the log's length; a ramp of the whole log would be a warm-up."""
+RAMPS = 8
+LENGTH = 0.12
+"""How long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """Moments from a sixteenth of the log on."""
+    """Steps from a sixteenth of the log on, and ramps."""
     length = duration(data)
-    moments = data.t[0] + length * np.arange(2, MOMENTS - 1) / MOMENTS
+    steps = [(k / MOMENTS, 0.0) for k in range(2, MOMENTS - 1)]
+    ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
     return tuple(
-        {"step_time_s": float(moment), "step_length_s": share * length} for moment in moments for share in LENGTHS
+        {"step_time_s": float(data.t[0]) + share * length, "step_length_s": part * length}
+        for share, part in (*steps, *ramps)
     )
 
 

@@ -10,9 +10,9 @@ from friction_audit.discrepancy.rows import CORNER_HZ
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.torque_ripple import TERM
 
-SPREAD = 0.8
-"""Distance of orders times the standard deviation of the position: phases then differ by 0.4 rad rms at most."""
-MOST_ORDERS = 150
+SPREAD = 1.0
+"""Distance of orders times the standard deviation of the position: phases then differ by half a radian rms at most."""
+MOST_ORDERS = 120
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
