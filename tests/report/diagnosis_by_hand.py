@@ -124,6 +124,8 @@ def traces(cycles: int) -> Traces:
         measured=empty,
         before=empty,
         after=empty,
+        along={"speed": empty, "time": empty},
+        corner_hz=25.0,
     )
 
 

@@ -134,7 +134,7 @@ def _judge(
         remaining=remaining,
         untestable=names.library.untestable,
         findings=subject.findings,
-        traces=_traces(ground, declared_left, left),
+        traces=_traces(ground, curves, declared_left, left),
     )
 
 
@@ -187,7 +187,7 @@ def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...
     return (*steps, ("floor of the noise", gap.floor))
 
 
-def _traces(ground: Ground, before: Float, after: Float) -> Traces:
+def _traces(ground: Ground, curves: Sequence[Curve], before: Float, after: Float) -> Traces:
     every, used = ground.rows.every, ground.rows.used
     displacement = strokes(ground.data).displacement
     return Traces(
@@ -200,4 +200,6 @@ def _traces(ground: Ground, before: Float, after: Float) -> Traces:
         measured=ground.rows.y,
         before=ground.rows.y - before,
         after=ground.rows.y - after,
+        along={curve.axis.name: curve.values for curve in curves},
+        corner_hz=ground.rows.corner_hz,
     )

@@ -110,6 +110,8 @@ class Traces:
         measured: Torque. [N m]
         before: Torque of the declared model. [N m]
         after: Torque of the grown model. [N m]
+        along: The quantity of every axis that was looked at, by the axis' name, shape (m,) each.
+        corner_hz: Corner of the low-pass filter that all torques went through. [Hz]
     """
 
     t: Float
@@ -121,6 +123,8 @@ class Traces:
     measured: Float
     before: Float
     after: Float
+    along: dict[str, Float]
+    corner_hz: float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

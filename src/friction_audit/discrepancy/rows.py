@@ -2,8 +2,8 @@
 
 A column is built on the fine grid, where the sign of the velocity is sharp, and then goes through the very filter
 that the torque goes through; what a reversal smears in one it smears in the other. The corner stands at 25 Hz, above
-what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the noise of the
-acceleration, times the inertia, would outweigh that of the torque: a model cannot be held against it there.
+what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the
+noise of the acceleration, times the inertia, would outweigh that of the torque: no model can be held against it there.
 """
 
 from dataclasses import dataclass
@@ -28,6 +28,7 @@ class Rows:
 
     Attributes:
         kernel: Weights of the filter, shape (k,).
+        corner_hz: Frequency of which half the amplitude passes. [Hz]
         every: Samples of the fine grid per row.
         used: Rows, of all that the filter gives, that count, shape (r,).
         t: Times, shape (m,). [s]
@@ -36,6 +37,7 @@ class Rows:
     """
 
     kernel: Float
+    corner_hz: float
     every: int
     used: NDArray[np.bool_]
     t: Float
@@ -72,6 +74,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
     used = (doubt <= MOST_UNCERTAIN) & whole & (cycle >= 0)
     return Rows(
         kernel=kernel,
+        corner_hz=corner,
         every=every,
         used=used,
         t=data.t[::every][used],
