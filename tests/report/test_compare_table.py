@@ -51,6 +51,7 @@ def test_a_margin_of_few_is_their_median() -> None:
 
 def test_how_many_have_margins_is_told() -> None:
     assert "95 % interval of the median of 5 persons" in text(row())
+    assert "\nof one person" in text(row(stability_margin={"value": 1.5, "ci95": [nan, nan]}, stability_margins=[1.5]))
     assert "margin:" not in text(row(stability_margin={"value": nan, "ci95": [nan, nan]}, stability_margins=[]))
 
 

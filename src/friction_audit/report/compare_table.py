@@ -79,7 +79,8 @@ def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
     if not persons:
         return ()
     known = any(not isnan(row["stability_margin"]["ci95"][0]) for row in rows)
-    return (MARGIN, f"{'95 % interval of the ' if known else ''}median of {persons} persons")
+    those = f"the median of {persons} persons" if persons > 1 else "one person"
+    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}")
 
 
 def _with_interval(told: Mapping[str, Any], factor: float, digits: int) -> str:
