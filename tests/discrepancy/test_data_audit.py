@@ -50,3 +50,20 @@ def test_recorder_and_sensor_are_measured(clean: tuple[JointLog, Interaction, Jo
 def test_one_speed_is_a_limit_and_no_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
     data = clean[2]
     assert found(clean, replace(data, dq=0.5 * np.sign(data.dq)))["speed_spread"].verdict == "limit"
+
+
+def test_velocities_of_a_joint_at_rest_are_noise_and_no_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    data = clean[2]
+    rng = np.random.default_rng(0)
+    q, dq = 1e-5 * rng.standard_normal((2, len(data.t)))
+    measured = found(clean, replace(data, q=q, dq=dq, cycle=np.full(len(data.t), -1)))
+    assert {code for code, finding in measured.items() if finding.verdict == "fault"} == set()
+    assert "dq_noise" in measured
+
+
+def test_a_velocity_that_stays_zero_while_the_position_moves_is_a_fault(
+    clean: tuple[JointLog, Interaction, JointData],
+) -> None:
+    data = clean[2]
+    still = replace(data, dq=np.zeros(len(data.t)), moving=np.zeros(len(data.t), bool))
+    assert found(clean, still)["dq_against_q"].verdict == "fault"

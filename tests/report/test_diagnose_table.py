@@ -14,7 +14,6 @@ from friction_audit.report.notices import Notice, diagnose_notices, notice_lines
 from tests.report.diagnosis_by_hand import (
     ALONE,
     BIAS,
-    FAULT,
     LIMIT,
     NAMED,
     NONE,
@@ -133,17 +132,11 @@ def test_small_times_and_angles_are_told_in_thousandths(number: Coefficient, uni
     assert format_quantity(number, unit) == text
 
 
-def test_limits_and_faults_of_the_data_are_warnings_and_joints_share_a_line() -> None:
+def test_limits_of_the_data_are_warnings_and_joints_share_a_line() -> None:
     notices = diagnose_notices(diagnosis())
-    assert [(n.code, n.joint) for n in notices] == [
-        ("gravity_absent", None),
-        ("standstill", 1),
-        ("standstill", 2),
-        ("dq_scale", 6),
-    ]
+    assert [(n.code, n.joint) for n in notices] == [("gravity_absent", None), ("standstill", 1), ("standstill", 2)]
     lines = notice_lines(notices)
     assert f"joints 1, 2: {LIMIT}" in lines
-    assert f"joint 6: {FAULT}" in lines
     assert "the torque column is taken as it is" in lines
 
 

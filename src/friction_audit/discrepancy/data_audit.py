@@ -20,6 +20,8 @@ LEAST_SPEED_SPREAD = 0.2
 FEWEST_REVERSALS = 10
 STANDSTILL_S = 2.0
 SIGMA_PER_MEDIAN = 1.4826
+RESTING_RAD = 0.05
+"""A joint without a cycle whose position stays within this does not move, and velocities are noise."""
 WHOLE = 0.01
 MOST_CHANGES = 0.9
 """A resolution is seen if so many changes are whole multiples of the smallest, to so much of it."""
@@ -98,6 +100,9 @@ def _clock(log: JointLog) -> tuple[DataFinding, ...]:
 def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
     """Hold dq against the change of q: dq(t) = scale * (dq/dt of q)(t - delay), over short windows."""
     good = data.valid
+    noise = _stated("dq_noise", data.dead_speed_rad_s, "rad/s")
+    if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
+        return (noise,)
     slope = np.gradient(data.q, data.step_s)
     acceleration = np.gradient(slope, data.step_s)
     if not good.any() or not np.any(slope[good]):
@@ -127,7 +132,7 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
             "dq and the derivative of q are {value:.3f} s apart",
             unit="s",
         ),
-        _stated("dq_noise", data.dead_speed_rad_s, "rad/s"),
+        noise,
     )
 
 

@@ -47,14 +47,17 @@ def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
-    """Return what was noticed on the way from the log to the diagnosis, each once: with limits of its data."""
-    data = tuple(
+    """Return what was noticed on the way from the log to the diagnosis, each once: with limits of the data.
+
+    Of joints without an answer nothing: what is wrong with them is their answer.
+    """
+    limits = tuple(
         Notice(finding.code, joint.joint, finding.message)
         for joint in found.discrepancy.joints
         for finding in joint.findings
-        if finding.message
+        if finding.verdict == "limit" and joint.gap is not None
     )
-    every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + data
+    every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + limits
     return tuple(dict.fromkeys(every))
 
 
