@@ -13,6 +13,7 @@ from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.interaction import extract_interaction
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.known_arm import known_arm
 from friction_audit.interaction.plan import arm_for_hand
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import Float, JointLog
@@ -131,7 +132,6 @@ def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: Dia
         InputError: If the log lacks a channel that the settings ask for.
     """
     estimate = estimate_log(log, settings)
-    found = diagnose(
-        estimate.log, estimate.interaction, estimate.cycles, estimate.friction, diagnosis_settings, estimate.log.gravity
-    )
+    arm = known_arm(estimate.log, settings.torque, estimate.interaction.choice)
+    found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, diagnosis_settings, arm)
     return Diagnosis(estimate=estimate, discrepancy=found, settings=diagnosis_settings)

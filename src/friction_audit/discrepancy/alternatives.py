@@ -192,7 +192,7 @@ def _rivals(products: CycleProducts, active: list[int], unit: int, n_eff: float)
 
 def _rival(products: CycleProducts, ranking: Ranking, scores: Float, others: list[int], unit: int, rival: int) -> Rival:
     entry = products.units[rival]
-    extra = len(products.units[unit].columns) - len(entry.columns)
+    extra = int(ranking.width[unit] - ranking.width[rival])
     samples = products.samples.astype(float)
     first, second = (_block_rss(products, ranking, [*others, u]) for u in (unit, rival))
     return Rival(

@@ -34,8 +34,8 @@ def _travelled(data: JointData) -> Float:
 
 def _neighbour(data: JointData) -> Float | None:
     """Acceleration of the other joint that moves most, in its own units."""
-    others = np.delete(data.others_ddq, data.joint, axis=1)
-    return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
+    others = np.delete(data.others_ddq, data.own_column, axis=1)
+    return np.asarray(others[:, int(np.argmax(others.std(axis=0)))]) if others.shape[1] else None
 
 
 AXES: tuple[Axis, ...] = (
@@ -44,7 +44,7 @@ AXES: tuple[Axis, ...] = (
     Axis(name="displacement", label="displacement since reversal [rad]", value=_travelled),
     Axis(name="acceleration", label="acceleration [rad/s²]", value=lambda data: data.ddq),
     Axis(name="time", label="time [s]", value=lambda data: data.t),
-    Axis(name="load", label="predicted load [N m]", value=lambda data: data.gravity),
+    Axis(name="load", label="predicted load [N m]", value=lambda data: data.load),
     Axis(name="temperature", label="temperature [°C]", value=lambda data: data.temperature),
     Axis(name="neighbour", label="acceleration of a neighbour [rad/s²]", value=_neighbour),
 )

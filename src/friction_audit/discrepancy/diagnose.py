@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.data_audit import audit_data
 from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
@@ -12,8 +13,9 @@ from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JointLog
 from friction_audit.per_joint import per_joint
+from friction_audit.robot import Arm
 
 
 def diagnose(
@@ -22,7 +24,7 @@ def diagnose(
     cycles: EnergyCycles,
     friction: FrictionHistory,
     settings: DiagnosisSettings,
-    gravity: Float | None = None,
+    arm: Arm | None = None,
 ) -> Discrepancy:
     """Diagnose every joint of an interaction.
 
@@ -32,9 +34,9 @@ def diagnose(
         cycles: Its energy cycles.
         friction: What the energy method found, for comparison.
         settings: What is asked.
-        gravity: Gravity torque of the joints where it is known, shape (n, j). [N m]
+        arm: The model of the arm where it is known.
     """
-    prepared = prepare(interaction, cycles, log, gravity)
+    prepared = prepare(interaction, cycles, log, arm)
     candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
     subjects = [
         Subject(
@@ -51,7 +53,9 @@ def diagnose(
     return Discrepancy(joints=tuple(per_joint(one, len(subjects))))
 
 
-def _one(subjects: Sequence[Subject], candidates: Sequence, settings: DiagnosisSettings, k: int) -> JointDiscrepancy:
+def _one(
+    subjects: Sequence[Subject], candidates: Sequence[Candidate], settings: DiagnosisSettings, k: int
+) -> JointDiscrepancy:
     return diagnose_joint(subjects[k], candidates, settings)
 
 

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
+from friction_audit.model.rigid_body import RigidBody
 from friction_audit.model.term import Motion, Others
 
 
@@ -16,7 +17,7 @@ class JointData:
     Torque and motion went through one and the same zero-phase low-pass, so that what holds between them still holds.
 
     Attributes:
-        joint: Which joint, 0..j-1.
+        joint: Which joint, column of the interaction.
         t: Time, shape (n,), evenly spaced. [s]
         q: Position, shape (n,). [rad]
         dq: Velocity. [rad/s]
@@ -24,9 +25,14 @@ class JointData:
         torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
         gravity: Gravity torque where it is known, else None. [N m]
         temperature: Temperature where it was logged, else None. [degC]
+        load: What the sensor bears besides what the joint's own model takes, counted as the torque counts: gravity, and
+            the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
+        rigid: What the rigid-body model of the arm says about the joint, None where no model is known.
         others_dq: Velocities of all joints, shape (n, j). [rad/s]
         others_ddq: Accelerations of all joints, shape (n, j). [rad/s^2]
-        others_torque: What the torque sensors of all joints read, gravity included, shape (n, j). [N m]
+        others_torque: What the torque sensors of all joints read, gravity included, counted as the torque counts,
+            shape (n, j). [N m]
+        others_joint: Column of this joint among them; ``joint`` where None.
         cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
         moving: Samples in which the direction of motion is certain, shape (n,).
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
@@ -50,11 +56,19 @@ class JointData:
     valid: NDArray[np.bool_]
     dead_speed_rad_s: float
     derived_from: str = "dq"
+    load: Float | None = None
+    rigid: RigidBody | None = None
+    others_joint: int | None = None
 
     @property
     def used(self) -> NDArray[np.bool_]:
         """Samples on which a model is fitted: moving, valid and in a cycle."""
         return self.moving & self.valid & (self.cycle >= 0)
+
+    @property
+    def own_column(self) -> int:
+        """Column of this joint in the arrays of all joints."""
+        return self.joint if self.others_joint is None else self.others_joint
 
     @property
     def step_s(self) -> float:
@@ -63,14 +77,15 @@ class JointData:
 
     def motion(self, rest: Float | None = None) -> Motion:
         """What a term of a model may know of this joint; ``rest`` is the torque of the declared model, shape (n,)."""
-        others = Others(joint=self.joint, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
+        others = Others(joint=self.own_column, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
         return Motion(
             t=self.t,
             q=self.q,
             dq=self.dq,
             ddq=self.ddq,
-            load=self.gravity,
+            load=self.load,
             temperature=self.temperature,
             others=others if self.others_dq.shape[1] > 1 else None,
             rest=rest,
+            rigid=self.rigid,
         )

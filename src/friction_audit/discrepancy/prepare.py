@@ -13,17 +13,19 @@ logged; a Panda's position is a hundred times quieter than its velocity.
 """
 
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.known_load import know_load
 from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.plan import CHANNELS
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 from friction_audit.per_joint import per_joint
+from friction_audit.robot import Arm
 
 CORNER_HZ = 80.0
 GRID_HZ = 400.0
@@ -74,6 +76,10 @@ class LowPass:
         """Filter a signal, shape (m,) at times t, onto the grid, shape (n,)."""
         return self._apply(np.interp(self.fine, t, signal), self.kernel)
 
+    def all_of(self, t: Float, signals: Float) -> Float:
+        """Filter the columns of signals, shape (m, j), onto the grid, shape (n, j)."""
+        return np.stack([self.of(t, column) for column in signals.T], axis=1)
+
     def with_slope(self, t: Float, signal: Float) -> tuple[Float, Float]:
         """Filter a signal, and give the derivative of what comes out."""
         even = np.interp(self.fine, t, signal)
@@ -115,48 +121,57 @@ def low_pass_for(t: Float) -> LowPass:
 
 
 def prepare(
-    interaction: Interaction, cycles: EnergyCycles, log: JointLog, gravity: Float | None = None
+    interaction: Interaction, cycles: EnergyCycles, log: JointLog, arm: Arm | None = None
 ) -> tuple[JointData, ...]:
     """Bring every joint of an interaction onto an even grid.
 
     Args:
         interaction: Motion and torque at the friction port, n samples of j joints.
         cycles: Its energy cycles.
-        log: The log it was made from, in the same window: stale samples and temperature.
-        gravity: Gravity torque of the same joints where it is known, shape (n, j). [N m]
+        log: The log it was made from, in the same window, with all its joints.
+        arm: The model of the arm where it is known.
 
     Returns:
         One ``JointData`` per joint, in the order of the columns.
     """
     new = fresh_samples(log)
-    t = _stamps(interaction.t[new], interaction.q[new])
+    t = _stamps(log.t[new], log.q[new])
     low_pass = low_pass_for(t)
-    filtered = per_joint(partial(_filter_joint, interaction, low_pass, t, new), len(interaction.joint_numbers))
-    q, dq, ddq, torque = (np.stack([one[k] for one in filtered], axis=1) for k in range(4))
     valid = _valid(low_pass, t)
-    loads = None if gravity is None else np.stack([low_pass.of(t, column) for column in gravity[new].T], axis=1)
-    dead = [_dead_speed(dq[valid, joint]) for joint in range(q.shape[1])]
-    return tuple(
-        JointData(
+    everyone = _filter_everyone(interaction, log, low_pass, t, new)
+    known = know_load(log, interaction.choice, arm, low_pass.t, (everyone.q, everyone.dq, everyone.ddq))
+    gravity = (
+        known.gravity if log.gravity is None or known.gravity is not None else low_pass.all_of(t, log.gravity[new])
+    )
+    load = known.load(interaction.choice, gravity)
+
+    def one(joint: int) -> JointData:
+        column = interaction.joint_numbers[joint] - 1
+        dq = everyone.dq[:, column]
+        dead = _dead_speed(dq[valid])
+        return JointData(
             joint=joint,
             t=low_pass.t,
-            q=q[:, joint],
-            dq=dq[:, joint],
-            ddq=ddq[:, joint],
-            torque=torque[:, joint],
-            gravity=None if loads is None else loads[:, joint],
-            temperature=_logged(log.temperature, interaction, joint, low_pass, t, new),
-            others_dq=dq,
-            others_ddq=ddq,
-            others_torque=torque,
+            q=everyone.q[:, column],
+            dq=dq,
+            ddq=everyone.ddq[:, column],
+            torque=low_pass.of(t, _torque(interaction, joint)[new]),
+            gravity=None if gravity is None else gravity[:, column],
+            temperature=None if log.temperature is None else low_pass.of(t, log.temperature[new, column]),
+            others_dq=everyone.dq,
+            others_ddq=everyone.ddq,
+            others_torque=everyone.sensed,
             cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=_moving(dq[:, joint], dead[joint], round(TURN_S / (low_pass.t[1] - low_pass.t[0]))),
+            moving=_moving(dq, dead, round(TURN_S / (low_pass.t[1] - low_pass.t[0]))),
             valid=valid,
-            dead_speed_rad_s=dead[joint],
-            derived_from=filtered[joint][4],
+            dead_speed_rad_s=dead,
+            derived_from=everyone.derived_from[column],
+            load=None if load is None else load[:, column],
+            rigid=None if known.rigid is None else known.rigid[column],
+            others_joint=column,
         )
-        for joint in range(q.shape[1])
-    )
+
+    return tuple(per_joint(one, len(interaction.joint_numbers)))
 
 
 def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
@@ -179,25 +194,39 @@ def holes(t: Float) -> NDArray[np.int64]:
     return np.flatnonzero(step > max(HOLE_S, HOLE_STEPS * median_step(t)))
 
 
-def _filter_joint(
-    interaction: Interaction, low_pass: LowPass, t: Float, new: NDArray[np.bool_], joint: int
-) -> tuple[Float, Float, Float, Float, str]:
-    torque = interaction.torque[new, joint]
-    if interaction.compensation is not None:
-        torque = torque + interaction.compensation[new, joint]
-    q, slope = low_pass.with_slope(t, interaction.q[new, joint])
-    dq, ddq = low_pass.with_slope(t, interaction.dq[new, joint])
-    if _noise(slope) < _noise(dq):
-        return q, slope, np.gradient(slope, low_pass.t), low_pass.of(t, torque), "q"
-    return q, dq, ddq, low_pass.of(t, torque), "dq"
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Everyone:
+    """Motion of all joints of a log on the grid, and what their sensors read, shape (n, j) each."""
+
+    q: Float
+    dq: Float
+    ddq: Float
+    sensed: Float
+    derived_from: tuple[str, ...]
 
 
-def _logged(
-    channel: Float | None, interaction: Interaction, joint: int, low_pass: LowPass, t: Float, new: NDArray[np.bool_]
-) -> Float | None:
-    if channel is None:
-        return None
-    return low_pass.of(t, channel[new, interaction.joint_numbers[joint] - 1])
+def _filter_everyone(
+    interaction: Interaction, log: JointLog, low_pass: LowPass, t: Float, new: NDArray[np.bool_]
+) -> _Everyone:
+    read: Float = getattr(log, CHANNELS[interaction.choice.source])
+
+    def one(column: int) -> tuple[Float, Float, Float, Float, str]:
+        q, slope = low_pass.with_slope(t, log.q[new, column])
+        dq, ddq = low_pass.with_slope(t, log.dq[new, column])
+        sensed = interaction.choice.sign * low_pass.of(t, read[new, column])
+        if _noise(slope) < _noise(dq):
+            return q, slope, np.gradient(slope, low_pass.t), sensed, "q"
+        return q, dq, ddq, sensed, "dq"
+
+    filtered = per_joint(one, log.q.shape[1])
+    q, dq, ddq, sensed = (np.stack([joint[k] for joint in filtered], axis=1) for k in range(4))
+    return _Everyone(q=q, dq=dq, ddq=ddq, sensed=sensed, derived_from=tuple(joint[4] for joint in filtered))
+
+
+def _torque(interaction: Interaction, joint: int) -> Float:
+    """Everything that drives the side on which friction acts, shape (n,). [N m]"""
+    torque = interaction.torque[:, joint]
+    return torque if interaction.compensation is None else torque + interaction.compensation[:, joint]
 
 
 def _valid(low_pass: LowPass, t: Float) -> NDArray[np.bool_]:

@@ -247,7 +247,8 @@ class Ranking:
         self.n_eff = n_eff
         self.diagonal = np.diag(gram)
         self.by_width = _by_width(products.units)
-        self.width = np.array([len(unit.columns) for unit in products.units])
+        # A term may have more factors than one of its shapes uses; columns that are zero cost nothing.
+        self.width = np.array([np.count_nonzero(self.diagonal[unit.columns]) for unit in products.units])
         self.penalty = self.width * np.log(n_eff) + 2.0 * np.log(max(1, len(products.units)))
 
     def columns(self, active: Sequence[int]) -> Index:

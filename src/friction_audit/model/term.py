@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from friction_audit.joint_log import Float
+from friction_audit.model.rigid_body import RigidBody
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -23,7 +24,8 @@ class Others:
         joint: Which of them this joint is, 0..j-1.
         dq: Velocities, shape (n, j). [rad/s]
         ddq: Accelerations, shape (n, j). [rad/s^2]
-        sensed: What their torque sensors read, gravity included, shape (n, j). [N m]
+        sensed: What their torque sensors read, gravity included, counted as the interaction torque counts,
+            shape (n, j). [N m]
     """
 
     joint: int
@@ -41,11 +43,14 @@ class Motion:
         q: Position. [rad]
         dq: Velocity. [rad/s]
         ddq: Acceleration. [rad/s^2]
-        load: Load on the joint as predicted, never measured; None where nobody has predicted it. [N m]
+        load: Load on the joint's gear besides ``rest``: gravity and the inertia of links as far as it is in the
+            sensor and not in ``rest``, counted as the interaction torque counts; predicted, never measured; None
+            where nobody has predicted it. [N m]
         temperature: Temperature; None where it was not logged. [degC]
         others: All joints of the arm; None for a single joint.
         rest: Torque that inertia, Coulomb and viscous friction of the same model take; None where a term does not
             need it. Terms that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
+        rigid: What the rigid-body model of the arm says about this joint; None where no model is known.
     """
 
     t: Float
@@ -56,6 +61,7 @@ class Motion:
     temperature: Float | None = None
     others: Others | None = None
     rest: Float | None = None
+    rigid: RigidBody | None = None
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -7,6 +7,8 @@ from friction_audit.discrepancy.displacement import strokes
 from friction_audit.discrepancy.joint_data import JointData
 
 FEWEST_SAMPLES = 100
+CHANGE_PER_COULOMB = 0.5
+"""A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen."""
 
 
 def moves(data: JointData, _baseline: Baseline) -> str | None:
@@ -40,8 +42,10 @@ def several_speeds(data: JointData, baseline: Baseline) -> str | None:
     lacking = moves(data, baseline)
     if lacking:
         return lacking
-    cycles = np.unique(data.cycle[data.used])
-    peak = np.array([np.abs(data.dq[data.used & (data.cycle == c)]).max() for c in cycles])
+    cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
+    peak = np.zeros(int(cycle.max()) + 1)
+    np.maximum.at(peak, cycle, speed)
+    peak = peak[np.unique(cycle)]
     if peak.std() < 0.1 * peak.mean():
         return "all strokes are equally fast: repeat them at two or more clearly different speeds"
     return None
@@ -68,7 +72,22 @@ def reversals(data: JointData, baseline: Baseline, least: int) -> str | None:
 
 def neighbours_move(data: JointData, _baseline: Baseline) -> str | None:
     """Another joint that moves."""
-    other = np.delete(data.others_dq[data.valid], data.joint, axis=1)
+    other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
     if other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s:
         return "no other joint moves: move the neighbours, also while this joint rests"
+    return None
+
+
+def neighbours_loaded(data: JointData, baseline: Baseline) -> str | None:
+    """A neighbour whose sensor reads something that changes."""
+    joint, joints = data.own_column, data.others_torque.shape[1]
+    beside = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+    if not beside:
+        return "the log has one joint: record its neighbours too"
+    lacking = moves(data, baseline)
+    if lacking:
+        return lacking
+    change = data.others_torque[data.used][:, beside].std(axis=0).max()
+    if change < CHANGE_PER_COULOMB * abs(baseline.coulomb_nm):
+        return "the torque of the neighbours hardly changes: load them, also while this joint rests"
     return None

@@ -1,16 +1,18 @@
-"""Gravity error: cos q, sin q."""
+"""Gravity error: of the joint's own angle, of a link whose mass is wrong, of a tilted base."""
 
-import numpy as np
-
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import span
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.gravity_error import OWN_ANGLE, TERM, TILT
 
 
-def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
-    """Gravity error, shape (n, p)."""
-    return np.column_stack([np.cos(data.q), np.sin(data.q)])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """The joint's angle, and what the model of the arm lets pull at it."""
+    rigid = data.rigid
+    links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
+    tilt = () if rigid is None else (TILT,)
+    return tuple({"gravity_error_source": float(source)} for source in (OWN_ANGLE, *links, *tilt))
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -19,17 +21,18 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """Either sign is possible."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="gravity_error",
+    name=TERM.name,
     label="gravity not fully compensated",
-    shapes=({},),
-    columns=columns,
-    column_units=("nm", "nm"),
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=tuple(p.unit for p in TERM.linear),
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    term=TERM,
 )

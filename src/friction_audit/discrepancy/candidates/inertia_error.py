@@ -1,37 +1,35 @@
-"""Inertia error: the acceleration."""
+"""Inertia error: the acceleration, where somebody has stated the inertia."""
 
-import numpy as np
-
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import several_speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.inertia_error import TERM
 
-NOT_DECLARED = "the inertia was fitted, so it cannot be wrong: declare it, and move at two or more frequencies"
-
-
-def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
-    """Inertia error, shape (n, p)."""
-    return np.asarray(data.ddq)[:, None]
+NOT_DECLARED = (
+    "the inertia was fitted to this log, so it cannot be wrong: state it (--model with inertia_kg_m2), and move at two "
+    "or more frequencies"
+)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
-    """The motion that is lacking."""
+    """The number or the motion that is lacking."""
     return several_speeds(data, baseline) if "inertia_kg_m2" in baseline.declared else NOT_DECLARED
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """Either sign is possible."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="inertia_error",
+    name=TERM.name,
     label="the declared inertia is wrong",
     shapes=({},),
-    columns=columns,
+    columns=columns_of(TERM),
     column_units=("kg_m2",),
     untestable=untestable,
     admissible=admissible,
     axis="acceleration",
+    term=TERM,
 )

@@ -1,32 +1,40 @@
-"""Inertial coupling: accelerations and squared speeds of all other joints."""
+"""Inertial coupling: accelerations of other joints, or the inertial torque that the arm's model tells."""
 
-import numpy as np
-
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import neighbours_move
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH, MODEL, TERM, TIP
 
 
-def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
-    """Inertial coupling, shape (n, p)."""
-    ddq = np.delete(data.others_ddq, data.joint, axis=1)
-    dq = np.delete(data.others_dq, data.joint, axis=1)
-    return np.hstack([ddq, dq**2])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """The neighbours that there are, all joints, and what the model knows."""
+    joints, joint = data.others_dq.shape[1], data.own_column
+    model = data.rigid is not None and data.rigid.inertial is not None
+    sources = (
+        (BEFORE, joint > 0),
+        (AFTER, joint + 1 < joints),
+        (BOTH, 0 < joint < joints - 1),
+        (ALL, joints > 1),
+        (MODEL, model),
+        (TIP, model),
+    )
+    return tuple({"coupling_source": float(source)} for source, there in sources if there)
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """Either sign is possible: a rotor may turn against its neighbour."""
     return True
 
 
 CANDIDATE = Candidate(
-    name="inertial_coupling",
+    name=TERM.name,
     label="other joints shake this one",
-    shapes=({},),
-    columns=columns,
-    column_units=("kg_m2",),
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=tuple(p.unit for p in TERM.linear),
     untestable=neighbours_move,
     admissible=admissible,
     axis="neighbour",
+    term=TERM,
 )

@@ -1,18 +1,15 @@
-"""Load-dependent Coulomb friction: s |load| with the predicted load, never the measured one."""
+"""Load-dependent friction: the predicted load on the gear, never the measured one."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.load_dependent_friction import TERM
 
-
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
-    """Load-dependent Coulomb friction, shape (n, p)."""
-    gravity = np.zeros(len(data.t)) if data.gravity is None else data.gravity
-    return np.asarray(direction(data) * np.abs(gravity + shape["side"] * baseline.torque))[:, None]
+EXPONENTS = (1.0, 1.5, 2.0)
+LEAST_RATIO = 3.0
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -20,26 +17,27 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
     lacking = both_directions(data, baseline)
     if lacking:
         return lacking
-    if data.gravity is None:
+    if data.load is None:
         return "the load is not known: log gravity or name the arm, and carry different loads over the same motion"
-    low, high = np.percentile(np.abs(data.gravity[data.used]), [5, 95])
-    if high < 3.0 * max(low, 1e-9) or high < baseline.coulomb_nm:
+    low, high = np.percentile(np.abs(data.load[data.used]), [5, 95])
+    if high < LEAST_RATIO * max(low, 1e-9) or high < abs(baseline.coulomb_nm):
         return "the load hardly varies: let it vary by a factor of 3, by posture or payload"
     return None
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
-    return bool(factors[0] > 0)
+    """It resists motion, whichever way the power flows."""
+    return bool(factors[0] > 0 and abs(factors[1]) <= factors[0])
 
 
 CANDIDATE = Candidate(
-    name="load_dependent_friction",
+    name=TERM.name,
     label="friction grows with load",
-    shapes=({"side": -1.0}, {"side": 1.0}),
-    columns=columns,
-    column_units=("1",),
+    shapes=tuple({"load_exponent": p, "load_directed": d} for d in (0.0, 1.0) for p in EXPONENTS),
+    columns=columns_of(TERM),
+    column_units=("nm", "nm"),
     untestable=untestable,
     admissible=admissible,
     axis="load",
+    term=TERM,
 )

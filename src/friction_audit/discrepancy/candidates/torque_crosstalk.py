@@ -1,31 +1,39 @@
-"""Crosstalk: torques of the joints before and after, 0 where there is none."""
+"""Crosstalk: the readings of the neighbours' torque sensors, of one of them or of both."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.excitation import neighbours_move
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidates.excitation import neighbours_loaded
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.torque_crosstalk import TERM
 
 
-def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
-    """Crosstalk, shape (n, p)."""
-    padded = np.pad(data.others_torque, ((0, 0), (1, 1)))
-    return np.asarray(padded[:, [data.joint, data.joint + 2]])
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """The neighbours that there are."""
+    before, after = data.own_column > 0, data.own_column + 1 < data.others_torque.shape[1]
+    sides = ((-1.0, before), (1.0, after), (0.0, before and after))
+    return tuple({"crosstalk_side": side} for side, there in sides if there)
+
+
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking."""
+    return neighbours_loaded(data, baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
+    """A sensor feels its own load best."""
     return bool(np.all(np.abs(factors) < 1))
 
 
 CANDIDATE = Candidate(
-    name="torque_crosstalk",
+    name=TERM.name,
     label="torque of a neighbour leaks in",
-    shapes=({},),
-    columns=columns,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("1", "1"),
-    untestable=neighbours_move,
+    untestable=untestable,
     admissible=admissible,
     axis="neighbour",
+    term=TERM,
 )

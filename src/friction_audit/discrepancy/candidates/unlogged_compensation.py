@@ -1,40 +1,55 @@
-"""Unlogged compensation: a share of the declared friction, smooth at low speed."""
+"""Unlogged compensation: friction is missing at speed and comes back where a compensator holds back."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions
+from friction_audit.discrepancy.candidates.extent import speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.unlogged_compensation import DEAD_BAND, SMOOTH, TERM
 
 NEEDED = frozenset({"coulomb_nm", "viscous_nms_per_rad"})
-NOT_DECLARED = "the friction was fitted, so a compensator only makes it less: declare it, or log the command"
-LARGEST_SHARE = 2.0
+NOT_DECLARED = (
+    "the friction was fitted to this log, and a compensator makes it less: state it (--model with coulomb and "
+    "viscous), or log the commanded torque"
+)
+WIDTHS = 6
+LOWEST, HIGHEST = 0.01, 0.4
+"""Shares of the log's high speed below which a compensator may hold back."""
+SKEWS = (-0.3, 0.0, 0.3)
 
 
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
-    """Unlogged compensation, shape (n, p)."""
-    smooth = np.tanh(data.dq / shape["width_rad_s"])
-    return np.asarray(-(baseline.coulomb_nm * smooth + baseline.viscous_nms_per_rad * data.dq))[:, None]
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Widths by the speeds of the log; smooth ones with some skew."""
+    (fast,) = speeds(data, 95.0)
+    widths = np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, WIDTHS), TERM.shape[0].lower, TERM.shape[0].upper)
+    forms = (*((skew, SMOOTH) for skew in SKEWS), (0.0, DEAD_BAND))
+    return tuple(
+        {"unlogged_width_rad_s": float(width), "unlogged_skew": skew, "unlogged_form": float(form)}
+        for width in widths
+        for skew, form in forms
+    )
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
-    """The motion that is lacking."""
+    """The numbers or the motion that are lacking."""
     return both_directions(data, baseline) if baseline.declared >= NEEDED else NOT_DECLARED
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """Sign and size that are physically possible."""
-    return bool(0 < factors[0] < LARGEST_SHARE)
+    """It helps the motion."""
+    return bool(factors[0] > 0)
 
 
 CANDIDATE = Candidate(
-    name="unlogged_compensation",
+    name=TERM.name,
     label="a compensator that the log does not name",
-    shapes=tuple({"width_rad_s": v} for v in (0.01, 0.03, 0.1, 0.3)),
-    columns=columns,
-    column_units=("1",),
+    shapes=shapes,
+    columns=columns_of(TERM),
+    column_units=("nm",),
     untestable=untestable,
     admissible=admissible,
     axis="speed",
+    term=TERM,
 )

@@ -5,22 +5,31 @@ import difflib
 from friction_audit.errors import AnalysisError
 from friction_audit.model.term import Term
 from friction_audit.model.terms import (
+    asymmetric_coulomb,
+    asymmetric_viscous,
     backlash,
     cable_spring,
     coulomb,
     friction_step,
     frictional_lag,
+    gravity_error,
     inertia,
+    inertia_error,
+    inertial_coupling,
     joint_elasticity,
     joint_limit_stop,
+    load_dependent_friction,
     nonlinear_viscous,
     offset,
     position_dependent_friction,
     presliding,
     stribeck,
     time_delay,
+    torque_bias,
+    torque_crosstalk,
     torque_drift,
     torque_ripple,
+    unlogged_compensation,
     viscous,
     warm_up,
 )
@@ -46,6 +55,15 @@ TERMS: tuple[Term, ...] = (
     time_delay.TERM,
     joint_elasticity.TERM,
     backlash.TERM,
+    asymmetric_coulomb.TERM,
+    asymmetric_viscous.TERM,
+    torque_bias.TERM,
+    torque_crosstalk.TERM,
+    load_dependent_friction.TERM,
+    gravity_error.TERM,
+    inertia_error.TERM,
+    inertial_coupling.TERM,
+    unlogged_compensation.TERM,
 )
 """In the order of the documentation."""
 
