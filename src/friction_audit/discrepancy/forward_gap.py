@@ -6,6 +6,8 @@ velocity by e T / B, so errors add up over a cycle: that is what makes the gap i
 the torque, added up likewise, is the floor that no model goes below.
 """
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,10 +19,17 @@ from friction_audit.model.joint_model import JointModel
 
 SHORTEST = 3
 """Samples of a cycle that is worth simulating."""
+LEAST_SHARE = 0.02
+"""Share of the drive that inertia must take; with less, the velocity would follow any error of the torque at once."""
 
 
 def simulate_cycles(
-    declared: JointModel, grown: JointModel, data: JointData, cycles: NDArray[np.int64]
+    declared: JointModel,
+    grown: JointModel,
+    data: JointData,
+    cycles: NDArray[np.int64],
+    *,
+    known_inertia_kg_m2: float = 0.0,
 ) -> SimulationGap | None:
     """Simulate whole cycles with both models.
 
@@ -29,16 +38,18 @@ def simulate_cycles(
         grown: The model with them.
         data: The joint.
         cycles: Numbers of the cycles, those that no choice was made on.
+        known_inertia_kg_m2: Inertia whose torque was taken out of the recorded one, as by a rigid-body model; the joint
+            moves with it all the same.
 
     Returns:
-        The gap; None where no cycle is without a hole, or a model cannot be simulated: the gap in torque is then all
-        that can be told.
+        The gap; None where no cycle is without a hole, where a model cannot be simulated, or where the joint has no
+        inertia that a motion could be simulated with: the gap in torque is then all that can be told.
     """
-    pieces = _whole(data, cycles)
-    if not len(pieces):
+    pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (declared, grown)]
+    drive = data.torque + known_inertia_kg_m2 * data.ddq
+    if not len(pieces) or any(_weightless(model, data, drive) for model in models):
         return None
-    speeds = [simulate_along(model, data.motion(), data.torque, pieces) for model in (declared, grown)]
-    before, after = speeds
+    before, after = (simulate_along(model, data.motion(), drive, pieces) for model in models)
     if before is None or after is None:
         return None
     inside = np.isfinite(before)
@@ -51,6 +62,15 @@ def simulate_cycles(
         declared=_traced(before, pieces),
         grown=_traced(after, pieces),
     )
+
+
+def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
+    return replace(model, inertia_kg_m2=model.inertia_kg_m2 + inertia_kg_m2)
+
+
+def _weightless(model: JointModel, data: JointData, drive: Float) -> bool:
+    """Whether the inertia takes hardly anything of the drive."""
+    return model.inertia_kg_m2 * _rms(data.ddq) < LEAST_SHARE * _rms(drive)
 
 
 def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:

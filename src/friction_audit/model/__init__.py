@@ -2,13 +2,14 @@
 
 from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
 from friction_audit.model.model_file import load_model, save_model
-from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.term import Forward, Motion, Parameter, Term
 from friction_audit.model.terms import TERMS, term_of
 
 __all__ = [
     "TERMS",
     "ArmModel",
     "FittedTerm",
+    "Forward",
     "JointModel",
     "Motion",
     "Parameter",

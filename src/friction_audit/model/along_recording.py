@@ -6,8 +6,8 @@ longer changes; a term with which it never settles cannot be simulated.
 
 What sits between the torque sensor and the side on which friction acts does not change that side's motion under a
 measured torque; it changes what is measured. A delay of the torque is undone in the drive. A spring puts the measured
-side ahead by torque times compliance. Where within a play the measured side is, the torque does not tell, for it is
-zero there: that is taken from the recording.
+side ahead by torque times compliance. Within a play the torque is zero and does not tell where the measured side is:
+that is taken from the recording, the other side at rest until a flank takes it along.
 """
 
 from collections.abc import Sequence
@@ -27,6 +27,10 @@ from friction_audit.model.term import Motion
 SWEEPS = 12
 SETTLED = 1e-3
 """Change of the velocity in a sweep at which it has settled, as a share of the velocity."""
+RUNAWAY = 100.0
+"""A velocity of so many times the largest recorded one is no result."""
+LEAST_INERTIA = 1e-3
+"""Share of the joint's inertia that terms must leave."""
 BETWEEN = ("delay", "spring", "play")
 """What is between the sensor and the side of friction."""
 
@@ -62,7 +66,7 @@ def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDAr
     inner = _inner(motion, reading, step)
     acting = [term for term in model.terms if term.term.forward not in BETWEEN]
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
-    if tables.inertia_kg_m2 <= 0.0:
+    if tables.inertia_kg_m2 <= LEAST_INERTIA * model.inertia_kg_m2:
         return None
     held = tables.bristles.along(inner.q)
     found = _settle(model, tables, past, inner, reading.drive, pieces, held, step)
@@ -85,7 +89,7 @@ def _settle(
     for _ in range(SWEEPS):
         found = run_pieces(step, drive, recorded.q, recorded.dq, pieces, held, _with_past(tables, past, model, motion))
         velocity = found[1]
-        if not np.isfinite(velocity[inside]).all():
+        if not (np.abs(velocity[inside]) <= RUNAWAY * np.max(np.abs(recorded.dq))).all():
             return None
         if not past or _rms(velocity[inside] - last[inside]) <= SETTLED * _rms(recorded.dq[inside]):
             return np.asarray(velocity)
@@ -143,7 +147,7 @@ def _read_through(model: JointModel, motion: Motion, drive: Float) -> _Reading:
     if "spring" in between:
         ahead = ahead + _parameter(between["spring"], "_rad_per_nm") * drive
     if "play" in between:
-        ahead = ahead + _within(motion.q, 0.5 * _parameter(between["play"], "_rad"))
+        ahead = ahead + _within(np.ascontiguousarray(motion.q), 0.5 * _parameter(between["play"], "_rad"))
     return _Reading(drive=drive, ahead=ahead)
 
 
@@ -169,13 +173,9 @@ def _parameter(term: FittedTerm, ending: str) -> float:
     return values[0]
 
 
-def _within(q: Float, half: float) -> Float:
-    """By how much the measured side is ahead of a side that it takes with it only at the ends of a play."""
-    return np.asarray(_stop(np.ascontiguousarray(q), half))
-
-
 @compiled()
-def _stop(q: Float, half: float) -> Float:
+def _within(q: Float, half: float) -> Float:
+    """By how much the measured side is ahead of a side that friction holds until a flank takes it along."""
     ahead = np.zeros(len(q))
     for i in range(1, len(q)):
         ahead[i] = min(half, max(-half, ahead[i - 1] + q[i] - q[i - 1]))

@@ -22,7 +22,7 @@ PATH_RAD = 0.4
 """Length of the stroke before and after the reversal: no bristle bends further."""
 STEP_RAD = 1e-5
 POINTS = 400
-"""Of a curve, at even steps of the torque."""
+"""Of a curve, at even steps of the torque, and as many of the path."""
 SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1
 """Speeds at which a term is asked; what it takes more at the other is its damping."""
 
@@ -72,10 +72,10 @@ def bristles_of(term: FittedTerm) -> tuple[float, Bristles]:
 
 
 def _thin(curve: Float) -> NDArray[np.int64]:
-    """Choose points of a falling curve at even steps of its height, the first and the last among them."""
-    wanted = np.linspace(curve[0], curve[-1], POINTS)
-    points = np.append(np.searchsorted(-curve, -wanted), len(curve) - 1)
-    return np.unique(points.clip(max=len(curve) - 1))
+    """Choose points of a falling curve at even steps of its height and of the logarithm of its path."""
+    last = len(curve) - 1
+    heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS))
+    return np.unique(np.concatenate([[0], heights.clip(max=last), np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
 
 
 def _reversal(term: FittedTerm, speed: float) -> tuple[float, Float]:

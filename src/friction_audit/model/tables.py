@@ -28,7 +28,7 @@ TOLERANCE = 0.02
 """Largest error of tables along the recording, as a share of the term's torque."""
 BRISTLE_TOLERANCE = 0.1
 """The same of bristles, whose path the samples of a recording do not show between them."""
-ROUNDING_NM = 1e-9
+ROUNDING_NM = 1e-6
 SLOW = 1e-3
 """Below this share of the largest speed a recorded motion has no certain direction."""
 

@@ -1,0 +1,87 @@
+"""Bristles read off a term: by hand for a stop and for Dahl's exponential, and the path of any motion."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from friction_audit.joint_log import Float
+from friction_audit.model import TERMS, FittedTerm, Motion, Parameter, Term
+from friction_audit.model.bristles import NO_BRISTLES, bristles_of
+
+LEVEL, REACH = 0.3, 0.01
+
+
+def invent(monkeypatch: pytest.MonkeyPatch, basis: Callable[[Motion], Float]) -> FittedTerm:
+    """A term ``invented``, of one parameter, with bristles."""
+    term = Term(
+        name="invented",
+        label="invented",
+        linear=(Parameter(name="invented_nm", unit="N m", meaning="invented"),),
+        basis=lambda motion, _shape: basis(motion)[:, None],
+        friction=True,
+        forward="bristle",
+    )
+    monkeypatch.setattr("friction_audit.model.terms.TERMS", (*TERMS, term))
+    return FittedTerm("invented", (LEVEL,))
+
+
+def stop(q: Float, reach: float) -> Float:
+    z = np.zeros(len(q))
+    for i in range(1, len(q)):
+        z[i] = np.clip(z[i - 1] + (q[i] - q[i - 1]) / reach, -1.0, 1.0)
+    return z
+
+
+def dahl(q: Float, reach: float) -> Float:
+    z = np.zeros(len(q))
+    for i in range(1, len(q)):
+        way = (q[i] - q[i - 1]) / reach
+        z[i] = np.sign(way) + (z[i - 1] - np.sign(way)) * np.exp(-abs(way)) if way else z[i - 1]
+    return z
+
+
+WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
+
+
+def test_a_stop_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A spring that slips at 0.3 N m, in the place of 0.3 N m of dry friction: a straight line over twice the reach."""
+    term = invent(monkeypatch, lambda motion: stop(motion.q, REACH) - np.sign(motion.dq))
+    dry, found = bristles_of(term)
+    assert dry == pytest.approx(-LEVEL, rel=1e-6)
+    assert np.interp([0.0, REACH, 2 * REACH, 0.3], found.path, found.torque) == pytest.approx(
+        [LEVEL, 0.0, -LEVEL, -LEVEL], abs=1e-3
+    )
+    assert found.damping_s == pytest.approx(0.0, abs=1e-9)
+    assert found.along(WAY) == pytest.approx(LEVEL * stop(WAY, REACH), abs=2e-3)
+
+
+def test_an_exponential_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion: dahl(motion.q, REACH) - np.sign(motion.dq))
+    dry, found = bristles_of(term)
+    assert dry == pytest.approx(-LEVEL, rel=1e-4)
+    curve = LEVEL * (2.0 * np.exp(-found.path / REACH) - 1.0)
+    assert found.torque == pytest.approx(curve, abs=1e-3)
+    assert found.along(WAY) == pytest.approx(LEVEL * dahl(WAY, REACH), abs=2e-3)
+
+
+def test_bristles_beside_dry_friction_take_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    dry, found = bristles_of(invent(monkeypatch, lambda motion: stop(motion.q, REACH)))
+    assert dry == pytest.approx(0.0, abs=1e-6)
+    assert found.torque[0] == pytest.approx(LEVEL)
+
+
+def test_the_damping_of_their_bending_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
+    damping = 0.02
+
+    def basis(motion: Motion) -> Float:
+        z = dahl(motion.q, REACH)
+        return z + damping * np.gradient(z, motion.t) - np.sign(motion.dq)
+
+    dry, found = bristles_of(invent(monkeypatch, basis))
+    assert found.damping_s == pytest.approx(damping, rel=0.02)
+    assert dry == pytest.approx(-LEVEL, rel=0.01)
+
+
+def test_no_bristles_take_nothing() -> None:
+    assert np.array_equal(NO_BRISTLES.along(WAY), np.zeros(len(WAY)))
