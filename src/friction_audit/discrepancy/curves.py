@@ -23,9 +23,9 @@ class Curve:
     values: Float
 
 
-def build_curves(data: JointData, rows: Rows, clusters: int) -> tuple[Curve, ...]:
+def build_curves(data: JointData, rows: Rows) -> tuple[Curve, ...]:
     """One curve per axis that the log has and that varies."""
-    most = min(KNOTS, clusters // (2 * CYCLES_PER_COLUMN))
+    most = min(KNOTS, len(np.unique(rows.cycle)) // (2 * CYCLES_PER_COLUMN))
     found = []
     for axis in AXES:
         values = axis.value(data)

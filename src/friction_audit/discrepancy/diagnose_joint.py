@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.discrepancy.candidate import Candidate
-from friction_audit.discrepancy.curves import Curve, build_curves
+from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.displacement import strokes
@@ -23,12 +23,15 @@ from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, 
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.discrepancy.spectrum import find_vibration
 from friction_audit.discrepancy.tell import effects_of, message_of
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
 
 FEWEST_CYCLES = 14
+CLUSTERS_PER_COLUMN = 3
+"""A candidate that has more columns than a third of the independent cycles proves nothing."""
 POWER_Z = 1.28
 """Normal quantile of 90 % power."""
 OVER_FLOOR = 1.05
@@ -96,14 +99,15 @@ def _judge(
 ) -> JointDiscrepancy:
     rng = np.random.default_rng(settings.seed)
     declared_left = ground.residual()
-    clusters = ground.clusters(declared_left, ground.working)
-    curves = build_curves(ground.data, ground.rows, len(np.unique(clusters)))
+    curves = ground.curves
     library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
     names = Names(found=(), library=library, baseline=ground.baseline())
     first = _test(ground, (), names, curves, settings.alpha, rng)
     if library.entries and first.p_value <= settings.alpha:
         names = find_names(ground, candidates, library, settings.alpha, rng)
     columns = [f.columns for f in names.found]
+    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
+    vibration = find_vibration(ground.fine_residual(columns, fine), ground.data)
     last = _test(ground, columns, names, curves, settings.alpha, rng) if columns else first
     left = ground.residual(*columns)
     floor = noise_floor(ground, curves, *columns)
@@ -120,7 +124,7 @@ def _judge(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message_of(verdict, effects, remaining, limit, names.library.untestable),
+        message=message_of(verdict, effects, remaining, vibration, limit, names.library.untestable),
         effects=effects,
         declared=dict(zip(ground.declared.names, simple, strict=True)),
         grown=numbers.declared,
@@ -132,6 +136,7 @@ def _judge(
         detection_limit_nm=limit,
         profiles=profiles,
         remaining=remaining,
+        vibration=vibration,
         untestable=names.library.untestable,
         findings=subject.findings,
         traces=_traces(ground, curves, declared_left, left),
@@ -150,13 +155,16 @@ def _test(
     w = ground.working
     left = ground.residual(*effects)
     torque = (ground.residual() - left)[:, None] if effects else np.zeros((len(left), 0))
+    cluster = ground.clusters(w, *effects)
     named = {f.candidate.name for f in names.found}
     groups = [e.group for e in names.library.entries if e.group.name not in named] + [c.group for c in curves]
+    widest = len(np.unique(cluster)) // CLUSTERS_PER_COLUMN
+    groups = [group for group in groups if group.shapes[0].shape[1] <= widest]
     return omnibus_test(
         ground.y[w],
         np.hstack([ground.base, torque])[w],
         [Group(name=group.name, shapes=tuple(s[w] for s in group.shapes)) for group in groups],
-        ground.clusters(left, w),
+        cluster,
         rng,
         alpha=alpha,
     )
@@ -179,7 +187,7 @@ def _detection_limit(ground: Ground, names: Names, gap: Gap, alpha: float) -> fl
 
     tried = max(sum(len(entry.shapes) for entry in names.library.entries), 1)
     needed = (float(ndtri(1.0 - alpha / (2 * tried))) + POWER_Z) ** 2
-    return float(gap.after * np.sqrt(needed / worth(ground, ground.residual(*(f.columns for f in names.found)))))
+    return float(gap.after * np.sqrt(needed / worth(ground, *(f.columns for f in names.found))))
 
 
 def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...]:

@@ -1,11 +1,13 @@
 """What everything about one joint is judged on: its rows, its declared model, the cycles that are locked away."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.curves import Curve, build_curves
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
@@ -26,6 +28,7 @@ class Ground:
         declared: The declared model.
         working: Rows of cycles that may be looked at, shape (m,).
         run: Number of the unbroken stretch of each row, shape (m,).
+        curves: A curve over every axis.
     """
 
     data: JointData
@@ -33,6 +36,7 @@ class Ground:
     declared: Declared
     working: NDArray[np.bool_]
     run: NDArray[np.int64]
+    curves: tuple[Curve, ...]
 
     @property
     def y(self) -> Float:
@@ -54,19 +58,30 @@ class Ground:
         columns = np.hstack([self.base, *effects])
         return self.y - columns @ least_squares(columns[self.working], self.y[self.working])
 
+    def fine_residual(self, effects: Sequence[Float], fine: Sequence[Float]) -> Float:
+        """The same on the fine grid, from columns on the rows and on the fine grid, shape (n,). [N m]"""
+        columns = np.hstack([self.base, *effects])
+        factors = least_squares(columns[self.working], self.y[self.working])
+        return self.data.torque - self.declared.stated - np.hstack([self.declared.fine, *fine]) @ factors
+
     def baseline(self, *effects: Float) -> Baseline:
         """The declared model as fitted on the working rows together with some columns."""
         columns = np.hstack([self.base, *effects])
         factors = least_squares(columns[self.working], self.y[self.working])
         return self.declared.baseline(factors[: self.base.shape[1]])
 
-    def memory(self, residual: Float) -> float:
-        """Integral time of a residual over the working rows. [rows]"""
-        return integral_time(residual, np.where(self.working, self.run, -1))
+    def memory(self, *effects: Float) -> float:
+        """Integral time of the noise over the working rows: of what a model and any curves leave. [rows]
 
-    def clusters(self, residual: Float, which: NDArray[np.bool_]) -> NDArray[np.int64]:
+        What a model misses remembers longer than the noise, so that the shorter of two times counts.
+        """
+        run = np.where(self.working, self.run, -1)
+        curves = [curve.group.shapes[0] for curve in self.curves]
+        return min(integral_time(self.residual(*columns), run) for columns in (effects, [*effects, *curves]))
+
+    def clusters(self, which: NDArray[np.bool_], *effects: Float) -> NDArray[np.int64]:
         """Cycles of some rows, put together until they outlast the noise's memory."""
-        return independent_clusters(self.rows.cycle[which], self.memory(residual))
+        return independent_clusters(self.rows.cycle[which], self.memory(*effects))
 
 
 def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
@@ -94,4 +109,5 @@ def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
         declared=declared,
         working=np.isin(rows.cycle, split.working),
         run=run,
+        curves=build_curves(data, rows),
     )

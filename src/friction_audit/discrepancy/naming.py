@@ -79,9 +79,9 @@ def find_names(
     return Names(found=_accept(ground, found, alpha, rng), library=library, baseline=baseline)
 
 
-def worth(ground: Ground, residual: Float) -> float:
-    """What the working rows are worth: their number over the memory of the residual."""
-    return float(ground.working.sum()) / ground.memory(residual)
+def worth(ground: Ground, *effects: Float) -> float:
+    """What the working rows are worth: their number over the memory of the noise."""
+    return float(ground.working.sum()) / ground.memory(*effects)
 
 
 def _search(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
@@ -91,10 +91,10 @@ def _search(ground: Ground, library: Library) -> tuple[CycleProducts, Search, fl
         for e in library.entries
     ]
     products = cycle_products(ground.y[w], ground.base[w], groups, ground.rows.cycle[w])
-    n_eff = worth(ground, ground.residual())
+    n_eff = worth(ground)
     outcome = search(products, n_eff)
     for _ in range(MOST_ROUNDS):
-        better = worth(ground, ground.residual(*_columns(library, outcome)))
+        better = worth(ground, *_columns(library, outcome))
         if abs(better - n_eff) < SETTLED * n_eff:
             break
         n_eff = better
@@ -149,8 +149,9 @@ def _accept(ground: Ground, found: list[Found], alpha: float, rng: np.random.Gen
 def _judge(ground: Ground, found: list[Found], rng: np.random.Generator) -> tuple[list[Found], Float, Float]:
     """P-value of each effect on locked cycles, the share of the root mean square that it removes, and its size."""
     locked = ground.locked
-    whole = ground.residual(*(f.columns for f in found))
-    cluster = ground.clusters(whole, locked)
+    columns = [f.columns for f in found]
+    whole = ground.residual(*columns)
+    cluster = ground.clusters(locked, *columns)
     without = [ground.residual(*(g.columns for g in found if g is not f)) for f in found]
     rss = np.stack([cycle_rss(r[locked], cluster) for r in without])
     base = cycle_rss(whole[locked], cluster)

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.declared import least_squares
@@ -22,7 +23,7 @@ def refine(
     data: JointData,
     baseline: Baseline,
     rows: Rows,
-    working: Float,
+    working: NDArray[np.bool_],
     base: Float,
     y: Float,
 ) -> Shape:

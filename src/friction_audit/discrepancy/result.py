@@ -45,6 +45,23 @@ class Profile:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class Vibration:
+    """A hump in the residual's spectrum in time.
+
+    Attributes:
+        frequency_hz: Where it is highest. [Hz]
+        low_hz: Where it begins. [Hz]
+        high_hz: Where it ends. [Hz]
+        rms_nm: Root mean square of the torque in it. [N m]
+    """
+
+    frequency_hz: float
+    low_hz: float
+    high_hz: float
+    rms_nm: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class Evidence:
     """How well another candidate does in the place of a named effect.
 
@@ -171,6 +188,7 @@ class JointDiscrepancy:
         detection_limit_nm: Smallest root mean square of an effect that would have been seen with 90 % power. [N m]
         profiles: The residual of the declared model against every axis, the most telling first.
         remaining: The residual of the grown model likewise.
+        vibration: A hump in the spectrum of what the grown model leaves; None where there is none.
         untestable: Why the log cannot show an effect, by name of the effect.
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
@@ -193,6 +211,7 @@ class JointDiscrepancy:
     detection_limit_nm: float = float("nan")
     profiles: tuple[Profile, ...] = ()
     remaining: tuple[Profile, ...] = ()
+    vibration: Vibration | None = None
     untestable: dict[str, str] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()
     traces: Traces | None = None

@@ -11,7 +11,8 @@ from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found, Names
 from friction_audit.discrepancy.parameters import Parameters
 from friction_audit.discrepancy.profiles import profile_all
-from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict
+from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict, Vibration
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 RIVALS_SHOWN = 6
@@ -36,7 +37,7 @@ def _effect(
     found: Sequence[Found],
     k: int,
     torque: Float,
-    parameters: dict[str, object],
+    parameters: dict[str, Coefficient],
     curves: Sequence[Curve],
 ) -> Effect:
     f = found[k]
@@ -82,6 +83,7 @@ def message_of(
     verdict: Verdict,
     effects: Sequence[Effect],
     remaining: Sequence[Profile],
+    vibration: Vibration | None,
     limit_nm: float,
     untestable: Mapping[str, str],
 ) -> str:
@@ -93,11 +95,20 @@ def message_of(
         return "; ".join(dict.fromkeys(untestable.values()))
     if verdict == "unexplained":
         at = next((p.where for p in remaining if p.where), "spread over the whole motion")
+        shaking = "" if vibration is None else f"; {vibration_of(vibration)}"
         what = f"beside {named} something" if effects else "something"
-        return f"{what} is missing that nothing in the catalogue explains: {at}"
+        return f"{what} is missing that nothing in the catalogue explains: {at}{shaking}"
     if verdict == "ambiguous":
         unsure = "; ".join(
             f"{e.name} cannot be told from {', '.join(e.alternatives)} in this log" for e in effects if e.alternatives
         )
         return f"{named}: {unsure}"
     return f"{named}: {effects[0].where}"
+
+
+def vibration_of(vibration: Vibration) -> str:
+    """Where a vibration is."""
+    return (
+        f"a vibration at {vibration.frequency_hz:.3g} Hz ({vibration.low_hz:.3g} to {vibration.high_hz:.3g} Hz), "
+        f"{vibration.rms_nm:.2g} N m rms"
+    )
