@@ -9,12 +9,28 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model import TERMS, FittedTerm, JointModel, Motion, Parameter, Term, simple_model, term_of
 
-SHAPES = {"stribeck": (0.1, 2.0)}
+
+def typical(parameter: Parameter) -> float:
+    """The middle of the decades that make sense, or some number."""
+    if parameter.lower > 0.0 and np.isfinite(parameter.upper):
+        return float(np.sqrt(parameter.lower * parameter.upper))
+    return min(max(0.3, parameter.lower), parameter.upper)
+
+
+SHAPES = {term.name: tuple(typical(parameter) for parameter in term.shape) for term in TERMS}
 
 
 def make_motion(dq: Float) -> Motion:
     t = np.arange(len(dq), dtype=np.float64) * 1e-3
-    return Motion(t=t, q=np.cumsum(dq) * 1e-3, dq=dq, ddq=np.gradient(dq, 1e-3) if len(dq) > 1 else 0.0 * dq)
+    return Motion(
+        t=t,
+        q=np.cumsum(dq) * 1e-3,
+        dq=dq,
+        ddq=np.gradient(dq, 1e-3) if len(dq) > 1 else 0.0 * dq,
+        load=2.0 + 0.0 * t,
+        temperature=25.0 + t,
+        rest=0.3 * np.sign(dq) + 0.1 * dq,
+    )
 
 
 @pytest.fixture
@@ -24,7 +40,7 @@ def motion() -> Motion:
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Term, motion: Motion) -> None:
-    shape = SHAPES.get(term.name, ())
+    shape = SHAPES[term.name]
     linear = tuple(0.3 + 0.1 * i for i in range(len(term.linear)))
     regressor = term.regressor(motion, shape)
     assert regressor.shape == (401, len(term.linear))
@@ -33,17 +49,24 @@ def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Term, mot
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 def test_friction_never_pushes(term: Term, motion: Motion) -> None:
-    if term.friction:
-        values = tuple(0.3 for _ in term.linear) + SHAPES.get(term.name, ())
+    if term.friction and all(parameter.lower >= 0.0 for parameter in term.linear):
+        values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
         assert np.all(term.torque(values, motion) * motion.dq >= 0.0)
 
 
-@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
+@pytest.mark.parametrize("term", [term for term in TERMS if term.speed_only], ids=lambda term: term.name)
 def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Motion) -> None:
-    values = tuple(0.3 for _ in term.linear) + SHAPES.get(term.name, ())
-    elsewhere = Motion(t=motion.t + 5.0, q=motion.q - 1.0, dq=motion.dq, ddq=motion.ddq + 2.0)
-    same = np.array_equal(term.torque(values, motion), term.torque(values, elsewhere))
-    assert same == term.speed_only
+    values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
+    elsewhere = Motion(
+        t=3.0 * motion.t + 5.0,
+        q=2.0 * motion.q - 1.0,
+        dq=motion.dq,
+        ddq=motion.ddq + 2.0,
+        load=0.0 * motion.t - 1.0,
+        temperature=30.0 + 9.0 * motion.t,
+        rest=2.0 * motion.dq,
+    )
+    assert np.array_equal(term.torque(values, motion), term.torque(values, elsewhere))
 
 
 def test_names_and_parameters_are_unique() -> None:

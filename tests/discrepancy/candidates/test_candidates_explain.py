@@ -60,7 +60,7 @@ def share_explained(data: JointData, name: str) -> float:
     used = data.used
     left = data.torque[used] - baseline.torque[used]
     best = 0.0
-    for shape in candidate.shapes:
+    for shape in candidate.tried(data):
         full = np.hstack([plain, candidate.columns(data, baseline, shape)])[used]
         factors = np.linalg.lstsq(full, data.torque[used], rcond=None)[0]
         if candidate.admissible(factors[plain.shape[1] :].astype(np.float64), shape):

@@ -7,14 +7,15 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.cable_spring import TERM
 
-EDGES = (0.0, 0.25, 0.5, 0.75, 1.0)
+EDGES = (0.0, 1 / 3, 1 / 2, 2 / 3, 1.0)
 """Where it may begin to pull, as shares of the range; 0 and 1 for a side on which it does not."""
+MIDDLE = (0.5, 0.5)
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """All free stretches between edges but the one that leaves nothing."""
+    """No free stretch, and all between edges but the one that leaves nothing."""
     low, high = reach(data)
-    pairs = [(a, b) for a in EDGES for b in EDGES if a <= b and (a, b) != (EDGES[0], EDGES[-1])]
+    pairs = [MIDDLE, *((a, b) for a in EDGES for b in EDGES if a < b and b - a < 1.0)]
     return tuple(
         {
             "cable_centre_rad": low + 0.5 * (a + b) * (high - low),
@@ -30,8 +31,8 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
-    """It pulls back when it is stretched by a radian."""
-    return bool(factors[0] + factors[1] > 0)
+    """It pulls back from the beginning, and still when it is stretched by a radian."""
+    return bool(factors[0] > 0 and factors[0] + factors[1] > 0)
 
 
 CANDIDATE = Candidate(
@@ -39,7 +40,7 @@ CANDIDATE = Candidate(
     label=TERM.label,
     shapes=shapes,
     columns=columns_of(TERM),
-    column_units=("nm_per_rad", "nm_per_rad3"),
+    column_units=("nm_per_rad", "nm_per_rad3", "nm"),
     untestable=untestable,
     admissible=admissible,
     axis="position",

@@ -6,19 +6,20 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.joint_limit_stop import TERM
 
-DEPTHS = (0.0, 0.04, 0.15)
+DEPTHS = (0.0, 0.04, 0.12, 0.3)
 """How deep the joint goes into a stop, as shares of the range; 0 where it does not reach it."""
 EXPONENTS = (1.0, 2.0)
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """All pairs of depths but none on both sides, with the exponents."""
+    """One stop, or two about as deep, with the exponents."""
     low, high = float(data.q.min()), float(data.q.max())
     length = high - low
-    pairs = [(up, down) for up in DEPTHS for down in DEPTHS if up + down > 0.0]
+    alone = [(depth, 0.0) for depth in DEPTHS[1:]] + [(0.0, depth) for depth in DEPTHS[1:]]
+    both = [(up, down) for up in DEPTHS[1:] for down in DEPTHS[1:] if {up, down} != {DEPTHS[1], DEPTHS[-1]}]
     return tuple(
         {"stop_upper_rad": high - up * length, "stop_lower_rad": low + down * length, "stop_exponent": exponent}
-        for up, down in pairs
+        for up, down in (*alone, *both)
         for exponent in EXPONENTS
     )
 
@@ -38,7 +39,7 @@ CANDIDATE = Candidate(
     label=TERM.label,
     shapes=shapes,
     columns=columns_of(TERM),
-    column_units=("nm", "nm", "nms_per_rad"),
+    column_units=("nm", "nm", "nms_per_rad", "nms_per_rad"),
     untestable=untestable,
     admissible=admissible,
     axis="position",

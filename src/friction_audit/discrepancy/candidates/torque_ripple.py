@@ -16,11 +16,11 @@ MOST_ORDERS = 120
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """Orders from one period over the range up to where a slow motion leaves the band."""
+    """Orders from two periods over the range up to where a slow motion leaves the band."""
     low, high = reach(data)
     (slow,) = speeds(data, 25.0)
     step = SPREAD / max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
-    first = 2.0 * np.pi / max(high - low, 1e-3)
+    first = 4.0 * np.pi / max(high - low, 1e-3)
     last = max(2.0 * np.pi * CORNER_HZ / float(slow), first)
     orders = np.arange(first, last, step)[:MOST_ORDERS]
     return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)

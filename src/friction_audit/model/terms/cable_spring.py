@@ -1,6 +1,7 @@
-"""A cable or hose that pulls the joint back: a spring with a free stretch, linear and cubic.
+"""A cable or hose that pulls the joint back: a spring with a free stretch, linear and cubic, and its preload.
 
 The free stretch makes it the slack of a cable; where it covers one end of the range, a tether that pulls at the other.
+A linear spring about another centre is one about this centre with a preload.
 """
 
 from collections.abc import Sequence
@@ -12,19 +13,22 @@ from friction_audit.model.term import Motion, Parameter, Term
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
-    """Return the stretch d = q - c less what is free of it, and its cube, as columns."""
+    """Return the stretch d = q - c less what is free of it, and its cube, and ones, as columns."""
     centre, free = shape
     off = motion.q - centre
     stretch = np.sign(off) * np.maximum(np.abs(off) - free, 0.0)
-    return np.column_stack([stretch, stretch**3])
+    return np.column_stack([stretch, stretch**3, np.ones(len(off))])
 
 
 TERM = Term(
     name="cable_spring",
     label="a cable pulls the joint back",
     linear=(
-        Parameter(name="cable_stiffness_nm_per_rad", unit="N m/rad", meaning="stiffness where it begins to pull"),
+        Parameter(
+            name="cable_stiffness_nm_per_rad", unit="N m/rad", meaning="stiffness where it begins to pull", lower=0.0
+        ),
         Parameter(name="cable_hardening_nm_per_rad3", unit="N m/rad^3", meaning="growth of the stiffness"),
+        Parameter(name="cable_preload_nm", unit="N m", meaning="pull at the centre"),
     ),
     shape=(
         Parameter(name="cable_centre_rad", unit="rad", meaning="position where it does not pull"),

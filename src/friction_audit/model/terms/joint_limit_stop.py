@@ -1,7 +1,7 @@
 """Stops near the ends of the range: springs that only push back, with a damper while they are touched.
 
 K. H. Hunt, F. R. E. Crossley, Coefficient of restitution interpreted as damping in vibroimpact, Journal of Applied
-Mechanics 42 (1975) 440: the torque grows with a power of the depth.
+Mechanics 42 (1975) 440: the torque grows with a power of the depth, and so does the damping; a plain damper besides.
 """
 
 from collections.abc import Sequence
@@ -16,11 +16,15 @@ DEPTH_RAD = 0.1
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
-    """Return (depth / 0.1 rad)^n at the upper and at the lower stop, and dq while one is touched, as columns."""
+    """Return (depth / 0.1 rad)^n at the upper and at the lower stop; dq while one is touched, and that times the power.
+
+    Four columns.
+    """
     upper, lower, exponent = shape
     above, below = np.maximum(motion.q - upper, 0.0), np.maximum(lower - motion.q, 0.0)
-    touched = (above > 0.0) | (below > 0.0)
-    return np.column_stack([(above / DEPTH_RAD) ** exponent, -((below / DEPTH_RAD) ** exponent), motion.dq * touched])
+    touched = motion.dq * ((above > 0.0) | (below > 0.0))
+    upper_power, lower_power = (above / DEPTH_RAD) ** exponent, (below / DEPTH_RAD) ** exponent
+    return np.column_stack([upper_power, -lower_power, touched, motion.dq * (upper_power + lower_power)])
 
 
 TERM = Term(
@@ -30,6 +34,7 @@ TERM = Term(
         Parameter(name="stop_upper_nm", unit="N m", meaning="torque 0.1 rad into the upper stop", lower=0.0),
         Parameter(name="stop_lower_nm", unit="N m", meaning="torque 0.1 rad into the lower stop", lower=0.0),
         Parameter(name="stop_damping_nms_per_rad", unit="N m s/rad", meaning="damping while one is touched"),
+        Parameter(name="stop_deep_damping_nms_per_rad", unit="N m s/rad", meaning="damping 0.1 rad into a stop"),
     ),
     shape=(
         Parameter(name="stop_upper_rad", unit="rad", meaning="where the upper stop begins"),
