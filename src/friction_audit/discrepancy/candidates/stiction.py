@@ -1,25 +1,25 @@
-"""Breakaway torque: a burst that fades after each onset of motion."""
+"""Stiction: friction that a rest has raised and that fades over the path after the onset."""
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.candidates.direction import direction
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.displacement import onsets
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.terms.stiction import TERM
 
+AGEINGS_S = (0.01, 0.3, 3.0)
+"""At once, within a pause between strokes, and over many."""
+SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)
+"""Paths of renewal as shares of the span of the motion."""
 FEWEST_ONSETS = 15
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
-    """Breakaway torque, shape (n, p)."""
-    since = np.full(len(data.t), np.inf)
-    starts = onsets(data)
-    last = np.searchsorted(starts, np.arange(len(data.t)), side="right") - 1
-    if len(starts):
-        since = np.where(last >= 0, data.t - data.t[starts[np.maximum(last, 0)]], np.inf)
-    return np.asarray(direction(data) * np.exp(-since / shape["fade_s"]))[:, None]
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """All ageings with all paths of renewal."""
+    span = float(np.ptp(data.q)) or 1.0
+    return tuple({"ageing_s": age, "renewal_rad": float(share) * span} for age in AGEINGS_S for share in SPAN_SHARES)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -38,10 +38,11 @@ def admissible(factors: Float, _shape: Shape) -> bool:
 CANDIDATE = Candidate(
     name="stiction",
     label="higher torque at breakaway",
-    shapes=tuple({"fade_s": f} for f in (0.02, 0.05, 0.1, 0.2)),
-    columns=columns,
+    shapes=shapes,
+    columns=columns_of(TERM),
     column_units=("nm",),
     untestable=untestable,
     admissible=admissible,
-    axis="time",
+    axis="displacement",
+    term=TERM,
 )

@@ -1,13 +1,15 @@
 """Presliding: friction builds up like a spring over the path since a reversal, and gives way as Coulomb friction.
 
-State z of P. R. Dahl, A solid friction model (1968), with the level of Coulomb friction for a unit:
+After a reversal from steady sliding, with z the share of the level that is borne and x the path,
 
     dz/dx = (1 - z sgn(dx))^n / reach
 
-n = 0 is a stop (Prandtl's element); n = 1/2 after a reversal is a row of stops that yield one after the other, evenly
-spread (W. D. Iwan, J. Appl. Mech. 33 (1966) 893); n = 1 is Dahl's usual one and the LuGre model at constant level
-(C. Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), whose damping sigma_1 dz/dt is the
-stiffness times a time. Rate-independent but for that damping.
+n = 0 is one stop (Prandtl's element). For n < 1 the reach is finite, and stops in parallel that slip one after the
+other have this curve; they remember every reversal until a larger loop closes (W. D. Iwan, J. Appl. Mech. 33 (1966)
+893: n = 1/2 is a uniform spread; F. Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip). For
+n >= 1 the equation holds at all times (P. R. Dahl, A solid friction model, 1968); n = 1 is LuGre at constant level (C.
+Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), whose damping sigma_1 dz/dt is the
+stiffness times a time. Without that damping nothing depends on the rate.
 """
 
 from collections.abc import Sequence
@@ -19,6 +21,9 @@ from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 
+STOPS = 16
+"""Stops in parallel that stand for any number of them."""
+
 
 def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
     """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,).
@@ -28,7 +33,22 @@ def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
         reach_rad: Displacement after which a spring as stiff as at z = 0 would be at the level. [rad]
         exponent: n; 0 gives way all at once, larger ones give way longer before.
     """
-    return np.asarray(_bristle(np.ascontiguousarray(q, dtype=np.float64), float(reach_rad), float(exponent)))
+    path = np.ascontiguousarray(q, dtype=np.float64) / reach_rad
+    if exponent < 1.0:
+        return np.asarray(_stops(path, *spread(exponent)))
+    return np.asarray(_dahl(path, float(exponent)))
+
+
+def spread(exponent: float) -> tuple[Float, Float]:
+    """Return where stops in parallel slip, in reaches, and their stiffnesses, such that they have the curve, (k,) each.
+
+    Pulled from zero they rise as half of the curve after a reversal does at twice the path (G. Masing, 1926).
+    """
+    bend = 1.0 - exponent
+    missing = np.linspace(1.0, 0.0, STOPS + 1) ** 2
+    slips = 2.0**bend * (1.0 - missing**bend) / (2.0 * bend)
+    slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
+    return slips[1:], -np.diff(slope)
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
@@ -41,30 +61,31 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 
 @compiled()
-def _bristle(q: Float, reach: float, exponent: float) -> Float:
-    z = np.zeros(len(q))
-    missing, sign = 1.0, 1.0
-    for k in range(1, len(q)):
-        path = (q[k] - q[k - 1]) / reach
-        if path * sign < 0.0:
-            sign, missing = -sign, 2.0 - missing
-        missing = _give_way(missing, abs(path), exponent)
-        z[k] = sign * (1.0 - missing)
+def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
+    z = np.zeros(len(path))
+    bent = np.zeros(len(slips))
+    for i in range(1, len(path)):
+        for k in range(len(slips)):
+            bent[k] = min(slips[k], max(-slips[k], bent[k] + path[i] - path[i - 1]))
+            z[i] += stiffness[k] * bent[k]
     return z
 
 
 @compiled()
-def _give_way(missing: float, path: float, exponent: float) -> float:
-    """Move 1 - z sgn(dx) on along a path in one direction: dm/dx = -m^n, solved exactly; it ends at zero."""
-    if exponent == 1.0:
-        return missing * exp(-path)
-    if exponent == 0.0:
-        return max(missing - path, 0.0)
-    if missing <= 0.0 or path == 0.0:
-        return missing
-    bend = 1.0 - exponent
-    left = missing**bend - bend * path
-    return float(left ** (1.0 / bend)) if left > 0.0 else 0.0
+def _dahl(path: Float, exponent: float) -> Float:
+    z = np.zeros(len(path))
+    missing, sign, bend = 1.0, 1.0, exponent - 1.0
+    for i in range(1, len(path)):
+        step = path[i] - path[i - 1]
+        if step * sign < 0.0:
+            sign, missing = -sign, 2.0 - missing
+        # 1 - z sgn(dx) along a path in one direction, dm/dx = -m^n, solved exactly.
+        if bend == 0.0:
+            missing *= exp(-abs(step))
+        elif missing > 0.0:
+            missing *= (1.0 + bend * abs(step) * missing**bend) ** (-1.0 / bend)
+        z[i] = sign * (1.0 - missing)
+    return z
 
 
 TERM = Term(
