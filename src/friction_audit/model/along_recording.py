@@ -68,8 +68,8 @@ def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDAr
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
     if tables.inertia_kg_m2 <= LEAST_INERTIA * model.inertia_kg_m2:
         return None
-    held = tables.bristles.along(inner.q)
-    found = _settle(model, tables, past, inner, reading.drive, pieces, held, step)
+    bent = tables.bristles.states_along(inner.q)
+    found = _settle(model, tables, past, inner, reading.drive, pieces, bent, step)
     return None if found is None else np.asarray(found + np.gradient(reading.ahead, step))
 
 
@@ -80,14 +80,14 @@ def _settle(
     recorded: Motion,
     drive: Float,
     pieces: NDArray[np.int64],
-    held: Float,
+    bent: Float,
     step: float,
 ) -> Float | None:
     """Sweep until the motion and the torque of terms with a past fit each other; return the velocity."""
     motion, last = recorded, recorded.dq
     inside = _inside(pieces, len(drive))
     for _ in range(SWEEPS):
-        found = run_pieces(step, drive, recorded.q, recorded.dq, pieces, held, _with_past(tables, past, model, motion))
+        found = run_pieces(step, drive, recorded.q, recorded.dq, pieces, bent, _with_past(tables, past, model, motion))
         velocity = found[1]
         if not (np.abs(velocity[inside]) <= RUNAWAY * np.max(np.abs(recorded.dq))).all():
             return None

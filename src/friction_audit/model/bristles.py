@@ -1,14 +1,19 @@
 """Bristles: friction that builds up with the path since a reversal, whatever the formula.
 
-In Dahl's picture the torque T of the bristles changes along the path by a slope that depends on T and the direction
-alone. All that such bristles do is then on one curve: the torque against the path after a reversal from steady sliding.
-From any torque they go on along that curve, and along its mirror image in the other direction. The curve is asked of
-the term; so is a damping in proportion to the rate of T.
+What a term says of a reversal from steady sliding is one curve: the torque against the path since then. There are two
+pictures of what happens after a shorter stroke. In Dahl's, the slope depends on the torque and the direction alone:
+from any torque bristles go on along the curve, or along its mirror image. In the other, bristles are springs in
+parallel that slip one after the other (Maxwell slip) and remember every reversal until a larger loop closes; a curve
+that rises ever more slowly is had by as many straight pieces as there are springs. A damping in proportion to the rate
+of the torque is asked of the term too.
 
-Reference: P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968.
+References:
+    P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968.
+    F. Al-Bender, V. Lampaert, J. Swevers, The generalized Maxwell-slip model, IEEE Transactions on Automatic Control 50
+    (2005) 1883.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,40 +28,55 @@ PATH_RAD = 0.4
 STEP_RAD = 1e-5
 POINTS = 400
 """Of a curve, at even steps of the torque, and as many of the path."""
+SPRINGS = 24
+LEAST_SHARE = 1e-6
+"""A spring that bears less of the torque is none."""
 SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1
 """Speeds at which a term is asked; what it takes more at the other is its damping."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Bristles:
-    """Bristles by their curve, k points; no points, no bristles.
+    """Bristles by their curve of k points, in Dahl's picture, or as m springs; neither, no bristles.
 
     Attributes:
         path: Path since a reversal to backwards, rising from 0, shape (k,). [rad]
         torque: What they take there, falling, shape (k,). [N m]
+        stiffness: Of each spring, shape (m,). [N m/rad]
+        reach: Deflection at which it slips, shape (m,). [rad]
         damping_s: Damping over stiffness. [s]
     """
 
     path: Float
     torque: Float
+    stiffness: Float
+    reach: Float
     damping_s: float
+
+    @property
+    def some(self) -> bool:
+        """Whether there are any."""
+        return len(self.path) + len(self.reach) > 0
+
+    def states_along(self, q: Float) -> Float:
+        """State along a motion that begins with none: torque of the curve, deflections, shape (n, 1 + m)."""
+        return np.asarray(_follow(np.ascontiguousarray(q), self.path, self.torque, self.reach))
 
     def along(self, q: Float) -> Float:
         """Torque along a motion that begins with none, without damping, shape (n,). [N m]"""
-        if not len(self.path):
-            return np.zeros(len(q))
-        return np.asarray(_follow(np.ascontiguousarray(q), self.path, self.torque))
+        states = self.states_along(q)
+        return np.asarray(states[:, 0] + states[:, 1:] @ self.stiffness)
 
 
-NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), damping_s=0.0)
+NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(0), reach=np.zeros(0), damping_s=0.0)
 
 
-def bristles_of(term: FittedTerm) -> tuple[float, Bristles]:
+def bristles_of(term: FittedTerm) -> tuple[float, Bristles, Bristles]:
     """Ask a term for its curve after a reversal.
 
     Returns:
         Dry friction that the term adds to that of the joint, below zero where bristles take its place [N m]; the
-        bristles.
+        bristles in Dahl's picture; the same as springs.
     """
     before, slow = _reversal(term, SLOW_RAD_S)
     # At the reversal the direction jumps at once, the bristles do not; the first sample behind it is a step further.
@@ -68,7 +88,20 @@ def bristles_of(term: FittedTerm) -> tuple[float, Bristles]:
     square = float(rate[1:] @ rate[1:])
     damping = float(rate[1:] @ more[1:]) / square / (FAST_RAD_S - SLOW_RAD_S) if square > 0.0 else 0.0
     chosen = _thin(curve)
-    return float(dry), Bristles(path=path[chosen], torque=curve[chosen], damping_s=max(damping, 0.0))
+    dahl = replace(NO_BRISTLES, path=path[chosen], torque=curve[chosen], damping_s=max(damping, 0.0))
+    stiffness, reach = _springs(path, curve)
+    return float(dry), dahl, replace(NO_BRISTLES, stiffness=stiffness, reach=reach, damping_s=max(damping, 0.0))
+
+
+def _springs(path: Float, curve: Float) -> tuple[Float, Float]:
+    """Springs whose curve after a reversal has the same height at even steps of it: each turns over twice its reach."""
+    built = curve[0] - curve
+    knots = np.searchsorted(built, built[-1] * np.arange(1, SPRINGS + 1) / SPRINGS * (1.0 - 1e-9))
+    knots = np.unique(np.append(0, np.minimum(knots, len(curve) - 1)))
+    slopes = np.append(np.diff(built[knots]) / np.diff(path[knots]), 0.0)
+    stiffness, reach = np.maximum(-np.diff(slopes), 0.0), 0.5 * path[knots[1:]]
+    bears = stiffness * reach > LEAST_SHARE * built[-1]
+    return np.asarray(stiffness[bears]), np.asarray(reach[bears])
 
 
 def _thin(curve: Float) -> NDArray[np.int64]:
@@ -106,7 +139,7 @@ def on_path(value: float, table: Float, result: Float) -> float:
 
 @compiled()
 def bend(held: float, way: float, path: Float, torque: Float) -> float:
-    """Return the torque of bristles after a piece of the way. [N m]
+    """Return the torque of bristles in Dahl's picture after a piece of the way. [N m]
 
     Args:
         held: Torque before. [N m]
@@ -123,12 +156,17 @@ def bend(held: float, way: float, path: Float, torque: Float) -> float:
 
 @compiled()
 def slope(held: float, sign: float, path: Float, torque: Float) -> float:
-    """Return the stiffness of bristles that bend on in a direction. [N m/rad]"""
+    """Return the stiffness of bristles in Dahl's picture that bend on in a direction. [N m/rad]"""
     if len(path) == 0:
         return 0.0
-    value = -sign * held
-    low, high = _around(value, torque)
+    low, high = _around(-sign * held, torque)
     return float((torque[low] - torque[high]) / (path[high] - path[low]))
+
+
+@compiled()
+def stretch(deflection: float, way: float, reach: float) -> float:
+    """Return the deflection of a spring after a piece of the way, all of which it cannot follow. [rad]"""
+    return min(reach, max(-reach, deflection + way))
 
 
 @compiled()
@@ -154,9 +192,12 @@ def _place(value: float, path: Float, torque: Float) -> float:
 
 
 @compiled()
-def _follow(q: Float, path: Float, torque: Float) -> Float:
-    """Torque of bristles along a motion, shape (n,)."""
-    out = np.zeros(len(q))
+def _follow(q: Float, path: Float, torque: Float, reach: Float) -> Float:
+    """States of bristles along a motion, shape (n, 1 + m)."""
+    out = np.zeros((len(q), 1 + len(reach)))
     for i in range(1, len(q)):
-        out[i] = bend(out[i - 1], q[i] - q[i - 1], path, torque)
+        way = q[i] - q[i - 1]
+        out[i, 0] = bend(out[i - 1, 0], way, path, torque)
+        for k in range(len(reach)):
+            out[i, 1 + k] = stretch(out[i - 1, 1 + k], way, reach[k])
     return out

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.model.bristles import bend, slope
+from friction_audit.model.bristles import bend, slope, stretch
 from friction_audit.model.tables import Tables
 
 EVENTS = 8
@@ -60,6 +60,35 @@ def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> fl
 
 
 @compiled()
+def held_torque(bent: Float, way: float, tables: Tables) -> float:
+    """Return the torque of the bristles a piece of the way ahead. [N m]"""
+    torque = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        torque += tables.spring_stiffness[k] * stretch(bent[1 + k], way, tables.spring_reach[k])
+    return torque
+
+
+@compiled()
+def bend_on(bent: Float, way: float, tables: Tables) -> None:
+    """Let the bristles follow a piece of the way, in place."""
+    bent[0] = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        bent[1 + k] = stretch(bent[1 + k], way, tables.spring_reach[k])
+
+
+@compiled()
+def drag(bent: Float, sign: float, tables: Tables) -> float:
+    """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
+    if tables.bristle_damping_s == 0.0:
+        return 0.0
+    stiffness = slope(bent[0], sign, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        if bent[1 + k] * sign < tables.spring_reach[k]:
+            stiffness += tables.spring_stiffness[k]
+    return float(tables.bristle_damping_s * stiffness)
+
+
+@compiled()
 def break_away(start: float, end: float, q: float, moment: float, tables: Tables) -> tuple[float, float]:
     """Find when the drive, less the bristles, moves a joint at rest.
 
@@ -82,16 +111,15 @@ def break_away(start: float, end: float, q: float, moment: float, tables: Tables
 
 
 @compiled()
-def slide(q: float, v: float, sign: float, step: Step, held: float, tables: Tables) -> float:
+def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
     """Return the velocity after sliding through a step in one direction."""
     way = 0 if sign > 0.0 else 1
-    path, curve = tables.bristle_path, tables.bristle_torque
-    drag = tables.bristle_damping_s * slope(held, sign, path, curve)
-    torque = taken(way, q, abs(v), step.begin, tables) + held + drag * v
+    damping = drag(bent, sign, tables)
+    torque = taken(way, q, abs(v), step.begin, tables) + held_torque(bent, 0.0, tables) + damping * v
     middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
     speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
     moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
-    torque = taken(way, q + ahead, speed, moment, tables) + bend(held, ahead, path, curve) + drag * speed * sign
+    torque = taken(way, q + ahead, speed, moment, tables) + held_torque(bent, ahead, tables) + damping * speed * sign
     return v + step.h * (drive - torque) / tables.inertia_kg_m2
 
 
@@ -108,9 +136,7 @@ def rest_of(step: Step, share: float) -> Step:
 
 
 @compiled()
-def advance(
-    q: float, v: float, sign: float, step: Step, held: float, tables: Tables
-) -> tuple[float, float, float, float]:
+def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> tuple[float, float, float]:
     """Move the joint on by a step with stick and slip.
 
     Args:
@@ -118,34 +144,36 @@ def advance(
         v: Velocity. [rad/s]
         sign: Direction in which it slides; 0 if friction holds it.
         step: The step.
-        held: Torque of the bristles. [N m]
+        bent: State of the bristles, shape (1 + m,); changed.
         tables: What the joint takes.
 
     Returns:
-        Position, velocity, direction and torque of the bristles at the end.
+        Position, velocity and direction at the end.
     """
-    path, curve = tables.bristle_path, tables.bristle_torque
     for _ in range(EVENTS):
         if sign == 0.0:
+            held = held_torque(bent, 0.0, tables)
             share, sign = break_away(step.drive0 - held, step.drive1 - held, q, step.begin, tables)
             if sign == 0.0:
-                return q, 0.0, 0.0, held
+                return q, 0.0, 0.0
             step = rest_of(step, share)
-        after = slide(q, v, sign, step, held, tables)
+        after = slide(q, v, sign, step, bent, tables)
         if after * sign >= 0.0:
             way = 0.5 * step.h * (v + after)
-            return q + way, after, sign, bend(held, way, path, curve)
+            bend_on(bent, way, tables)
+            return q + way, after, sign
         share = v / (v - after)
         way = 0.5 * share * step.h * v
-        q, v, sign, held = q + way, 0.0, 0.0, bend(held, way, path, curve)
+        bend_on(bent, way, tables)
+        q, v, sign = q + way, 0.0, 0.0
         step = rest_of(step, share)
-    return q, 0.0, 0.0, held
+    return q, 0.0, 0.0
 
 
 @compiled()
 def steps_per_sample(step_s: float, tables: Tables) -> int:
     """Return how many steps of the simulation a sample takes, so that no spring is too stiff for them."""
-    steepest, stiffness = 0.0, 0.0
+    steepest, stiffness = 0.0, np.sum(tables.spring_stiffness)
     for k in range(len(tables.bristle_path) - 1):
         drop = tables.bristle_torque[k] - tables.bristle_torque[k + 1]
         stiffness = max(stiffness, drop / (tables.bristle_path[k + 1] - tables.bristle_path[k]))
@@ -161,9 +189,10 @@ def steps_per_sample(step_s: float, tables: Tables) -> int:
 def run(
     step_s: float,
     drive: Float,
-    start: tuple[float, float, float],
+    start: tuple[float, float],
     first: int,
     last: int,
+    bent: Float,
     tables: Tables,
     out: Float,
 ) -> None:
@@ -172,14 +201,15 @@ def run(
     Args:
         step_s: Spacing of the samples. [s]
         drive: Torque at the samples, linear between, shape (n,). [N m]
-        start: Position [rad], velocity [rad/s] and torque of the bristles [N m] at the first sample.
+        start: Position [rad] and velocity [rad/s] at the first sample.
         first: First sample.
         last: Last sample.
+        bent: State of the bristles at the first sample, shape (1 + m,); changed.
         tables: What the joint takes.
         out: Receives position and velocity at samples first to last, shape (2, n).
     """
     steps = steps_per_sample(step_s, tables)
-    q, v, held = start
+    q, v = start
     sign = np.sign(v)
     out[0, first], out[1, first] = q, v
     for i in range(first, last):
@@ -187,7 +217,7 @@ def run(
         for k in range(steps):
             push = drive[i] + k * rise
             step = Step(step_s / steps, push, push + rise, i + k / steps, i + (k + 1.0) / steps)
-            q, v, sign, held = advance(q, v, sign, step, held, tables)
+            q, v, sign = advance(q, v, sign, step, bent, tables)
         out[0, i + 1], out[1, i + 1] = q, v
 
 
@@ -198,7 +228,7 @@ def run_pieces(
     q: Float,
     dq: Float,
     pieces: NDArray[np.int64],
-    held: Float,
+    bent: Float,
     tables: Tables,
 ) -> Float:
     """Move the joint through pieces of a recording, each from the recorded start; see ``run``.
@@ -209,7 +239,7 @@ def run_pieces(
         q: Recorded position, shape (n,). [rad]
         dq: Recorded velocity, shape (n,). [rad/s]
         pieces: First and last sample of each piece, shape (p, 2).
-        held: Torque of the bristles along the recording, shape (n,). [N m]
+        bent: State of the bristles along the recording, shape (n, 1 + m).
         tables: What the joint takes.
 
     Returns:
@@ -218,5 +248,5 @@ def run_pieces(
     out = np.full((2, len(drive)), np.nan)
     for p in range(len(pieces)):
         first, last = pieces[p]
-        run(step_s, drive, (q[first], dq[first], held[first]), first, last, tables, out)
+        run(step_s, drive, (q[first], dq[first]), first, last, bent[first].copy(), tables, out)
     return out

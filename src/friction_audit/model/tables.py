@@ -26,7 +26,7 @@ MARGIN = 0.25
 LEAST_MARGIN_RAD = 0.05
 TOLERANCE = 0.02
 """Largest error of tables along the recording, as a share of the term's torque."""
-BRISTLE_TOLERANCE = 0.1
+BRISTLE_TOLERANCE = 0.05
 """The same of bristles, whose path the samples of a recording do not show between them."""
 ROUNDING_NM = 1e-6
 SLOW = 1e-3
@@ -50,6 +50,8 @@ class Tables(NamedTuple):
         time_per_speed: Shape (2, n). [N m s/rad]
         bristle_path: Path of the curve of the bristles, shape (k,). [rad]
         bristle_torque: Torque of that curve. [N m]
+        spring_stiffness: Stiffness of bristles that are springs, shape (m,). [N m/rad]
+        spring_reach: Deflection at which each slips, shape (m,). [rad]
         bristle_damping_s: Damping of the bristles over their stiffness. [s]
     """
 
@@ -64,12 +66,20 @@ class Tables(NamedTuple):
     time_per_speed: Float
     bristle_path: Float
     bristle_torque: Float
+    spring_stiffness: Float
+    spring_reach: Float
     bristle_damping_s: float
 
     @property
     def bristles(self) -> Bristles:
         """The bristles."""
-        return Bristles(path=self.bristle_path, torque=self.bristle_torque, damping_s=self.bristle_damping_s)
+        return Bristles(
+            path=self.bristle_path,
+            torque=self.bristle_torque,
+            stiffness=self.spring_stiffness,
+            reach=self.spring_reach,
+            damping_s=self.bristle_damping_s,
+        )
 
 
 def tabulate(
@@ -87,9 +97,9 @@ def tabulate(
     """
     tables, past = _empty(motion)._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
-        forms = (_bristle_form,) if term.term.forward == "bristle" else FORMS
+        forms = BRISTLE_FORMS if term.term.forward == "bristle" else FORMS
         share = next((share for form in forms if _holds(share := form(term, motion), term, motion)), None)
-        if share is None or (len(share.bristle_path) and len(tables.bristle_path)):
+        if share is None or (share.bristles.some and tables.bristles.some):
             past.append(term)
         else:
             tables = _add(tables, share)
@@ -119,6 +129,8 @@ def _empty(motion: Motion) -> Tables:
         time_per_speed=still,
         bristle_path=NO_BRISTLES.path,
         bristle_torque=NO_BRISTLES.torque,
+        spring_stiffness=NO_BRISTLES.stiffness,
+        spring_reach=NO_BRISTLES.reach,
         bristle_damping_s=NO_BRISTLES.damping_s,
     )
 
@@ -133,6 +145,8 @@ def _add(one: Tables, other: Tables) -> Tables:
         time_per_speed=one.time_per_speed + other.time_per_speed,
         bristle_path=np.append(one.bristle_path, other.bristle_path),
         bristle_torque=np.append(one.bristle_torque, other.bristle_torque),
+        spring_stiffness=np.append(one.spring_stiffness, other.spring_stiffness),
+        spring_reach=np.append(one.spring_reach, other.spring_reach),
         bristle_damping_s=one.bristle_damping_s + other.bristle_damping_s,
     )
 
@@ -198,20 +212,33 @@ def _time_form(term: FittedTerm, motion: Motion) -> Tables:
     return empty._replace(inertia_kg_m2=_inertia(term, motion), time=level, time_per_speed=slope)
 
 
-def _bristle_form(term: FittedTerm, motion: Motion) -> Tables:
-    """Bristles, and the dry friction whose place they take."""
-    dry, found = bristles_of(term)
-    way = np.array([[dry], [-dry]])
+def _dahl_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Bristles in Dahl's picture, and the dry friction whose place they take."""
+    dry, dahl, _ = bristles_of(term)
+    return _with_bristles(dry, dahl, motion)
+
+
+def _spring_form(term: FittedTerm, motion: Motion) -> Tables:
+    """Bristles as springs, and the dry friction whose place they take."""
+    dry, _, springs = bristles_of(term)
+    return _with_bristles(dry, springs, motion)
+
+
+def _with_bristles(dry: float, found: Bristles, motion: Motion) -> Tables:
     return _empty(motion)._replace(
-        speed=np.repeat(way, len(motion.t), axis=1),
+        speed=np.repeat(np.array([[dry], [-dry]]), len(motion.t), axis=1),
         bristle_path=found.path,
         bristle_torque=found.torque,
+        spring_stiffness=found.stiffness,
+        spring_reach=found.reach,
         bristle_damping_s=found.damping_s,
     )
 
 
 FORMS: tuple[Callable[[FittedTerm, Motion], Tables], ...] = (_speed_form, _place_form, _time_form)
 """In the order in which they are tried: the fewer a recorded quantity is needed for, the better."""
+
+BRISTLE_FORMS = (_dahl_form, _spring_form)
 
 
 def _affine(term: FittedTerm, motion: Motion, empty: Tables) -> tuple[Float, Float]:
