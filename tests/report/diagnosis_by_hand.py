@@ -14,6 +14,7 @@ from friction_audit.discrepancy.result import (
     Profile,
     SimulationGap,
     Traces,
+    Vibration,
 )
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
@@ -195,6 +196,7 @@ UNEXPLAINED = JointDiscrepancy(
     omnibus_p=0.001,
     remaining_p=0.001,
     profiles=(profile("speed", 0.6),),
+    vibration=Vibration(frequency_hz=13.0, low_hz=11.0, high_hz=15.5, rms_nm=0.04),
 )
 NOT_TESTABLE = JointDiscrepancy(
     joint=5,

@@ -59,6 +59,12 @@ def test_the_most_telling_axis_has_its_curve() -> None:
     assert [profile["curve"] is None for profile in told["profiles"]] == [False, True]
 
 
+def test_a_vibration_is_told_where_there_is_one() -> None:
+    joints = checked(diagnose_document(diagnosis()))["joints"]
+    assert joints[3]["vibration"] == {"frequency_hz": 13.0, "low_hz": 11.0, "high_hz": 15.5, "rms_nm": 0.04}
+    assert joints[0]["vibration"] is None
+
+
 def test_alternatives_come_with_what_decides() -> None:
     (effect,) = checked(diagnose_document(diagnosis()))["joints"][1]["effects"]
     assert effect["alternatives"] == ["asymmetric_coulomb"]

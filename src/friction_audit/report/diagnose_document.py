@@ -48,6 +48,7 @@ def _joint(joint: JointDiscrepancy) -> Document:
         "ladder": [{"step": step, "rms_nm": to_json(rms)} for step, rms in joint.ladder],
         "profiles": _profiles(joint.profiles),
         "remaining": _profiles(joint.remaining),
+        "vibration": None if joint.vibration is None else to_json(asdict(joint.vibration)),
         "untestable": dict(joint.untestable),
         "findings": [to_json(asdict(finding)) for finding in joint.findings],
     }
