@@ -1,9 +1,9 @@
-"""Names that cannot be told apart, the word for a joint, and the smallest effect that would have been seen."""
+"""Names that cannot be told apart."""
 
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.alternatives import Naming, Rival, detection_limit, name_effects, verdict, vuong
+from friction_audit.discrepancy.alternatives import Naming, Rival, name_effects, vuong
 from friction_audit.discrepancy.search import Group, cycle_products, search
 
 CYCLES = np.repeat(np.arange(20), 100)
@@ -67,47 +67,3 @@ def test_the_rule_may_ask_for_both_tests() -> None:
     rival = Rival(name="x", shape=0, delta_bic=7.0, correlation=0.95, vuong_z=1.0)
     assert rival.beaten()
     assert not rival.beaten(1.64)
-
-
-CLEAR = Naming(name="a", rivals=(), alternatives=())
-TWOFOLD = Naming(name="a", rivals=(), alternatives=("b",))
-
-
-@pytest.mark.parametrize(
-    ("testable", "first", "remaining", "namings", "word"),
-    [
-        (0, 0.001, 0.9, (), "not_testable"),
-        (9, 0.3, 0.3, (), "none"),
-        (9, 0.3, 0.3, (CLEAR,), "none"),
-        (9, 0.001, 0.001, (), "unexplained"),
-        (9, 0.001, 0.01, (CLEAR,), "unexplained"),
-        (9, 0.001, 0.4, (CLEAR,), "named"),
-        (9, 0.001, 0.4, (CLEAR, TWOFOLD), "ambiguous"),
-    ],
-)
-def test_the_word_for_a_joint(
-    testable: int, first: float, remaining: float, namings: tuple[Naming, ...], word: str
-) -> None:
-    assert verdict(testable=testable, omnibus_p=first, remaining_p=remaining, alpha=0.05, namings=namings) == word
-
-
-@pytest.mark.parametrize(("candidates", "needed"), [(12, 17.17), (30, 19.57)])
-def test_detection_limit_by_hand(candidates: int, needed: float) -> None:
-    sign = np.tile([1.0, -1.0], 500)
-    limit = detection_limit(2.0 * sign[:, None], np.ones((1000, 1)), 0.1, 400.0, candidates)
-    assert 400 * (2.0 * limit[0] / 0.1) ** 2 == pytest.approx(needed, abs=0.02)
-
-
-def test_what_the_base_holds_can_never_be_seen() -> None:
-    base = np.random.default_rng(0).standard_normal((100, 2))
-    assert np.isinf(detection_limit(base @ [[1.0], [2.0]], base, 1.0, 100.0, 12)).all()
-
-
-def test_an_effect_at_its_detection_limit_is_seen_nine_times_out_of_ten() -> None:
-    rng = np.random.default_rng(3)
-    w = rng.standard_normal((400, 1))
-    base = np.ones((400, 1))
-    limit = detection_limit(w, base, 1.0, 400.0, 1)
-    free = w[:, 0] - w.mean()
-    z = [(free @ (limit[0] * free + rng.standard_normal(400))) / np.sqrt(free @ free) for _ in range(1000)]
-    assert np.mean(np.abs(z) > 1.96) == pytest.approx(0.9, abs=0.03)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.discrepancy.split import away_from, split_cycles
+from friction_audit.discrepancy.split import split_cycles
 from friction_audit.errors import AnalysisError
 
 
@@ -25,8 +25,3 @@ def test_split_is_complete_large_enough_and_repeatable(m: int, seed: int) -> Non
 def test_too_few_cycles_are_refused() -> None:
     with pytest.raises(AnalysisError, match="3 cycles"):
         split_cycles(np.arange(3), np.ones(3), 0)
-
-
-def test_gap_lies_on_both_sides_of_the_other_cycles() -> None:
-    cycle = np.repeat([0, 1, 2], 4)
-    assert np.flatnonzero(away_from(cycle, np.array([1]), 1)).tolist() == [0, 1, 2, 9, 10, 11]

@@ -3,14 +3,10 @@
 References:
     A. C. Cameron, J. B. Gelbach, D. L. Miller, Review of Economics and Statistics 90 (2008) 414.
     J. P. Romano, M. Wolf, Journal of the American Statistical Association 100 (2005) 94.
-    S. Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of Statistics 6 (1979) 65.
     W. G. Cochran, The combination of estimates from different experiments, Biometrics 10 (1954) 101.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,21 +75,19 @@ def paired_improvement(
     model: Float,
     rng: np.random.Generator,
     *,
-    method: Literal["max_t", "holm"] = "max_t",
     draws: int = 1999,
 ) -> Improvement:
     """Tests on locked cycles whether each effect makes the model better.
 
-    With d_c the drop of the residual sum of squares in cycle c, t = mean(d) / (sd(d) / sqrt(C)). Under ``holm`` the
-    p-values are Student's and Holm's step-down holds the family; under ``max_t`` the signs of d - mean(d) are drawn
-    anew for whole cycles, the same for all effects, and the maximum of t is stepped down (Romano and Wolf 2005).
+    With d_c the drop of the residual sum of squares in cycle c, t = mean(d) / (sd(d) / sqrt(C)). The signs of
+    d - mean(d) are drawn anew for whole cycles, the same for all effects, and the maximum of t is stepped down (Romano
+    and Wolf 2005).
 
     Args:
         without: Residual sum of squares of each cycle without one of the effects, shape (m, c).
         model: The same with all of them, shape (c,).
         rng: Source of randomness.
-        method: How the family-wise error is held.
-        draws: Number of draws of ``max_t``.
+        draws: Number of draws.
 
     Returns:
         The improvements.
@@ -101,78 +95,19 @@ def paired_improvement(
     Raises:
         AnalysisError: Fewer than three cycles.
     """
-    from scipy.stats import t as student
-
     cycles = len(model)
     if cycles < 3:  # noqa: PLR2004 - two values have no spread to speak of
         raise AnalysisError(f"locked cycles: {cycles}, expected at least 3; record more cycles")
     d = without - model
     mean, se, t = _t_of(d)
-    if method == "holm":
-        adjusted = holm(student.sf(t, cycles - 1))
-    else:
-        weights = bootstrap_weights(rng, draws, cycles)
-        drawn = np.stack([_t_of(weights * (row - row.mean()))[2] for row in d])
-        adjusted = step_down(t, drawn)
-    return Improvement(mean=mean, se=se, t=t, adjusted_p=adjusted, cycles=cycles)
-
-
-def holm(p: Float) -> Float:
-    """Family-wise p-values (Holm 1979): the i-th smallest times the number of those not smaller, kept ascending."""
-    order = np.argsort(p, kind="stable")
-    stepped = np.maximum.accumulate(p[order] * np.arange(len(p), 0, -1))
-    adjusted = np.empty_like(stepped)
-    adjusted[order] = np.minimum(stepped, 1.0)
-    return adjusted
+    weights = bootstrap_weights(rng, draws, cycles)
+    drawn = np.stack([_t_of(weights * (row - row.mean()))[2] for row in d])
+    return Improvement(mean=mean, se=se, t=t, adjusted_p=step_down(t, drawn), cycles=cycles)
 
 
 def rms_gain(before: float, after: float) -> float:
     """Share of the root mean square that an effect removes, from residual sums of squares before and after."""
     return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0
-
-
-def null_gain(
-    y: Float,
-    base: Float,
-    candidates: Sequence[Float],
-    cycle: Index,
-    locked: NDArray[np.bool_],
-    rng: np.random.Generator,
-    *,
-    draws: int = 999,
-    quantile: float = 0.95,
-) -> float:
-    """Gain on locked cycles that the best of some candidates reaches by chance, if none of them is there.
-
-    Base and candidate are fitted on the open cycles; the residual e is the noise, so that an effect that is there does
-    not pass for noise. Each draw multiplies e of every cycle, open or locked, by one weight (wild cluster bootstrap;
-    the effect is absent from the drawn response), fits base and candidate to the open cycles and predicts the locked
-    ones. Only cross products by cycle enter the draws.
-
-    Args:
-        y: Response, shape (n,).
-        base: Columns of the model without the effect, shape (n, b).
-        candidates: Columns of each candidate, shape (n, p), among which the choice was.
-        cycle: Number of the cycle of each sample, shape (n,).
-        locked: Samples of locked cycles, shape (n,).
-        rng: Source of randomness.
-        draws: Number of draws.
-        quantile: Share of draws below the answer.
-
-    Returns:
-        The quantile of the largest gain; see :func:`rms_gain`. At least :data:`LEAST_GAIN`.
-    """
-    _, number = np.unique(cycle, return_inverse=True)
-    kept = np.zeros(int(number.max()) + 1, dtype=bool)
-    kept[number[locked]] = True
-    weights = bootstrap_weights(rng, draws, len(kept))
-    gains = []
-    for w in candidates:
-        full = np.hstack([base, w])
-        residual = y - full @ np.linalg.lstsq(full[~locked], y[~locked], rcond=None)[0]
-        without, with_it = (_locked_rss(_by_cycle(residual, z, number), kept, weights) for z in (base, full))
-        gains.append(1.0 - np.sqrt(with_it / without))
-    return max(LEAST_GAIN, float(np.quantile(np.max(gains, axis=0), quantile, method="higher")))
 
 
 def stability(
@@ -210,24 +145,6 @@ def _t_of(d: Float) -> tuple[Float, Float, Float]:
     mean = d.mean(axis=-1)
     se = d.std(axis=-1, ddof=1) / np.sqrt(d.shape[-1])
     return mean, se, mean / np.where(se > 0, se, np.inf)
-
-
-def _by_cycle(residual: Float, columns: Float, number: Index) -> Float:
-    """Cross products of residual and columns by cycle, shape (c, 1 + k, 1 + k)."""
-    order = np.argsort(number, kind="stable")
-    z = np.column_stack([residual, columns])[order]
-    bounds = np.searchsorted(number[order], np.arange(number.max() + 2))
-    return np.stack([z[i:j].T @ z[i:j] for i, j in pairwise(bounds)])
-
-
-def _locked_rss(gram: Float, kept: NDArray[np.bool_], weights: Float) -> Float:
-    """Residual sum of squares on locked cycles of a fit to the open ones, for every draw, shape (draws,)."""
-    own, score, square = gram[:, 0, 0], gram[:, 1:, 0], gram[:, 1:, 1:]
-    inverse = np.linalg.pinv(square[~kept].sum(axis=0), rcond=1e-12, hermitian=True)
-    shift = weights[:, ~kept] @ score[~kept] @ inverse
-    noise = weights[:, kept] ** 2 @ own[kept]
-    cross = np.sum((weights[:, kept] @ score[kept]) * shift, axis=1)
-    return np.asarray(noise - 2.0 * cross + np.sum((shift @ square[kept].sum(axis=0)) * shift, axis=1))
 
 
 def _strength(y: Float, base: Float, torque: Float, cycle: Index, size: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Which other names would explain an effect as well, what is said about a joint, and what could have been seen.
+"""Which other names would explain an effect as well.
 
 References:
     Q. H. Vuong, Likelihood ratio tests for model selection and non-nested hypotheses, Econometrica 57 (1989) 307.
@@ -8,7 +8,6 @@ References:
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -17,12 +16,8 @@ from friction_audit.joint_log import Float
 
 BEATEN_BY = 6.0
 """Difference in BIC from which one effect beats another (Kass and Raftery 1995)."""
-ALIKE = 0.9
+ALIKE = 0.7
 """Correlation, free of all else in the model, above which two effects look the same."""
-POWER_Z = 1.28
-"""Normal quantile of 90 % power."""
-
-Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable"]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,7 +70,7 @@ def name_effects(
     """For every accepted effect the set of names that fit.
 
     An alternative is not beaten by a difference of 6 in BIC on the effective number of samples (nor, where asked, by
-    Vuong's test over cycles) and runs alike: its torque, free of all else in the model, correlates above 0.9 with that
+    Vuong's test over cycles) and runs alike: its torque, free of all else in the model, correlates above 0.7 with that
     of the effect. Names that no motion of this kind tells apart always belong to the set.
 
     Args:
@@ -97,57 +92,6 @@ def name_effects(
         names = dict.fromkeys([*close, *(name for name in same_as.get(chosen.name, ()) if name not in taken)])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
     return tuple(entries)
-
-
-def verdict(*, testable: int, omnibus_p: float, remaining_p: float, alpha: float, namings: Sequence[Naming]) -> Verdict:
-    """The one word for a joint.
-
-    Args:
-        testable: Number of candidates that the log could show.
-        omnibus_p: Family-wise p-value that nothing is missing from the declared model.
-        remaining_p: The same for the model with all accepted effects.
-        alpha: Family-wise error allowed.
-        namings: Accepted effects with their alternatives.
-
-    Returns:
-        ``not_testable`` if no candidate could be seen, ``none`` if nothing is missing, ``unexplained`` if something is
-        and no name was accepted or something remains, ``ambiguous`` if a name has alternatives, else ``named``.
-    """
-    if testable == 0:
-        return "not_testable"
-    if omnibus_p > alpha:
-        return "none"
-    if not namings or remaining_p <= alpha:
-        return "unexplained"
-    return "ambiguous" if any(naming.alternatives for naming in namings) else "named"
-
-
-def detection_limit(
-    columns: Float, base: Float, sigma: float, n_eff: float, candidates: int, *, alpha: float = 0.05
-) -> Float:
-    """Smallest factor of each column that would have been seen, with 90 % power.
-
-    With rho = factor * rms(M column) / sigma, M the projection off the base, an effect is seen where
-    ``n_eff rho^2 >= (z_{alpha / 2 m} + 1.28)^2``: a normal score with Bonferroni's limit over m candidates.
-
-    Args:
-        columns: Columns of a candidate, shape (n, p).
-        base: Columns of the model, shape (n, b).
-        sigma: Noise. [unit of the response]
-        n_eff: Number of independent samples that the data are worth.
-        candidates: Number of candidates with their shapes, m.
-        alpha: Family-wise error.
-
-    Returns:
-        Limits, shape (p,), in the unit of the response over that of the column; infinite for a copy of the base.
-    """
-    from scipy.stats import norm
-
-    needed = (float(norm.isf(alpha / (2.0 * candidates))) + POWER_Z) / np.sqrt(n_eff)
-    free = columns - base @ np.linalg.lstsq(base, columns, rcond=None)[0]
-    rms, whole = np.sqrt(np.mean(free**2, axis=0)), np.sqrt(np.mean(columns**2, axis=0))
-    seen = rms > 1e-6 * whole
-    return np.asarray(np.where(seen, needed * sigma / np.where(seen, rms, 1.0), np.inf))
 
 
 def vuong(rss_first: Float, rss_second: Float, samples: Float, n_eff: float, extra_columns: int = 0) -> float:

@@ -56,18 +56,3 @@ def split_cycles(cycles: Index, speed: Float, seed: int, *, share: float = LOCKE
         picked += [int(rng.choice(group)) for group in np.array_split(by_speed, wanted)]
     locked = np.isin(np.arange(len(cycles)), picked)
     return Split(working=cycles[~locked], locked=cycles[locked])
-
-
-def away_from(cycle: Index, others: Index, samples: int) -> NDArray[np.bool_]:
-    """Samples that lie more than so many samples away from any sample of other cycles, shape (n,).
-
-    Args:
-        cycle: Number of the cycle of each sample, shape (n,).
-        others: Cycles to keep away from.
-        samples: Width of the gap, one integral time and half a kernel of the filter.
-    """
-    near = np.isin(cycle, others)
-    reach = np.cumsum(np.concatenate([[0], near]))
-    index = np.arange(len(cycle))
-    low, high = np.maximum(index - samples, 0), np.minimum(index + samples + 1, len(cycle))
-    return np.asarray(reach[high] == reach[low], bool)
