@@ -48,11 +48,13 @@ class Transmission:
         stiffness_nm_per_rad: Stiffness K. [N m/rad]
         damping_ratio: Damping ratio of the far side on the spring.
         gap_rad: Full width of the play. [rad]
+        soft_nm: Torque up to which the spring is half as stiff, as makers of strain-wave gears state it. [N m]
     """
 
     stiffness_nm_per_rad: float
     damping_ratio: float
     gap_rad: float = 0.0
+    soft_nm: float = 0.0
 
 
 def far_side(motion: Motion) -> FarSide:
@@ -111,14 +113,19 @@ def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Flo
             step,
             steps,
             (far.inertia_kg_m2, far.coulomb_nm, far.viscous_nms_per_rad),
-            (transmission.stiffness_nm_per_rad, damping, 0.5 * transmission.gap_rad),
+            (transmission.stiffness_nm_per_rad, damping, 0.5 * transmission.gap_rad, transmission.soft_nm),
         )
     )
 
 
 @compiled()
 def _follow(
-    q: Float, dq: Float, step: float, steps: int, far: tuple[float, float, float], link: tuple[float, float, float]
+    q: Float,
+    dq: Float,
+    step: float,
+    steps: int,
+    far: tuple[float, float, float],
+    link: tuple[float, float, float, float],
 ) -> Float:
     """Integrate the far side; the measured side moves along the cubic through its samples and their slopes."""
     inertia, coulomb, viscous = far
@@ -148,13 +155,12 @@ def _follow(
 
 
 @compiled()
-def _push(twist: float, closing: float, link: tuple[float, float, float]) -> tuple[float, float]:
+def _push(twist: float, closing: float, link: tuple[float, float, float, float]) -> tuple[float, float]:
     """Return the torque of the spring and the damping, both zero within the play and where flanks would pull."""
-    stiffness, damping, half = link
-    if half == 0.0:
-        return stiffness * twist, damping
-    engaged = twist - half if twist > half else (twist + half if twist < -half else 0.0)
-    push = stiffness * engaged
-    if engaged == 0.0 or (push + damping * closing) * engaged < 0.0:
+    stiffness, damping, half, soft = link
+    engaged = max(abs(twist) - half, 0.0)
+    sign = 1.0 if twist > 0.0 else -1.0
+    push = sign * max(stiffness * engaged - soft, 0.5 * stiffness * engaged)
+    if half > 0.0 and (engaged == 0.0 or (push + damping * closing) * sign < 0.0):
         return 0.0, 0.0
     return push, damping

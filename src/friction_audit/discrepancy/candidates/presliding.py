@@ -10,7 +10,7 @@ from friction_audit.model.terms.presliding import TERM
 
 SPAN_SHARES = np.geomspace(1e-4, 0.3, 18)
 """Reaches as shares of the span of the motion."""
-KINDS = ((0.0, 0.0), (0.5, 0.0), (1.0, 0.0), (2.0, 0.0), (1.0, 0.01))
+KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 """Exponents with times of damping: one stop, a row of stops, Dahl's, a slow one, and LuGre's with its damping."""
 FEWEST_REVERSALS = 20
 

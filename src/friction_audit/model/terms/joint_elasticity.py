@@ -16,8 +16,8 @@ DAMPING_RATIO = 0.05
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what the spring adds to the torque per compliance, as a column."""
-    (stiffness,) = shape
-    spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO)
+    stiffness, soft = shape
+    spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
     return stiffness * added_torque(motion, far_side(motion), spring)[:, None]
 
 
@@ -35,6 +35,7 @@ TERM = Term(
             lower=1.0,
             upper=1e6,
         ),
+        Parameter(name="soft_nm", unit="N m", meaning="torque up to which it is half as stiff", lower=0.0, upper=1e3),
     ),
     basis=basis,
     forward="spring",
