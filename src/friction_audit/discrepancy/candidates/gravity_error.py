@@ -17,7 +17,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return span(data, baseline, 1.5)
+    return span(data, baseline, 0.3)
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
