@@ -21,7 +21,7 @@ LARGEST_SCALE = 30.0
 def left_over(log: JointLog, joint: int) -> float:
     """What the declared model leaves of one joint's torque, root mean square. [N m]"""
     estimate = estimate_log(log, AuditSettings())
-    data = prepare(estimate.interaction, estimate.cycles, estimate.log, estimate.log.gravity)[joint]
+    data = prepare(estimate.interaction, estimate.cycles, estimate.log)[joint]
     ground = make_ground(data, None, 0)
     left = ground.y - ground.base @ least_squares(ground.base, ground.y)
     return float(np.sqrt(np.mean(left**2)))

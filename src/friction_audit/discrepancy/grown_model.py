@@ -6,12 +6,15 @@ import numpy as np
 
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import JointLog
 from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.model.term import Term
 from friction_audit.model.terms import TERMS
 
 METHOD = "diagnose"
+ABSENT = Coefficient(value=0.0, low=0.0, high=0.0)
+"""Of a factor that the form of the term at hand does not have."""
 
 
 class Grown(NamedTuple):
@@ -66,7 +69,7 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     ]
     found = {effect.name: effect.parameters for effect in joint.effects}
     terms += [
-        FittedTerm(term.name, tuple(found[term.name][p.name].value for p in term.parameters))
+        FittedTerm(term.name, tuple(found[term.name].get(p.name, ABSENT).value for p in term.parameters))
         for term in TERMS
         if term.name in found
     ]

@@ -3,10 +3,13 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.rows import Rows
 from friction_audit.discrepancy.search import Group
+from friction_audit.joint_log import Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -46,12 +49,16 @@ def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Ba
 
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
+    every = [rows.of(candidate.columns(data, baseline, shape)) for shape in shapes]
+    there = [np.any(columns != 0.0, axis=0) for columns in every]
+
+    def admissible(factors: Float, shape: int) -> bool:
+        whole = np.zeros(len(there[shape]))
+        whole[there[shape]] = factors
+        return candidate.admissible(whole, shapes[shape])
+
+    # A column that is zero throughout has no factor that could be fitted and none to be paid for.
+    kept = tuple(columns[:, which] for columns, which in zip(every, there, strict=True))
     return Entry(
-        candidate=candidate,
-        shapes=shapes,
-        group=Group(
-            name=candidate.name,
-            shapes=tuple(rows.of(candidate.columns(data, baseline, shape)) for shape in shapes),
-            admissible=lambda factors, shape: candidate.admissible(factors, shapes[shape]),
-        ),
+        candidate=candidate, shapes=shapes, group=Group(name=candidate.name, shapes=kept, admissible=admissible)
     )

@@ -47,7 +47,8 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
     effects, at, after = [], base, linear.shape[1]
     for f, slope in zip(found, slopes, strict=True):
         width, shapes = f.columns.shape[1], slope.shape[1]
-        values = dict(zip(_factor_names(f), every[at : at + width], strict=True))
+        named = zip(_factor_names(f), every[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
+        values = {name: coefficient for name, coefficient, there in named if there}
         free = every[after : after + shapes]
         values |= {name: _shifted(f.shape[name], step) for name, step in zip(f.shape, free, strict=True)}
         effects.append(values)
