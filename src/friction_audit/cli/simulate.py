@@ -27,6 +27,7 @@ EXAMPLES = """Examples:
   friction-audit simulate --list
   friction-audit simulate joint -o run.parquet --seed 7 --truth run.truth.json
   friction-audit simulate joint -o run.csv --effect stribeck:excess_nm=0.2 --effect time_delay
+  friction-audit simulate joint -o again.parquet --model results/model.toml
   friction-audit simulate panda -o run.mcap --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
 
 
@@ -58,6 +59,15 @@ class SimulationOptions:
         float | None,
         typer.Option(
             metavar="HZ", callback=_finite, help="Sampling rate. Default: the scenario's.", rich_help_panel=SIMULATION
+        ),
+    ] = None
+    model: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml",
+            help="Joints of this model, e.g. of a diagnosis, in the place of the scenario's; --set and --effect come"
+            " on top.",
+            rich_help_panel=SIMULATION,
         ),
     ] = None
     effects: Annotated[
@@ -237,12 +247,31 @@ def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa:
     settings = replace(settings, **asked)
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
+    if options.model is not None:
+        settings = _with_model(settings, options.model)
     settings = assign_texts(settings, options.assignments or ())
     for name, value in asked.items():
         if getattr(settings, name) != value:
             option = name.partition("_")[0]
             raise UsageError(f"--{option} {value:g}: --set {name} says otherwise; leave one of them out")
     return hide(settings, options.effects or ())
+
+
+def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scenario
+    """Return the settings with the joints of a model's file.
+
+    Raises:
+        InputError: If the file is none.
+        UsageError: If the scenario cannot take its joints.
+    """
+    from friction_audit.model.model_file import load_model
+    from friction_audit.simulate.from_model import with_model
+
+    model = load_model(path)
+    try:
+        return with_model(settings, model)
+    except UsageError as error:
+        raise UsageError(f"--model {path}: {error}") from error
 
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:

@@ -1,0 +1,163 @@
+"""A model of joints simulated: what the model says of the simulated motion is the torque that was simulated."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.errors import UsageError
+from friction_audit.model import TERMS, ArmModel, FittedTerm, JointModel, Motion, simple_model, term_of
+from friction_audit.simulate.arm import ArmSettings
+from friction_audit.simulate.bench import BenchSettings, simulate_bench
+from friction_audit.simulate.effects.stribeck import Stribeck
+from friction_audit.simulate.from_model import EQUALS, with_model
+from friction_audit.simulate.hide import hidden_effects
+from friction_audit.simulate.settings import IDEAL_SENSORS, JointParameters
+from tests.model.recordings import typical_term
+
+SIMPLE = {"coulomb": (0.4,), "viscous": (0.1,)}
+IDEAL = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=20.0)
+
+
+def model_of(terms: Mapping[str, Mapping[str, float]], inertia_kg_m2: float = 0.25) -> JointModel:
+    """A joint with Coulomb and viscous friction and terms by the names of their parameters; others are zero."""
+    fitted = [
+        FittedTerm(name, tuple(values.get(parameter.name, 0.0) for parameter in term_of(name).parameters))
+        for name, values in terms.items()
+    ]
+    simple = tuple(FittedTerm(name, values) for name, values in SIMPLE.items())
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=(*simple, *fitted))
+
+
+def arm_of(*joints: JointModel | None) -> ArmModel:
+    return ArmModel(names=tuple(f"joint{k}" for k in range(len(joints))), joints=joints)
+
+
+EXAMPLES: dict[str, dict[str, float]] = {
+    "offset": {"offset_nm": 0.1},
+    "torque_bias": {"torque_bias_nm": -0.1},
+    "stribeck": {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0},
+    "nonlinear_viscous": {
+        "curved_viscous_nm": 0.1,
+        "curved_viscous_exponent": 2.0,
+        "curved_viscous_speed_rad_s": 1e-3,
+    },
+    "asymmetric_coulomb": {"coulomb_half_difference_nm": 0.1},
+    "asymmetric_viscous": {"viscous_half_difference_nms_per_rad": 0.03},
+    "position_dependent_friction": {
+        "position_friction_cos_nm": 0.1,
+        "position_friction_sin_nm": -0.05,
+        "position_friction_order": 3.0,
+        "position_friction_centre_rad": 0.2,
+        "position_friction_width_rad": 200.0,
+    },
+    "torque_ripple": {"ripple_sin_nm": 0.1, "ripple_order": 20.0},
+    "gravity_error": {"gravity_cos_nm": 0.2, "gravity_sin_nm": -0.1},
+    "cable_spring": {"cable_stiffness_nm_per_rad": 0.4, "cable_centre_rad": 0.1, "cable_free_rad": 0.3},
+    "inertia_error": {"extra_inertia_kg_m2": 0.05},
+    "friction_step": {
+        "step_coulomb_nm": 0.1,
+        "step_viscous_nms_per_rad": 0.02,
+        "step_time_s": 8.0,
+        "step_length_s": 4.0,
+    },
+    "presliding": {"bristle_nm": 0.4, "reach_rad": 0.004, "yielding_exponent": 1.0},
+    "time_delay": {"delay_s": 0.004, "delay_step_s": 0.004},
+    "joint_elasticity": {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1000.0},
+    "unlogged_compensation": {"unlogged_nm": 0.2, "unlogged_width_rad_s": 0.05},
+}
+
+
+PRELOADED = {"cable_stiffness_nm_per_rad": 0.4, "cable_preload_nm": 0.2, "cable_centre_rad": 0.1}
+CASES = [*EXAMPLES.items(), ("cable_spring", PRELOADED)]
+
+
+@pytest.mark.parametrize(("name", "values"), CASES, ids=lambda part: part if isinstance(part, str) else "")
+def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, values: dict[str, float]) -> None:
+    model = model_of({name: values})
+    simulation = simulate_bench(with_model(IDEAL, arm_of(model)), 3)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]
+    motion = Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
+    without = model_of({})
+    read, far = log.tau_interaction[:, 0], away_from_reversals(dq)
+    left = [np.sqrt(np.mean((read - one.torque(motion))[far] ** 2)) for one in (without, model)]
+    assert left[1] < 0.15 * left[0]
+
+
+def away_from_reversals(dq: np.ndarray[tuple[int], np.dtype[np.float64]]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Samples with 20 ms of motion in one direction on either side."""
+    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
+    same = np.convolve(way, np.ones(41), "same")
+    return np.asarray(np.abs(same) == 41.0)
+
+
+def test_inertia_and_friction_are_taken_over() -> None:
+    model = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
+    settings = with_model(IDEAL, arm_of(model))
+    assert settings.joints == (JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3),)
+    assert settings.hidden == IDEAL.hidden
+    assert replace(settings, joints=IDEAL.joints) == IDEAL
+
+
+def test_a_joint_without_friction_has_none() -> None:
+    assert with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=0.2))).joints[0].coulomb_nm == 0.0
+
+
+def test_joints_without_a_model_stay_as_they_are() -> None:
+    arm = ArmSettings()
+    model = model_of({"stribeck": EXAMPLES["stribeck"]})
+    settings = with_model(arm, arm_of(None, model, *(None,) * 5))
+    assert settings.joints[0] == arm.joints[0]
+    assert settings.joints[1] == JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
+    assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
+
+
+def test_the_numbers_of_joints_must_agree() -> None:
+    with pytest.raises(UsageError, match="the model has 2 joints, the scenario 1; expected as many"):
+        with_model(IDEAL, arm_of(None, None))
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "reason"),
+    [
+        ("torque_drift", {"drift_1_nm": 0.1}, "its own formulas differ"),
+        ("torque_ripple", {"ripple_sin_nm": 0.1, "ripple_cos_nm": 0.1, "ripple_order": 20.0}, "phase of a sine or"),
+        ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
+        ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
+        ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
+    ],
+)
+def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str, float], reason: str) -> None:
+    with pytest.raises(UsageError, match=rf"the model's joint 1: {name}: the simulator has no equal of it: .*{reason}"):
+        with_model(IDEAL, arm_of(model_of({name: values})))
+
+
+def test_what_is_beyond_the_simulator_is_refused() -> None:
+    model = model_of({"time_delay": {"delay_s": 0.5, "delay_step_s": 0.5}})
+    with pytest.raises(UsageError, match=re.escape("the model's joint 1: time_delay: delay_s=0.5: expected a number")):
+        with_model(IDEAL, arm_of(model))
+
+
+def test_two_terms_that_are_one_effect_are_refused() -> None:
+    model = model_of({"offset": {"offset_nm": 0.1}, "torque_bias": {"torque_bias_nm": 0.1}})
+    with pytest.raises(UsageError, match="torque_bias: another term is a torque_bias already"):
+        with_model(IDEAL, arm_of(model))
+
+
+def test_every_term_is_told_or_refused() -> None:
+    """No term breaks on its way to the simulator, whatever its name."""
+    assert set(EQUALS) <= {term.name for term in TERMS}
+    for term in TERMS:
+        if term.name not in ("inertia", *SIMPLE):
+            model = replace(model_of({}), terms=(*model_of({}).terms, typical_term(term)))
+            try:
+                settings = with_model(IDEAL, arm_of(model))
+            except UsageError as error:
+                assert str(error).startswith(f"the model's joint 1: {term.name}: ")  # noqa: PT017 - or it is told
+            else:
+                assert hidden_effects(settings)
