@@ -98,22 +98,25 @@ def _settle(
 
 
 def _with_past(tables: Tables, past: Sequence[FittedTerm], model: JointModel, motion: Motion) -> Tables:
-    """Add the torque of terms with a past along a motion: friction by direction, all else as it is."""
+    """Add the torque of terms with a past along a motion."""
     known = replace(motion, rest=model.rest(motion))
     for term in past:
-        torque = term.torque(known)
-        ways = np.array([[1.0], [-1.0]]) * _level(torque, motion) if term.term.friction else np.stack([torque, torque])
-        tables = tables._replace(time=tables.time + ways)
+        tables = tables._replace(time=tables.time + _ways(term.torque(known), certain(motion), motion.t))
     return tables
 
 
-def _level(torque: Float, motion: Motion) -> Float:
-    """Friction against the motion, carried over where the direction is not certain."""
-    way = certain(motion)
+def _ways(torque: Float, way: Float, t: Float) -> Float:
+    """Torque forwards and backwards, shape (2, n): against the motion or whatever the motion, what jumps less.
+
+    Friction jumps where the direction turns; its level against the motion does not. What is not known where no
+    direction is certain is read between.
+    """
     sure = way != 0.0
     if not sure.any():
-        return np.zeros(len(torque))
-    return np.asarray(np.interp(motion.t, motion.t[sure], (torque * way)[sure]))
+        return np.stack([torque, torque])
+    level = np.interp(t, t[sure], (torque * way)[sure])
+    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * way)[sure])).sum()
+    return np.stack([level, -level] if turns else [torque, torque])
 
 
 def _spliced(
