@@ -17,6 +17,7 @@ from tests.report.diagnosis_by_hand import (
     LIMIT,
     NAMED,
     NONE,
+    NOT_TESTABLE,
     STRIBECK,
     VERDICTS_BY_HAND,
     coefficient,
@@ -125,11 +126,46 @@ def test_a_declared_model_is_named() -> None:
         (coefficient(0.0031, 0.0002), "N m", "0.0031 ± 0.0002 N m"),
         (coefficient(0.5, 0.1), "s", "0.50 ± 0.10 s"),
         (Coefficient(value=2.0, low=float("nan"), high=float("nan")), "1", "2"),
+        (coefficient(2.0, 0.0), "1", "2"),
         (Coefficient(value=float("nan"), low=float("nan"), high=float("nan")), "s", "-"),
     ],
 )
 def test_small_times_and_angles_are_told_in_thousandths(number: Coefficient, unit: str, text: str) -> None:
     assert format_quantity(number, unit) == text
+
+
+def test_joints_of_which_the_same_is_to_be_said_share_a_line() -> None:
+    still = [replace(NOT_TESTABLE, joint=number) for number in (5, 6)]
+    lines = lines_of(diagnose_table(diagnosis((NAMED, *still))))
+    assert f"joints 5, 6: {NOT_TESTABLE.message}" in lines
+    assert f"joint 6: {NOT_TESTABLE.message}" in lines_of(diagnose_table(diagnosis(tuple(still)), verbose=True))
+
+
+def test_more_numbers_than_people_read_are_left_to_the_document() -> None:
+    many = replace(BIAS, parameters={f"factor_{k}": coefficient(0.1, 0.1) for k in range(13)})
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(many,)),))))
+    assert "  torque_bias: 13 numbers, see the JSON document; gap 0.120 -> 0.030 N m; p < 0.001" in lines
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "text"),
+    [
+        ("unlogged_form", 1.0, "dead band"),
+        ("gravity_error_source", -1.0, "base"),
+        ("gravity_error_source", 5.0, "number of the link 5"),
+        ("coupling_source", 4.0, "model of the arm"),
+    ],
+)
+def test_a_number_that_chooses_a_form_is_told_as_the_form(name: str, value: float, text: str) -> None:
+    chosen = replace(BIAS, parameters={"torque_bias_nm": coefficient(0.1, 0.02), name: coefficient(value, 1e-4)})
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(chosen,)),))))
+    assert any(f"0.100 ± 0.020 N m, {text}; gap" in line for line in lines)
+
+
+def test_a_form_that_needs_no_words_gets_none() -> None:
+    usual = {"torque_bias_nm": coefficient(0.1, 0.02), "load_directed": coefficient(0.0, 1e-4)}
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(replace(BIAS, parameters=usual),)),))))
+    assert any("0.100 ± 0.020 N m; gap" in line for line in lines)
 
 
 def test_limits_of_the_data_are_warnings_and_joints_share_a_line() -> None:

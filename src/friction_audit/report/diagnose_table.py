@@ -1,7 +1,8 @@
 """Diagnosis -> the table and the sentences that people read."""
 
 import math
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
@@ -18,6 +19,8 @@ TITLES = ("joint", "verdict", "missing", "before\n[N m]", "after\n[N m]", "floor
 WORDS = 3
 """Columns of words; the others hold numbers."""
 SMALLEST_P = 0.001
+MOST_NUMBERS = 6
+"""Parameters of an effect that a line has room for."""
 UNITS = {parameter.name: parameter.unit for term in TERMS for parameter in term.parameters}
 MEANINGS = {parameter.name: parameter.meaning for term in TERMS for parameter in term.parameters}
 FACTORS = {term.name: tuple(parameter.name for parameter in term.linear) for term in TERMS}
@@ -35,14 +38,22 @@ def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Renderab
     """
     from rich.text import Text
 
-    joints = found.discrepancy.joints
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
-    parts.append(_table(joints))
-    for joint in joints:
-        parts.extend(Text(line) for line in _sentences(joint))
+    parts.append(_table(found.discrepancy.joints))
+    for joints in _alike(found.discrepancy.joints, together=not verbose):
+        parts.extend(Text(line) for line in _sentences(joints))
         if verbose:
-            parts.extend(Text(f"  {line}") for line in _details(joint))
+            parts.extend(Text(f"  {line}") for line in _details(joints[0]))
     return parts
+
+
+def _alike(joints: Sequence[JointDiscrepancy], *, together: bool) -> list[list[JointDiscrepancy]]:
+    """Return the joints, those of which the same is to be said together."""
+    groups: dict[object, list[JointDiscrepancy]] = {}
+    for joint in joints:
+        alone = joint.effects or joint.simulation is not None or not together
+        groups.setdefault(joint.joint if alone else joint.message, []).append(joint)
+    return list(groups.values())
 
 
 def _head(found: Diagnosis) -> tuple[str, ...]:
@@ -127,33 +138,56 @@ def format_quantity(number: Coefficient, unit: str) -> str:
     if unit in SCALED and abs(number.value) < SMALL:
         number = Coefficient(value=1e3 * number.value, low=1e3 * number.low, high=1e3 * number.high)
         unit = f"m{unit}"
-    return format_coefficient(number) if unit in ("", "1") else f"{format_coefficient(number)} {unit}"
+    text = f"{number.value:.4g}" if number.low == number.high else format_coefficient(number)
+    return text if unit in ("", "1") else f"{text} {unit}"
 
 
-def _sentences(joint: JointDiscrepancy) -> Iterator[str]:
-    """Yield what is to be said of a joint: its message, each effect in numbers, the simulated motion."""
-    yield f"joint {joint.joint}: {joint.message}"
-    for effect in joint.effects:
-        yield from (f"  {line}" for line in _effect(effect, joint.message))
-    gap = joint.simulation
+def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
+    """Yield what is to be said of joints alike: their message, each effect in numbers, the simulated motion."""
+    numbers = ", ".join(str(joint.joint) for joint in joints)
+    first = joints[0]
+    yield f"joint{'s' if len(joints) > 1 else ''} {numbers}: {first.message}"
+    for effect in first.effects:
+        yield from (f"  {line}" for line in _effect(effect, first.message))
+    gap = first.simulation
     if gap is not None:
         yield f"  simulated motion strays by {gap.before:.3g} -> {gap.after:.3g} {gap.unit} rms"
 
 
 def _effect(effect: Effect, said: str) -> Iterator[str]:
-    numbers = ", ".join(_parameter(name, number) for name, number in effect.parameters.items())
     p_value = f"p < {SMALLEST_P}" if effect.p_value < SMALLEST_P else f"p = {effect.p_value:.2g}"
     gap = f"gap {_torque(effect.gap_before_nm)} -> {_torque(effect.gap_after_nm)} N m"
-    yield f"{effect.name}: {'; '.join(text for text in (numbers, gap, p_value) if text)}"
+    yield f"{effect.name}: {'; '.join(text for text in (_numbers(effect), gap, p_value) if text)}"
     if effect.where not in said:
         yield f"  where: {effect.where}"
     if effect.decide:
         yield f"  to decide: {effect.decide}"
 
 
+def _numbers(effect: Effect) -> str:
+    """Return the parameters in words; more than people can read are left to the document."""
+    words = [_parameter(name, number) for name, number in effect.parameters.items()]
+    if len(words) > MOST_NUMBERS:
+        return f"{len(words)} numbers, see the JSON document"
+    return ", ".join(word for word in words if word)
+
+
 def _parameter(name: str, number: Coefficient) -> str:
-    """Return a parameter in words; one of no term by its name alone."""
-    return f"{MEANINGS.get(name, name)} {format_quantity(number, UNITS.get(name, ''))}"
+    """Return a parameter in words; one of no term by its name alone, one that chooses a form by that form."""
+    meaning = MEANINGS.get(name, name)
+    if CHOICE.match(meaning):
+        return _choice(meaning, round(number.value))
+    return f"{meaning} {format_quantity(number, UNITS.get(name, ''))}"
+
+
+CHOICE = re.compile(r"(-?\d+|else) ([^,]+)")
+"""An entry in the meaning of a parameter that chooses a form: ``0 smooth, 1 dead band, else so many steps``."""
+
+
+def _choice(meaning: str, chosen: int) -> str:
+    """Return the form that is chosen, or nothing if it is the usual one that needs no words."""
+    forms: dict[str, str] = dict(CHOICE.findall(meaning))
+    return forms.get(str(chosen), f"{forms['else']} {chosen}" if "else" in forms else "")
 
 
 def _details(joint: JointDiscrepancy) -> Iterator[str]:
