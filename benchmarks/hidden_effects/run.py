@@ -14,11 +14,13 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.hidden_effects.draw import Case, draw_case, settings_of
+from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.strength import scales_for
 from friction_audit.audit import AuditSettings, diagnose_log
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
+from friction_audit.joint_log import JointLog
 from friction_audit.simulate.dispatch import simulate
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
@@ -30,18 +32,24 @@ FIELDS = (
 
 def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[str, object]]:
     """One log: one row per joint that moves."""
-    names = () if truth == "none" else tuple(truth.split("+"))
+    kinds = [kind for kind, _ in OUTSIDE]
+    names = () if truth == "none" or truth in kinds else tuple(truth.split("+"))
     size = SIZES[seed % len(SIZES)]
     case = draw_case(seed, names, size, scenario)
     try:
-        scales = scales_for(case)
-        if scales is None:
+        log = log_with(case, truth) if truth in kinds else _log_of(case)
+        if log is None:
             return []
-        log = simulate(settings_of(case, scales), case.seed).log
         found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed)).discrepancy
     except FrictionAuditError as error:
         return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
     return [_row(case, truth, joint) for joint in found.joints]
+
+
+def _log_of(case: Case) -> JointLog | None:
+    """The log of a case; None where the strength cannot be reached."""
+    scales = scales_for(case)
+    return None if scales is None else simulate(settings_of(case, scales), case.seed).log
 
 
 def _row(case: Case, truth: str, joint: object) -> dict[str, object]:
