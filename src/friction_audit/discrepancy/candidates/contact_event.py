@@ -19,6 +19,8 @@ WINDOWS_S = (0.1, 0.3, 1.0)
 """Lengths of a touch that are looked for; a longer one is found by its beginning and its end."""
 LEAST_SIGMAS = 6.0
 """How far a window's mean stands out: of thousands of windows of noise, none does."""
+EDGE_SIGMAS = 2.5
+"""How far the shortest window stands out at the beginning and the end of a contact."""
 LEAST_FILLED = 0.5
 """Share of a window in which the joint must move."""
 APART_S = 0.1
@@ -49,10 +51,11 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     if not data.used.any():
         return ()
     left = _left(data)
+    means = [_window_means(left, data.used, round(length / data.step_s)) for length in WINDOWS_S]
     outlying = np.zeros(len(left), bool)
-    for length in WINDOWS_S:
-        outlying |= _outlying(left, data.used, round(length / data.step_s))
-    found = _stretches(data.t, outlying)
+    for length, mean in zip(WINDOWS_S, means, strict=True):
+        outlying |= _widened(np.abs(mean) > LEAST_SIGMAS, round(length / data.step_s))
+    found = _stretches(data.t, outlying, np.abs(means[0]) > EDGE_SIGMAS)
     inside = np.zeros(len(left), bool)
     for contact in found:
         inside |= (data.t >= contact.start_s) & (data.t <= contact.stop_s)
@@ -74,28 +77,42 @@ def _left(data: JointData) -> Float:
     return np.where(data.used, left, 0.0)
 
 
-def _outlying(left: Float, used: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
-    """Samples within windows of raised cosines in which the mean stands out."""
+def _window_means(left: Float, used: NDArray[np.bool_], samples: int) -> Float:
+    """Means over raised cosines about each sample, in units of their usual size."""
     from scipy.signal import fftconvolve
 
     bell = np.hanning(max(samples, 1) + 2)[1:-1]
     if len(bell) >= len(left):
-        return np.zeros(len(left), bool)
+        return np.zeros(len(left))
     filled = fftconvolve(used.astype(np.float64), bell**2, mode="same") / np.sum(bell**2)
     enough = filled > LEAST_FILLED
     mean = np.where(enough, fftconvolve(left, bell, mode="same") / np.sqrt(np.where(enough, filled, 1.0)), 0.0)
     usual = SIGMA_PER_MEDIAN * float(np.median(np.abs(mean[enough]))) if enough.any() else np.inf
-    out = (np.abs(mean) > LEAST_SIGMAS * usual).astype(np.float64)
-    return np.asarray(fftconvolve(out, np.ones(len(bell)), mode="same") > 0.5)  # noqa: PLR2004 - one window or more
+    return np.asarray(mean / usual) if usual > 0.0 else np.zeros(len(left))
 
 
-def _stretches(t: Float, outlying: NDArray[np.bool_]) -> tuple[Contact, ...]:
-    """Runs of outlying samples, those that are close put together."""
+def _widened(marks: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
+    """All samples within half a window of a marked one."""
+    from scipy.ndimage import maximum_filter1d
+
+    return np.asarray(maximum_filter1d(marks, max(samples, 1)), bool)
+
+
+def _stretches(t: Float, outlying: NDArray[np.bool_], clear: NDArray[np.bool_]) -> tuple[Contact, ...]:
+    """Runs of outlying samples, those that are close put together, from the first clear sample of each to its last."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], outlying, [False]])))
     starts, stops = t[edges[::2]], t[edges[1::2] - 1]
     far = np.append(True, starts[1:] - stops[:-1] > APART_S) if len(starts) else np.zeros(0, bool)
     last = np.append(np.flatnonzero(far)[1:] - 1, len(starts) - 1) if len(starts) else np.zeros(0, int)
-    return tuple(Contact(start_s=float(a), stop_s=float(b)) for a, b in zip(starts[far], stops[last], strict=True))
+    return tuple(_trimmed(t, clear, float(a), float(b)) for a, b in zip(starts[far], stops[last], strict=True))
+
+
+def _trimmed(t: Float, clear: NDArray[np.bool_], start: float, stop: float) -> Contact:
+    inside = t[clear & (t >= start) & (t <= stop)]
+    half = 0.5 * WINDOWS_S[0]
+    if not len(inside):
+        return Contact(start_s=start, stop_s=stop)
+    return Contact(start_s=max(start, float(inside[0]) - half), stop_s=min(stop, float(inside[-1]) + half))
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:

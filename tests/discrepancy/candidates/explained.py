@@ -1,0 +1,22 @@
+"""How much of a torque written down by hand a candidate explains beside inertia, Coulomb and viscous friction."""
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.joint_log import Float
+from tests.discrepancy.candidates.joint_data_by_hand import baseline
+
+
+def share_explained(candidate: Candidate, data: JointData, torque: Float) -> float:
+    """Share of what the declared model leaves of a torque, shape (n,), by the best shape with possible factors."""
+    used = data.used
+    declared = np.column_stack([data.ddq, np.sign(data.dq), data.dq])[used]
+    y = torque[used] - declared @ np.linalg.lstsq(declared, torque[used])[0]
+    best = 0.0
+    for shape in candidate.tried(data):
+        columns = np.hstack([declared, candidate.columns(data, baseline(data), shape)[used]])
+        factors = np.linalg.lstsq(columns, y)[0]
+        if candidate.admissible(np.asarray(factors[3:]), shape):
+            best = max(best, 1.0 - float(np.sum((y - columns @ factors) ** 2) / np.sum(y**2)))
+    return best

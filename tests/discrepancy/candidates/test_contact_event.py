@@ -1,0 +1,59 @@
+"""Touches are found where they are, and nothing else is taken for one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE, find_contacts
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.joint_log import Float
+from tests.discrepancy.candidates.joint_data_by_hand import baseline, two_sines
+
+MOTION = two_sines()
+PLAIN = baseline(MOTION).torque
+NOISE = np.random.default_rng(1).normal(scale=0.02, size=len(MOTION.t))
+
+
+def with_torque(torque: Float) -> JointData:
+    return replace(MOTION, torque=PLAIN + NOISE + torque)
+
+
+def push(start: float, length: float, size: float) -> Float:
+    """Half a sine."""
+    x = (MOTION.t - start) / length
+    return np.where((x > 0) & (x < 1), size * np.sin(np.pi * x), 0.0)
+
+
+def test_noise_is_no_contact() -> None:
+    data = with_torque(np.zeros(len(MOTION.t)))
+    assert find_contacts(data) == ()
+    assert CANDIDATE.tried(data) == ({},)
+    assert not CANDIDATE.admissible(np.ones(1), {})
+
+
+@pytest.mark.parametrize(("length", "size"), [(0.1, 0.3), (0.3, -0.1), (1.0, 0.1), (3.0, 0.05)])
+def test_a_touch_is_found_where_it_is(length: float, size: float) -> None:
+    (found,) = find_contacts(with_torque(push(20.0, length, size)))
+    assert 18.9 < found.start_s < 20.0 + 0.5 * length < found.stop_s < 21.1 + length
+
+
+def test_several_touches_are_one_effect_with_a_curve_each() -> None:
+    torque = push(10.0, 0.2, 0.5) + push(31.0, 0.4, -0.3) + push(50.0, 0.2, 0.2)
+    data = with_torque(torque)
+    assert len(find_contacts(data)) == 3
+    (shape,) = CANDIDATE.tried(data)
+    columns = CANDIDATE.columns(data, baseline(data), shape)
+    left = torque - columns @ np.linalg.lstsq(columns, torque)[0]
+    assert columns.shape[1] == 15
+    assert np.sum(left**2) < 0.05 * np.sum(torque**2)
+
+
+def test_what_comes_with_every_stroke_is_no_contact() -> None:
+    turn = np.flatnonzero(np.diff(np.sign(MOTION.dq)) != 0)
+    every = np.sum([push(float(MOTION.t[k]), 0.1, 0.4) for k in turn], axis=0)
+    assert find_contacts(with_torque(every)) == ()
+
+
+def test_a_joint_at_rest_has_none() -> None:
+    assert find_contacts(replace(MOTION, moving=np.zeros(len(MOTION.t), bool))) == ()
