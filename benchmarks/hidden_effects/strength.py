@@ -5,11 +5,14 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchmarks.hidden_effects.draw import Case, settings_of
-from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.cycles import segment_cycles
+from friction_audit.cycles.settings import CycleSettings
 from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.errors import FrictionAuditError
+from friction_audit.interaction import extract_interaction
+from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
 from friction_audit.simulate.dispatch import simulate
 
@@ -20,8 +23,8 @@ LARGEST_SCALE = 30.0
 
 def left_over(log: JointLog, joint: int) -> float:
     """What the declared model leaves of one joint's torque, root mean square. [N m]"""
-    estimate = estimate_log(log, AuditSettings())
-    data = prepare(estimate.interaction, estimate.cycles, estimate.log)[joint]
+    interaction = extract_interaction(log, TorqueSettings())
+    data = prepare(interaction, segment_cycles(interaction, CycleSettings()), log)[joint]
     ground = make_ground(data, None, 0)
     left = ground.y - ground.base @ least_squares(ground.base, ground.y)
     return float(np.sqrt(np.mean(left**2)))
