@@ -48,6 +48,7 @@ def profile(axis: str, share: float) -> Profile:
     return Profile(
         axis=axis,
         label=f"{axis} [unit]",
+        edges=np.array([0.05, 0.15, 0.25, 0.35]),
         centre=np.array([0.1, 0.2, 0.3]),
         forwards=np.array([0.05, 0.0, NAN]),
         backwards=np.array([-0.05, 0.0, 0.01]),

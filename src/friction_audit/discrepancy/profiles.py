@@ -49,6 +49,7 @@ def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64],
     return Profile(
         axis=curve.axis.name,
         label=curve.axis.label,
+        edges=edges,
         centre=centre,
         forwards=forwards,
         backwards=backwards,

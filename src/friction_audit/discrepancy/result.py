@@ -22,7 +22,8 @@ class Profile:
     Attributes:
         axis: The quantity: one of ``AXES``.
         label: The quantity with its unit, for people.
-        centre: Middle of each bin, shape (b,).
+        edges: Where the bins begin and end, shape (b + 1,).
+        centre: Mean of the quantity in each bin, shape (b,).
         forwards: Mean residual while the joint moves forwards, NaN in empty bins, shape (b,). [N m]
         backwards: The same backwards, shape (b,). [N m]
         forwards_se: Standard error of the mean from cycles, shape (b,). [N m]
@@ -34,6 +35,7 @@ class Profile:
 
     axis: str
     label: str
+    edges: Float
     centre: Float
     forwards: Float
     backwards: Float
