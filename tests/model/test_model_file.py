@@ -1,6 +1,8 @@
 """A model's file keeps every digit, and says what is wrong with a file that is none."""
 
+import re
 from dataclasses import replace
+from itertools import groupby
 from pathlib import Path
 
 import pytest
@@ -19,6 +21,7 @@ from friction_audit.model import (
     save_model,
     simple_model,
 )
+from tests.model.recordings import typical_term
 
 JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 HEAD = 'schema = "friction-audit/model/1"\n'
@@ -143,5 +146,30 @@ def test_the_page_shows_a_file_that_loads_and_every_term(tmp_path: Path) -> None
     origin = Provenance(method="energy", log="monday.parquet", cycles=12)
     assert load_model(path) == ArmModel(names=("joint1", "joint2"), joints=(replace(JOINT, provenance=origin), None))
     for term in TERMS[1:]:
-        names = ", ".join(f"`{parameter.name}`" for parameter in term.parameters)
-        assert f"| `{term.name}` | {names} |" in page
+        assert f"| `{term.name}` | {as_listed([parameter.name for parameter in term.parameters])} |" in page
+
+
+def as_listed(names: list[str]) -> str:
+    """Names side by side, those that differ by a number only as a series."""
+    groups = [list(group) for _, group in groupby(names, key=lambda name: re.sub(r"\d+_", "#_", name))]
+    return ", ".join(f"`{group[0]}`" if len(group) == 1 else f"`{group[0]}` to `{group[-1]}`" for group in groups)
+
+
+def test_a_model_of_every_term_is_kept(tmp_path: Path) -> None:
+    """What a diagnosis may write: every term at typical numbers and at the bounds, with its origin."""
+    origin = Provenance(method="diagnose", log="monday.parquet", sha256="00", cycles=31)
+    joints = tuple(
+        JointModel(inertia_kg_m2=0.3, terms=tuple(pick(term) for term in TERMS[1:]), provenance=origin)
+        for pick in (typical_term, lowest, highest)
+    )
+    arm = ArmModel(names=("a", "b", "c"), joints=joints)
+    save_model(arm, tmp_path / "model.toml")
+    assert load_model(tmp_path / "model.toml") == arm
+
+
+def lowest(term: Term) -> FittedTerm:
+    return FittedTerm(term.name, tuple(max(parameter.lower, -1e3) for parameter in term.parameters))
+
+
+def highest(term: Term) -> FittedTerm:
+    return FittedTerm(term.name, tuple(min(parameter.upper, 1e3) for parameter in term.parameters))
