@@ -6,12 +6,13 @@ import numpy as np
 
 from friction_audit.discrepancy.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.omnibus import FEW_TO_TEST
 from friction_audit.discrepancy.rows import Rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.joint_log import Float
 
 CYCLES_PER_COLUMN = 3
-"""A curve has at most so many columns as a third of the cycles, or its test means nothing."""
+"""A curve has at most so many columns as a third of the cycles, or of their parts, or its test means nothing."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -25,7 +26,7 @@ class Curve:
 
 def build_curves(data: JointData, rows: Rows) -> tuple[Curve, ...]:
     """One curve per axis that the log has and that varies."""
-    most = min(KNOTS, len(np.unique(rows.cycle)) // (2 * CYCLES_PER_COLUMN))
+    most = min(KNOTS, max(len(np.unique(rows.cycle)), FEW_TO_TEST) // (2 * CYCLES_PER_COLUMN))
     found = []
     for axis in AXES:
         values = axis.value(data)

@@ -16,7 +16,7 @@ from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.naming import Names, find_names, worth
-from friction_audit.discrepancy.omnibus import Omnibus, omnibus_test
+from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
@@ -29,7 +29,9 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
 
-FEWEST_CYCLES = 14
+FEWEST_CYCLES = 6
+FEWEST_CLUSTERS = 12
+"""Independent parts of the working cycles, below which nothing can be tested."""
 CLUSTERS_PER_COLUMN = 3
 """A candidate that has more columns than a third of the independent cycles proves nothing."""
 POWER_Z = 1.28
@@ -80,6 +82,14 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
             f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: move the joint back and forth",
         )
     ground = make_ground(subject.data, subject.model, settings.seed)
+    clusters = len(np.unique(ground.clusters(ground.working)))
+    if clusters < FEWEST_CLUSTERS:
+        return _unanswered(
+            subject,
+            "not_testable",
+            f"{cycles} energy cycles with motion, worth {clusters} independent ones where {FEWEST_CLUSTERS} are needed "
+            "beside those locked away: move the joint back and forth for longer",
+        )
     return _judge(subject, ground, candidates, settings)
 
 
@@ -158,12 +168,13 @@ def _test(
     cluster = ground.clusters(w, *effects)
     named = {f.candidate.name for f in names.found}
     groups = [e.group for e in names.library.entries if e.group.name not in named] + [c.group for c in curves]
-    widest = len(np.unique(cluster)) // CLUSTERS_PER_COLUMN
-    groups = [group for group in groups if group.shapes[0].shape[1] <= widest]
+    clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
+    widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
+    fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
     return omnibus_test(
         ground.y[w],
         np.hstack([ground.base, torque])[w],
-        [Group(name=group.name, shapes=tuple(s[w] for s in group.shapes)) for group in groups],
+        [Group(name=group.name, shapes=tuple(s[w] for s in group.shapes)) for group in fitting],
         cluster,
         rng,
         alpha=alpha,

@@ -11,7 +11,7 @@ from friction_audit.discrepancy.curves import Curve, build_curves
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
-from friction_audit.discrepancy.omnibus import independent_clusters
+from friction_audit.discrepancy.omnibus import cut_cycles
 from friction_audit.discrepancy.rows import CORNER_HZ, Rows, corner_for, make_rows
 from friction_audit.discrepancy.split import split_cycles
 from friction_audit.joint_log import Float
@@ -29,6 +29,7 @@ class Ground:
         working: Rows of cycles that may be looked at, shape (m,).
         run: Number of the unbroken stretch of each row, shape (m,).
         curves: A curve over every axis.
+        rigid: What the rigid-body model of the arm may get wrong, on the rows, shape (m, r).
     """
 
     data: JointData
@@ -37,6 +38,7 @@ class Ground:
     working: NDArray[np.bool_]
     run: NDArray[np.int64]
     curves: tuple[Curve, ...]
+    rigid: Float
 
     @property
     def y(self) -> Float:
@@ -71,17 +73,17 @@ class Ground:
         return self.declared.baseline(factors[: self.base.shape[1]])
 
     def memory(self, *effects: Float) -> float:
-        """Integral time of the noise over the working rows: of what a model and any curves leave. [rows]
+        """Integral time of the noise over the working rows: of what a model, any curves and rigid bodies leave. [rows]
 
         What a model misses remembers longer than the noise, so that the shorter of two times counts.
         """
         run = np.where(self.working, self.run, -1)
-        curves = [curve.group.shapes[0] for curve in self.curves]
+        curves = [*(curve.group.shapes[0] for curve in self.curves), self.rigid]
         return min(integral_time(self.residual(*columns), run) for columns in (effects, [*effects, *curves]))
 
     def clusters(self, which: NDArray[np.bool_], *effects: Float) -> NDArray[np.int64]:
-        """Cycles of some rows, put together until they outlast the noise's memory."""
-        return independent_clusters(self.rows.cycle[which], self.memory(*effects))
+        """Cycles of some rows, put together until they outlast the noise's memory, or cut where they are few."""
+        return cut_cycles(self.rows.cycle[which], self.memory(*effects))
 
 
 def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
@@ -110,4 +112,14 @@ def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
         working=np.isin(rows.cycle, split.working),
         run=run,
         curves=build_curves(data, rows),
+        rigid=rows.of(_rigid_columns(data)),
     )
+
+
+def _rigid_columns(data: JointData) -> Float:
+    """Inertial torque, own weight and a tilt of the base, on the fine grid; none without a model, shape (n, r)."""
+    rigid = data.rigid
+    if rigid is None:
+        return np.zeros((len(data.t), 0))
+    known = [rigid.tilt, rigid.weight[:, 0], *([] if rigid.inertial is None else [rigid.inertial[:, None]])]
+    return rigid.at(data.t, np.hstack(known))

@@ -28,6 +28,11 @@ MEMORIES_PER_CLUSTER = 5.0
 """Integral times of the noise in a cluster: neighbours then correlate by about 0.1."""
 LEAST_CLUSTERS = 12
 """Below this number of clusters the test loses more power than correlation costs in errors."""
+FEW_TO_TEST = 24
+"""Fewer cycles than this are cut into parts."""
+MEMORIES_PER_PART = 2.5
+"""Integral times of the noise in a part of a cycle: where cycles are few, power matters more than the correlation of
+about 0.2 that neighbours then have."""
 MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
@@ -128,6 +133,28 @@ def independent_clusters(cycle: Index, integral_samples: float) -> Index:
     wanted = int(np.ceil(MEMORIES_PER_CLUSTER * integral_samples * len(numbers) / len(cycle)))
     clusters = max(min(len(numbers), LEAST_CLUSTERS), len(numbers) // max(1, wanted))
     return np.asarray(position * clusters // len(numbers), dtype=np.int64)
+
+
+def cut_cycles(cycle: Index, integral_samples: float) -> Index:
+    """Cuts the cycles of a short log into parts, for a test needs many; others are put together as independent.
+
+    Args:
+        cycle: Number of the cycle of each sample, in the order of time, shape (n,).
+        integral_samples: Integral time of the noise's autocorrelation. [samples]
+
+    Returns:
+        Number of the part of each sample, shape (n,). Of fewer than 24 cycles, equal parts of each that outlast the
+        noise's memory two and a half times, and at least as many as make twelve; of more, :func:`independent_clusters`.
+    """
+    numbers, first, position, length = np.unique(cycle, return_index=True, return_inverse=True, return_counts=True)
+    if len(numbers) >= FEW_TO_TEST:
+        return independent_clusters(cycle, integral_samples)
+    most, least = (int(np.ceil(total / len(numbers))) for total in (FEW_TO_TEST, LEAST_CLUSTERS))
+    parts = np.clip(length / (MEMORIES_PER_PART * max(integral_samples, 1.0)), least, most).astype(np.int64)
+    parts = np.minimum(parts, length)
+    place = np.arange(len(cycle)) - first[position]
+    part = place * parts[position] // length[position]
+    return np.asarray((np.cumsum(parts) - parts)[position] + part, dtype=np.int64)
 
 
 def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:

@@ -45,6 +45,15 @@ class Group:
     shapes: tuple[Float, ...]
     admissible: Callable[[Float, int], bool] = any_factors
 
+    def narrow(self, widest: int) -> "Group | None":
+        """The same without columns that are zero and without shapes that are wider; None if none is left.
+
+        Factors of the outcome have no names any more, so that it is good for a test, not for a search.
+        """
+        used = [shape[:, shape.any(axis=0)] for shape in self.shapes]
+        kept = tuple(shape for shape in used if 0 < shape.shape[1] <= widest)
+        return Group(name=self.name, shapes=kept) if kept else None
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Unit:

@@ -27,15 +27,17 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     source = round(shape[0])
     columns = np.zeros((len(motion.t), len(TERM.linear)))
     rigid = motion.rigid
-    if source <= ALL and motion.others is not None:
+    if source <= ALL:
+        if motion.others is None:
+            return columns
         meant = list(_meant(source, motion.others))
         columns[:, meant] = motion.others.ddq[:, meant]
         if source == ALL:
             columns[:, [JOINTS + joint for joint in meant]] = motion.others.dq[:, meant] ** 2
-    elif source == MODEL and rigid is not None and rigid.inertial is not None:
+    elif rigid is not None and rigid.inertial is not None and rigid.tip is not None:
         columns[:, 2 * JOINTS] = rigid.at(motion.t, rigid.inertial)
-    elif source == TIP and rigid is not None and rigid.tip is not None:
-        columns[:, -INERTIAL_PARAMETERS:] = rigid.at(motion.t, rigid.tip)
+        if source == TIP:
+            columns[:, -INERTIAL_PARAMETERS:] = rigid.at(motion.t, rigid.tip)
     return columns
 
 
@@ -71,7 +73,7 @@ TERM = Term(
         Parameter(
             name="coupling_source",
             unit="1",
-            meaning="0 joint before, 1 after, 2 both, 3 all joints, 4 model of the arm, 5 its last link",
+            meaning="0 joint before, 1 after, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
             lower=BEFORE,
             upper=TIP,
         ),
