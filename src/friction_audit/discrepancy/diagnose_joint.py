@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
@@ -127,6 +128,7 @@ def _judge(
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
     effects = effects_of(ground, names, curves, numbers)
     simple = coefficients(ground.base, ground.y, ground.rows.cycle)
+    declared = dict(zip(ground.declared.names, simple, strict=True))
     remaining = profile_all(left, curves, speed, ground.rows.cycle, last)
     profiles = profile_all(declared_left, curves, speed, ground.rows.cycle, first)
     limit = _detection_limit(ground, names, gap, settings.alpha)
@@ -136,9 +138,10 @@ def _judge(
         verdict=verdict,
         message=message_of(verdict, effects, remaining, vibration, limit, names.library.untestable),
         effects=effects,
-        declared=dict(zip(ground.declared.names, simple, strict=True)),
+        declared=declared,
         grown=numbers.declared,
         from_energy=subject.from_energy,
+        disagreements=differences_from_energy(declared, subject.from_energy),
         gap=gap,
         ladder=_ladder(gap, effects),
         omnibus_p=first.p_value,

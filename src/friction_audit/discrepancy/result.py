@@ -181,6 +181,7 @@ class JointDiscrepancy:
         declared: Factors of the declared model with their intervals; empty where it could not be fitted.
         grown: The same factors as fitted beside the effects; those of the grown model.
         from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
+        disagreements: What it may mean that the two differ by more than their intervals, one sentence each.
         gap: The gap in torque on locked cycles; None where nothing was fitted.
         simulation: The gap in motion; None where nothing was simulated.
         ladder: Root mean square of the residual on locked cycles: of the declared model, after each effect, and the
@@ -205,6 +206,7 @@ class JointDiscrepancy:
     declared: dict[str, Coefficient] = field(default_factory=dict)
     grown: dict[str, Coefficient] = field(default_factory=dict)
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
+    disagreements: tuple[str, ...] = ()
     gap: Gap | None = None
     simulation: SimulationGap | None = None
     ladder: tuple[tuple[str, float], ...] = ()
