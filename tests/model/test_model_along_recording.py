@@ -134,6 +134,17 @@ def test_a_spring_puts_the_measured_side_ahead(monkeypatch: pytest.MonkeyPatch) 
     assert np.abs(plain - seen.dq).max() > 5e-3
 
 
+def test_a_spring_that_stiffens_twists_twice_as_far_at_first() -> None:
+    """Compliance 2 mrad per N m above 0.2 N m: at 0.1 N m 0.4 mrad, at 0.9 N m 2.2 mrad."""
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    rigid = simulate(joint_with(), t, drive)
+    ahead = np.sign(drive) * np.interp(np.abs(drive), [0.0, 0.2, 0.9], [0.0, 0.8e-3, 2.2e-3])
+    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
+    found = simulate_along(joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.2))), seen, drive, whole(t))
+    assert found == pytest.approx(seen.dq, abs=2e-3)
+
+
 def test_within_a_play_the_measured_side_is_where_it_was_measured(monkeypatch: pytest.MonkeyPatch) -> None:
     """The measured side goes to and fro; the other one rests while the play of 0.1 rad is crossed."""
     term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 0.1, forward="play", name="loose_rad")

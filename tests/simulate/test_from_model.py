@@ -129,6 +129,11 @@ def test_the_numbers_of_joints_must_agree() -> None:
         ("torque_ripple", {"ripple_sin_nm": 0.1, "ripple_cos_nm": 0.1, "ripple_order": 20.0}, "phase of a sine or"),
         ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
         ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
+        (
+            "joint_elasticity",
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "soft_nm": 0.3},
+            "stiffens little by little",
+        ),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
     ],
 )

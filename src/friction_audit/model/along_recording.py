@@ -31,6 +31,8 @@ RUNAWAY = 100.0
 """A velocity of so many times the largest recorded one is no result."""
 LEAST_INERTIA = 1e-3
 """Share of the joint's inertia that terms must leave."""
+SOFT = "soft_nm"
+"""Ending of the name of a spring's parameter: torque up to which it is half as stiff."""
 BETWEEN = ("delay", "spring", "play")
 """What is between the sensor and the side of friction."""
 
@@ -148,10 +150,18 @@ def _read_through(model: JointModel, motion: Motion, drive: Float) -> _Reading:
         drive = np.interp(motion.t + _delay(between["delay"], motion), motion.t, drive)
     ahead = np.zeros(len(drive))
     if "spring" in between:
-        ahead = ahead + _parameter(between["spring"], "_rad_per_nm") * drive
+        ahead = ahead + _twist(between["spring"], drive)
     if "play" in between:
         ahead = ahead + _within(np.ascontiguousarray(motion.q), 0.5 * _parameter(between["play"], "_rad"))
     return _Reading(drive=drive, ahead=ahead)
+
+
+def _twist(term: FittedTerm, drive: Float) -> Float:
+    """By how far a spring is twisted: in proportion, and twice as far up to the torque at which it stiffens. [rad]"""
+    soft = _parameter(term, SOFT) if any(p.name.endswith(SOFT) for p in term.term.parameters) else 0.0
+    size = np.abs(drive)
+    twist = _parameter(term, "_rad_per_nm") * np.minimum(2.0 * size, size + soft)
+    return np.asarray(np.sign(drive) * twist)
 
 
 def _delay(term: FittedTerm, motion: Motion) -> float:

@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 from friction_audit.errors import UsageError
 from friction_audit.model.joint_model import ArmModel, JointModel
 from friction_audit.simulate.effects import EFFECTS
+from friction_audit.simulate.effects.load_dependent_friction import REFERENCE_NM
 from friction_audit.simulate.settings import JointParameters
 
 Settings = TypeVar("Settings", bound=Any)
@@ -22,6 +23,8 @@ SMALL_SPEED_RAD_S = 0.02
 """A friction that bends at a lower speed is a power of the speed."""
 WIDE_RAD = 10.0
 """A wave under a bell of this width fills the whole range."""
+SMALL_NM = 0.02
+"""A spring that stiffens at a smaller torque is a linear one."""
 SIMPLE = ("coulomb", "viscous")
 
 
@@ -173,13 +176,9 @@ def _load_dependent_friction(values: Values, _setting: Setting) -> Told:
     _require(_alike(exponent, 1.0) or _alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
     linear = _alike(exponent, 1.0)
     return "load_dependent_friction", {
-        "share": share if linear else share * QUADRATIC_REFERENCE_NM,
+        "share": share if linear else share * REFERENCE_NM,
         "form": "linear" if linear else "quadratic",
     }
-
-
-QUADRATIC_REFERENCE_NM = 10.0
-"""Load at which the simulator's quadratic friction equals its linear one."""
 
 
 def _position_dependent_friction(values: Values, setting: Setting) -> Told:
@@ -238,6 +237,7 @@ def _torque_crosstalk(values: Values, _setting: Setting) -> Told:
 
 
 def _joint_elasticity(values: Values, _setting: Setting) -> Told:
+    _require(values["soft_nm"] <= SMALL_NM, "its spring stiffens little by little, not at one torque")
     return "joint_elasticity", {"compliance_rad_per_nm": values["compliance_rad_per_nm"], "form": "linear"}
 
 
