@@ -12,11 +12,11 @@ EXPONENTS = (1.0, 2.0)
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """One stop, or two about as deep, with the exponents."""
+    """One stop, or two equally deep, with the exponents."""
     low, high = float(data.q.min()), float(data.q.max())
     length = high - low
     alone = [(depth, 0.0) for depth in DEPTHS[1:]] + [(0.0, depth) for depth in DEPTHS[1:]]
-    both = [(up, down) for up in DEPTHS[1:] for down in DEPTHS[1:] if {up, down} != {DEPTHS[1], DEPTHS[-1]}]
+    both = [(depth, depth) for depth in DEPTHS[1:]]
     return tuple(
         {"stop_upper_rad": high - up * length, "stop_lower_rad": low + down * length, "stop_exponent": exponent}
         for up, down in (*alone, *both)

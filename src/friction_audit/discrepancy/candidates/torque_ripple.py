@@ -10,18 +10,20 @@ from friction_audit.discrepancy.rows import CORNER_HZ
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.torque_ripple import TERM
 
-SPREAD = 1.0
-"""Distance of orders times the standard deviation of the position: phases then differ by half a radian rms at most."""
+FINEST, COARSEST = 1.0, 1.4
+"""Distance of orders times the standard deviation of the position: a phase is off by half of it, rms, at most."""
 MOST_ORDERS = 120
+"""As many as the time of a search allows; where they do not reach, they lie as far apart as they may."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Orders from two periods over the range up to where a slow motion leaves the band."""
     low, high = reach(data)
     (slow,) = speeds(data, 25.0)
-    step = SPREAD / max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
+    spread = max(float(np.std(data.q[data.used])) if data.used.any() else 0.0, 1e-3)
     first = 4.0 * np.pi / max(high - low, 1e-3)
     last = max(2.0 * np.pi * CORNER_HZ / float(slow), first)
+    step = np.clip((last - first) / MOST_ORDERS, FINEST / spread, COARSEST / spread)
     orders = np.arange(first, last, step)[:MOST_ORDERS]
     return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
 
