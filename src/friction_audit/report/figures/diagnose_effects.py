@@ -1,0 +1,105 @@
+"""Each effect's own curve: what the log shows of it once all else is taken away, and the fitted effect over it."""
+
+from functools import partial
+from textwrap import fill
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+from friction_audit.report.diagnose_table import MEANINGS, UNITS, format_quantity
+from friction_audit.report.figures.diagnose_look import DASHED, chosen_joints, draw_grid, joint_name, say_why
+from friction_audit.report.figures.diagnose_residual import draw_profile, limits_for, name_axis
+from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel
+from friction_audit.report.figures.style import BORDER, MUTED, figure_style
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+PANEL_IN, EMPTY_IN = 2.3, 0.9
+ACROSS = 2
+NARROW, WIDE = 66, 62
+"""Characters of a line below a panel, at column width and on a sheet."""
+BELOW_PT = 25.0
+POINTS = 60
+"""Stretches of the axis, with equally many rows each, over which the fitted torque is averaged for a line."""
+
+
+def draw_effects(found: Diagnosis, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet; a panel per effect."""
+    with figure_style():
+        panels: list[Callable[[Axes], list[Artist]]] = []
+        heights: list[float] = []
+        for one in chosen_joints(found, joint):
+            panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
+            heights += [PANEL_IN for _ in one.effects] or [EMPTY_IN]
+        figure, handles = draw_grid(panels, heights, sheet=joint is None, across=ACROSS)
+        add_legend(figure, handles)
+        figure.supylabel("Torque of the effect [N m]", fontsize=7.5)
+        return figure
+
+
+def _draw_nothing(joint: JointDiscrepancy, axes: "Axes") -> "list[Artist]":
+    return say_why(axes, joint_name(joint), joint)
+
+
+def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list[Artist]":
+    """Draw the effect as the log shows it, and as it was fitted; return the legend's entries."""
+    traces = joint.traces
+    assert traces is not None
+    shown = traces.measured - traces.after + effect.torque
+    handles = draw_profile(axes, effect.curve, traces, shown)
+    handles += _draw_fitted(axes, traces, effect)
+    axes.set_ylim(*limits_for(shown, effect.curve))
+    label_panel(axes, f"{joint_name(joint)}: {effect.name}")
+    name_axis(axes, effect.curve)
+    _tell(axes, fitted_words(effect))
+    return handles
+
+
+def _tell(axes: "Axes", sentence: str) -> None:
+    """Write a sentence below the panel and its label."""
+    characters = NARROW if is_narrow(axes.get_figure(root=True)) else WIDE
+    axes.annotate(
+        fill(sentence, characters), (0.0, 0.0), (0.0, -BELOW_PT), xycoords="axes fraction",
+        textcoords="offset points", va="top", fontsize=6.0, color=MUTED,
+    )  # fmt: skip
+
+
+def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect) -> "list[Artist]":
+    """Draw the fitted torque along the axis, a line for each direction."""
+    handles: list[Artist] = []
+    along = traces.along[effect.curve.axis]
+    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, DASHED, "backwards")):
+        x, y = mean_along(along[which], effect.torque[which])
+        handles += axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
+    return handles
+
+
+def mean_along(along: Float, torque: Float, points: int = POINTS) -> tuple[Float, Float]:
+    """Return the mean of both over stretches of the axis with equally many rows.
+
+    Args:
+        along: The quantity of the axis, shape (m,).
+        torque: Shape (m,). [N m]
+        points: Stretches at most.
+    """
+    order = np.argsort(along, kind="stable")
+    parts = [part for part in np.array_split(order, points) if len(part)]
+    return np.array([along[part].mean() for part in parts]), np.array([torque[part].mean() for part in parts])
+
+
+def fitted_words(effect: Effect) -> str:
+    """Return the parameters of an effect with their intervals, in words."""
+    return ", ".join(_parameter(name, number) for name, number in effect.parameters.items())
+
+
+def _parameter(name: str, number: Coefficient) -> str:
+    return f"{MEANINGS.get(name, name)} {format_quantity(number, UNITS.get(name, ''))}"

@@ -1,0 +1,105 @@
+"""The evidence of rival names: how much worse every other candidate does in the place of a named effect."""
+
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy
+from friction_audit.report.figures.diagnose_look import GROWN, chosen_joints, draw_grid, joint_name, say_why
+from friction_audit.report.figures.layout import add_legend, label_panel
+from friction_audit.report.figures.style import BORDER, FITTED, MUTED, figure_style
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+NAME_IN, TITLE_IN, EMPTY_IN = 0.17, 0.45, 0.9
+LINEAR_TO = 10.0
+"""Difference in BIC up to which the axis is linear, logarithmic beyond."""
+STRONG = 6.0
+"""Difference in BIC that counts as strong evidence (Kass and Raftery 1995)."""
+
+
+class Mark(NamedTuple):
+    """How a candidate is drawn, and what that says."""
+
+    marker: str
+    colour: str
+    face: str
+    label: str
+
+
+CHOSEN = Mark("o", GROWN, GROWN, "the effect named")
+ALIKE = Mark("o", FITTED, "white", "cannot be told apart")
+BEATEN = Mark("x", BORDER, BORDER, "told apart")
+
+
+def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet; a panel per effect."""
+    with figure_style():
+        panels: list[Callable[[Axes], list[Artist]]] = []
+        heights: list[float] = []
+        for one in chosen_joints(found, joint):
+            panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
+            heights += [TITLE_IN + NAME_IN * len(effect.evidence) for effect in one.effects] or [EMPTY_IN]
+        figure, handles = draw_grid(panels, heights, sheet=joint is None)
+        add_legend(figure, handles)
+        figure.supxlabel("BIC above that of the effect named; r: correlation of their torques", fontsize=7.5)
+        return figure
+
+
+def _draw_nothing(joint: JointDiscrepancy, axes: "Axes") -> "list[Artist]":
+    return say_why(axes, joint_name(joint), joint)
+
+
+def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list[Artist]":
+    """Draw a line per candidate, the best on top; return the legend's entries."""
+    handles: list[Artist] = []
+    axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
+    handles.append(axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label="strong evidence"))
+    for place, rival in enumerate(effect.evidence):
+        mark = mark_of(effect, rival.name)
+        axes.hlines(place, 0.0, rival.delta_bic, color=MUTED, lw=0.5)
+        handles += axes.plot(
+            rival.delta_bic,
+            place,
+            mark.marker,
+            color=mark.colour,
+            mfc=mark.face,
+            ms=4,
+            mew=1.0,
+            ls="",
+            label=mark.label,
+        )
+        if place:
+            axes.annotate(
+                f"r = {rival.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
+                textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
+            )  # fmt: skip
+    label_panel(axes, f"{joint_name(joint)}: {effect.name}")
+    _scale(axes, effect)
+    return handles
+
+
+def _scale(axes: "Axes", effect: Effect) -> None:
+    """Name the lines, and reach from the effect itself to the last rival."""
+    from matplotlib.ticker import SymmetricalLogLocator
+
+    worse = np.array([rival.delta_bic for rival in effect.evidence])
+    axes.set_xlim(min(-2.0, 1.4 * float(worse.min())), 1.6 * max(float(worse.max()), LINEAR_TO))
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=LINEAR_TO))
+    axes.set_yticks(range(len(effect.evidence)), [rival.name for rival in effect.evidence])
+    axes.tick_params(axis="y", length=0)
+    axes.set_ylim(len(effect.evidence) - 0.5, -0.5)
+
+
+def mark_of(effect: Effect, name: str) -> Mark:
+    """Return how a candidate in the place of an effect is marked."""
+    if name == effect.name:
+        return CHOSEN
+    return ALIKE if name in effect.alternatives else BEATEN

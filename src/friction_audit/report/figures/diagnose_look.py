@@ -1,0 +1,110 @@
+"""What the figures of a diagnosis share: colours of models and directions, words for verdicts, grids of panels."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
+
+from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile
+from friction_audit.errors import UsageError
+from friction_audit.report.estimate_table import joint_label
+from friction_audit.report.figures.layout import is_narrow, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, FITTED, SHEET_IN
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+DECLARED = FITTED
+GROWN = "#009e73"
+FORWARDS = "#0072b2"
+BACKWARDS = DISSIPATED
+DASHED = (0, (4, 1.5))
+HEAD_IN = 0.75
+"""Height of a legend and the label below. [in]"""
+MOST_DOTS = 1500
+"""Single rows in a panel above which they would only be a blot."""
+STANDARD_ERRORS = 2.0
+"""Half length of an error bar, in standard errors of the mean: about 95 %."""
+
+
+def chosen_joints(found: Diagnosis, joint: int | None) -> tuple[JointDiscrepancy, ...]:
+    """Return one joint, given by its number for people, or with None all of them.
+
+    Raises:
+        UsageError: If the result does not hold that joint.
+    """
+    joints = found.discrepancy.joints
+    chosen = tuple(one for one in joints if joint in (None, one.joint))
+    if not chosen:
+        held = ", ".join(str(one.joint) for one in joints)
+        raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
+    return chosen
+
+
+def joint_name(joint: JointDiscrepancy) -> str:
+    """Return what a panel calls a joint."""
+    return f"joint {joint_label(joint.joint, joint.name)}"
+
+
+def grown_name(joint: JointDiscrepancy) -> str:
+    """Return what the grown model is called: by what was added."""
+    return "with " + " and ".join(effect.name for effect in joint.effects)
+
+
+def names_of(effect: Effect) -> str:
+    """Return the name of an effect, and those that the log does not tell from it."""
+    return " or ".join((effect.name, *effect.alternatives))
+
+
+def verdict_words(joint: JointDiscrepancy) -> str:
+    """Return a verdict as people say it, with the names it gives."""
+    word = joint.verdict.replace("_", " ")
+    named = " and ".join(names_of(effect) for effect in joint.effects)
+    if joint.verdict == "unexplained":
+        return f"{word}, beside {named}" if named else word
+    return f"{word}: {named}" if named else word
+
+
+def profile_along(profiles: Sequence[Profile], axis: str) -> Profile | None:
+    """Return the profile along an axis, or None."""
+    return next((profile for profile in profiles if profile.axis == axis), None)
+
+
+def draw_grid(
+    panels: "Sequence[Callable[[Axes], list[Artist]]]", heights: Sequence[float], *, sheet: bool, across: int = 2
+) -> "tuple[Figure, list[Artist]]":
+    """Draw panels above each other at column width, or side by side on a sheet.
+
+    Args:
+        panels: Each draws one panel and returns the legend's entries.
+        heights: Height of each panel. [in]
+        sheet: If True, a page wide.
+        across: Panels side by side on a sheet.
+
+    Returns:
+        The figure, and each entry of the legend once.
+    """
+    columns = min(across, len(panels)) if sheet else 1
+    ratios = [max(heights[k : k + columns]) for k in range(0, len(panels), columns)]
+    figure = new_figure(SHEET_IN if sheet else COLUMN_IN, HEAD_IN + sum(ratios))
+    grid = figure.subplots(len(ratios), columns, squeeze=False, gridspec_kw={"height_ratios": ratios}).ravel()
+    handles = [handle for axes, draw in zip(grid, panels, strict=False) for handle in draw(axes)]
+    for axes in grid[len(panels) :]:
+        axes.remove()
+    return figure, once(handles)
+
+
+def once(handles: "Sequence[Artist]") -> "list[Artist]":
+    """Return the entries of a legend, each label once, in the order in which they came."""
+    return list({str(handle.get_label()): handle for handle in reversed(handles)}.values())[::-1]
+
+
+def say_why(axes: "Axes", title: str, joint: JointDiscrepancy) -> "list[Artist]":
+    """Fill a panel with the verdict of a joint that has nothing to draw there."""
+    label_panel(axes, title)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
+    say_in_panel(axes, sentence, characters=52 if is_narrow(axes.get_figure(root=True)) else 40)
+    return []

@@ -1,0 +1,319 @@
+"""Figures of a diagnosis: every verdict can be drawn, and what is drawn is what the numbers say."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.gap import Gap
+from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy, SimulationGap, Traces
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.report.figures import save_figure
+from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES, DiagnosisFigure
+from friction_audit.report.figures.diagnose_effects import draw_effects, mean_along
+from friction_audit.report.figures.diagnose_evidence import ALIKE, BEATEN, CHOSEN, draw_evidence, mark_of
+from friction_audit.report.figures.diagnose_ladder import closed_words, draw_ladder
+from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
+from friction_audit.report.figures.diagnose_residual import draw_residual, limits_for, rows_of
+from friction_audit.report.figures.diagnose_simulation import Piece, draw_simulation, lay_out, shown_cycles
+from friction_audit.report.figures.diagnose_verdicts import draw_verdicts, said_of
+from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
+from tests.report import diagnosis_by_hand as by_hand
+
+CYCLES, ROWS, STEP_S = 30, 40, 0.01
+LEFT_OUT = 3
+"""Rows at the beginning of a cycle that are not there."""
+NOISE_NM, MISSING_NM = 0.02, 0.3
+CORNER_HZ = 17.0
+KINDS = pytest.mark.parametrize("kind", DIAGNOSIS_FIGURES, ids=lambda kind: kind.name)
+
+
+def traces() -> Traces:
+    """Return rows in which the declared model misses MISSING_NM in the direction of motion."""
+    rng = np.random.default_rng(0)
+    place = np.arange(CYCLES * ROWS)
+    place = place[place % ROWS >= LEFT_OUT]
+    cycle = place // ROWS
+    direction = np.where(cycle % 2, -1.0, 1.0)
+    t: Float = place * STEP_S
+    speed: Float = 0.05 + 0.3 * np.sin(np.pi * (place % ROWS) / ROWS)
+    after = direction * (0.4 + speed)
+    return Traces(
+        t=t,
+        q=direction * speed,
+        dq=direction * speed,
+        displacement=speed,
+        cycle=cycle,
+        locked=cycle % 3 == 1,
+        measured=after + NOISE_NM * rng.standard_normal(len(place)),
+        before=after - MISSING_NM * direction,
+        after=after,
+        along={"speed": speed, "time": t},
+        corner_hz=CORNER_HZ,
+    )
+
+
+TRACES = traces()
+
+
+def effect_of(effect: Effect) -> Effect:
+    return replace(effect, torque=TRACES.measured * 0.0 + MISSING_NM * np.sign(TRACES.dq))
+
+
+def joint_of(joint: JointDiscrepancy) -> JointDiscrepancy:
+    """Return the joint with rows, where it was diagnosed."""
+    if joint.gap is None:
+        return joint
+    effects = tuple(effect_of(effect) for effect in joint.effects)
+    profiles = joint.profiles or (by_hand.profile("time", 0.0),)
+    remaining = joint.remaining or (by_hand.profile("time", 0.0),)
+    ladder = joint.ladder or (("declared model", joint.gap.before), ("floor of the noise", joint.gap.floor))
+    return replace(
+        joint, traces=TRACES, effects=effects, profiles=profiles, remaining=remaining, simulation=None, ladder=ladder
+    )
+
+
+def moved() -> SimulationGap:
+    """Return a motion simulated on the locked cycles, NaN between them."""
+    pieces = [np.append(np.arange(c * ROWS, (c + 1) * ROWS) * STEP_S, np.nan) for c in range(1, CYCLES, 3)]
+    t = np.concatenate(pieces)[:-1]
+    return SimulationGap(before=0.1, after=0.01, unit="rad/s", t=t, measured=np.sin(t), declared=0.9 * t, grown=t)
+
+
+NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT = map(joint_of, by_hand.VERDICTS_BY_HAND)
+NAMED = replace(NAMED, simulation=moved())
+ALL = by_hand.diagnosis((NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT))
+
+
+def of(joint: JointDiscrepancy) -> Diagnosis:
+    return by_hand.diagnosis((joint,))
+
+
+def words_in(figure: Figure) -> str:
+    """Return all that is written inside panels and above them."""
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    ticks = [label.get_text() for axes in figure.axes for label in axes.get_yticklabels()]
+    return " ".join([*texts, *titles, *ticks]).replace("\n", " ")
+
+
+def legend_of(figure: Figure) -> list[str]:
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def line(axes: Axes, label: str) -> tuple[Float, Float]:
+    (found,) = (one for one in axes.lines if one.get_label() == label)
+    return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
+
+
+@KINDS
+def test_joints_are_a_column_wide_and_a_sheet_of_all_a_page(kind: DiagnosisFigure) -> None:
+    assert {kind.draw(ALL, joint).get_figwidth() for joint in range(1, 7)} == {COLUMN_IN}
+    sheet = kind.draw(ALL, None)
+    assert sheet.get_figwidth() == SHEET_IN
+    words = words_in(sheet)
+    assert [n for n in range(1, 7) if f"joint {n}" not in words] == []
+
+
+@KINDS
+def test_a_joint_without_an_answer_says_why(kind: DiagnosisFigure) -> None:
+    assert "0 energy cycles with motion" in words_in(kind.draw(ALL, 5))
+    assert by_hand.FAULT in words_in(kind.draw(ALL, 6))
+
+
+@KINDS
+def test_a_joint_that_is_not_there_is_named(kind: DiagnosisFigure) -> None:
+    with pytest.raises(UsageError, match=r"joint 9: .* holds 1, 2, 3, 4, 5, 6"):
+        kind.draw(ALL, 9)
+
+
+@KINDS
+def test_the_same_result_gives_the_same_bytes(kind: DiagnosisFigure, tmp_path: Path) -> None:
+    paths = [tmp_path / f"{k}.png" for k in range(2)]
+    for path in paths:
+        save_figure(kind.draw(ALL, 1), path)
+    first, second = (path.read_bytes() for path in paths)
+    assert first == second
+    assert len(first) > 1000
+
+
+def test_only_locked_cycles_are_shown_from_the_first_to_the_last() -> None:
+    pieces = shown_cycles(TRACES, most=4)
+    cycles = [int(np.unique(TRACES.cycle[(TRACES.t >= p.start) & (TRACES.t <= p.stop)])[0]) for p in pieces]
+    assert [cycle % 3 for cycle in cycles] == [1, 1, 1, 1]
+    assert (cycles[0], cycles[-1]) == (1, 28)
+    ends = [p.place + p.stop - p.start for p in pieces]
+    assert all(end < following.place for end, following in zip(ends, pieces[1:], strict=False))
+
+
+def test_fewer_locked_cycles_than_asked_for_are_shown_once_each() -> None:
+    two = replace(TRACES, locked=TRACES.cycle < 2)
+    assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
+
+
+def test_cycles_are_put_behind_each_other_and_left_out_rows_are_not_bridged() -> None:
+    t = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 20.0, 21.0])
+    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0))
+    nan = np.nan
+    assert x == pytest.approx(np.array([0, 1, 2, 5, 6, nan, 7, 8, nan]), nan_ok=True)
+    assert y == pytest.approx(np.array([0, 1, nan, 3, 4, nan, 5, 6, nan]), nan_ok=True)
+
+
+def test_torque_is_shown_raw_and_filtered_and_the_corner_is_said() -> None:
+    figure = draw_simulation(ALL, 1)
+    assert legend_of(figure) == ["measured, raw", "measured, below 17 Hz", "declared model", "with stribeck"]
+    assert [axes.get_ylabel().replace("\n", " ") for axes in figure.axes] == [
+        "Torque [N m]",
+        "Measured less model [N m]",
+        "Velocity [rad/s]",
+    ]
+
+
+def test_the_residual_below_is_measured_less_model() -> None:
+    axes = draw_simulation(ALL, 1).axes[1]
+    x, y = line(axes, "declared model")
+    first = TRACES.cycle == 1
+    count = int(first.sum())
+    assert x[:count] == pytest.approx(TRACES.t[first] - TRACES.t[first][0])
+    assert y[:count] == pytest.approx((TRACES.measured - TRACES.before)[first])
+
+
+def test_the_motion_is_drawn_where_it_was_simulated() -> None:
+    _, grown = line(draw_simulation(ALL, 1).axes[2], "with stribeck")
+    assert np.nanmin(grown) == pytest.approx((ROWS + LEFT_OUT) * STEP_S)
+    assert len(draw_simulation(ALL, 3).axes) == 2
+
+
+def test_a_model_that_nothing_was_added_to_is_drawn_once() -> None:
+    assert legend_of(draw_simulation(ALL, 3))[-1] == "declared model"
+
+
+def test_grown_models_of_several_joints_have_one_name() -> None:
+    assert [label for label in legend_of(draw_simulation(ALL, None)) if "with" in label] == ["with the effects named"]
+
+
+def test_the_residual_is_shown_along_the_axis_of_each_effect_before_and_after() -> None:
+    (row,) = rows_of(replace(NAMED, remaining=(by_hand.profile("time", 0.0), by_hand.profile("speed", 0.0))))
+    assert row.before is not None
+    assert row.after is not None
+    assert (row.before.axis, row.after.axis) == ("speed", "speed")
+
+
+def test_what_stays_unexplained_beside_an_effect_has_a_row_of_its_own() -> None:
+    both = replace(UNEXPLAINED, effects=NAMED.effects, profiles=NAMED.profiles, remaining=NAMED.remaining)
+    axes = [row.after.axis if row.after else None for row in rows_of(both)]
+    assert axes == [None, "time"]
+
+
+def test_where_it_is_unexplained_is_written_above_its_profile() -> None:
+    words = words_in(draw_residual(ALL, 4))
+    assert "joint 4: declared model below 0.15 unit, in both directions" in words
+    assert len(draw_residual(ALL, 4).axes) == 1
+
+
+def test_noise_is_given_no_place() -> None:
+    assert "below" not in words_in(draw_residual(ALL, 3))
+
+
+def test_means_stand_at_the_bins_with_two_standard_errors() -> None:
+    axes = draw_residual(ALL, 4).axes[0]
+    shown = UNEXPLAINED.profiles[0]
+    means = [box for box in axes.containers if str(box.get_label()).startswith("backwards")]
+    x, y = (np.asarray(data) for data in means[0].lines[0].get_data())  # type: ignore[attr-defined]
+    assert x == pytest.approx(shown.centre)
+    assert y == pytest.approx(shown.backwards)
+    (bars,) = means[0].lines[2]  # type: ignore[attr-defined]
+    half = np.array([np.ptp(segment[:, 1]) / 2 for segment in bars.get_segments()])
+    assert half == pytest.approx(STANDARD_ERRORS * shown.backwards_se)
+
+
+def test_the_ladder_is_as_long_as_the_gaps() -> None:
+    axes = draw_ladder(ALL, 1).axes[0]
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([rms for _, rms in NAMED.ladder])  # type: ignore[attr-defined]
+    assert [label.get_text() for label in axes.get_yticklabels()] == [step for step, _ in NAMED.ladder]
+    assert axes.get_title(loc="left") == "joint 1: 97.6 ± 1.0 % closed\non 9 locked cycles"
+
+
+def test_a_gap_that_was_never_open_is_not_closed() -> None:
+    shut = Gap(before=0.02, after=0.02, floor=0.02, shrink=np.nan, shrink_se=np.nan, over_floor=1.0, cycles=4)
+    assert closed_words(shut, added=True) == "at the floor from the start\non 4 locked cycles"
+    assert closed_words(shut, added=False) == "nothing added\non 4 locked cycles"
+
+
+def test_rivals_that_cannot_be_told_apart_are_marked() -> None:
+    (effect,) = AMBIGUOUS.effects
+    assert mark_of(effect, "torque_bias") is CHOSEN
+    assert mark_of(effect, "asymmetric_coulomb") is ALIKE
+    assert mark_of(effect, "warm_up") is BEATEN
+
+
+def test_evidence_stands_at_its_difference_in_bic() -> None:
+    (effect,) = AMBIGUOUS.effects
+    rivals = (*effect.evidence, Evidence(name="asymmetric_coulomb", delta_bic=1.5, correlation=1.0))
+    figure = draw_evidence(of(replace(AMBIGUOUS, effects=(replace(effect, evidence=rivals),))), 2)
+    marks = {str(one.get_label()): float(np.asarray(one.get_xdata())[0]) for one in figure.axes[0].lines}
+    assert marks[CHOSEN.label] == 0.0
+    assert marks[BEATEN.label] == 41.3
+    assert marks[ALIKE.label] == 1.5
+    assert "r = 0.31" in words_in(figure)
+
+
+def test_the_fitted_torque_lies_over_what_the_log_shows() -> None:
+    axes = draw_effects(ALL, 1).axes[0]
+    _, forwards = line(axes, "fitted, forwards")
+    _, backwards = line(axes, "fitted, backwards")
+    assert forwards == pytest.approx(np.full(len(forwards), MISSING_NM))
+    assert backwards == pytest.approx(np.full(len(backwards), -MISSING_NM))
+    dots = np.concatenate([np.asarray(one.get_ydata(), float) for one in axes.lines if one.get_marker() == "."])
+    assert np.abs(dots).mean() == pytest.approx(MISSING_NM, abs=0.01)
+
+
+def test_parameters_of_an_effect_stand_below_its_curve() -> None:
+    assert "0.150 ± 0.010 N m" in words_in(draw_effects(ALL, 1))
+
+
+def test_means_along_an_axis_by_hand() -> None:
+    x, y = mean_along(np.array([3.0, 1.0, 2.0, 4.0]), np.array([30.0, 10.0, 20.0, 50.0]), points=2)
+    assert x == pytest.approx([1.5, 3.5])
+    assert y == pytest.approx([15.0, 40.0])
+
+
+@given(arrays(float, 50, elements=st.floats(-10.0, 10.0)))
+def test_a_panel_holds_zero_and_all_means_and_is_not_filled_by_noise(rows: Float) -> None:
+    shown = by_hand.profile("speed", 0.5)
+    bottom, top = limits_for(rows, shown)
+    assert bottom < min(0.0, np.nanmin(shown.backwards - 2 * shown.backwards_se))
+    assert top > np.nanmax(shown.forwards + 2 * shown.forwards_se)
+    assert top - bottom < 5 * 0.14
+
+
+def test_a_verdict_is_said_with_its_names() -> None:
+    assert [verdict_words(joint) for joint in ALL.discrepancy.joints] == [
+        "named: stribeck",
+        "ambiguous: torque_bias or asymmetric_coulomb",
+        "none",
+        "unexplained",
+        "not testable",
+        "data fault",
+    ]
+    both = replace(UNEXPLAINED, effects=NAMED.effects)
+    assert verdict_words(both) == "unexplained, beside stribeck"
+    assert said_of(DATA_FAULT) == f"data fault: {by_hand.FAULT}"
+
+
+def test_all_joints_fit_one_figure_each_on_its_line() -> None:
+    axes = draw_verdicts(ALL, None).axes[0]
+    grown = {
+        float(np.asarray(one.get_ydata())[0]): float(np.asarray(one.get_xdata())[0])
+        for one in axes.lines
+        if one.get_color() == GROWN
+    }
+    assert grown == {0.0: 0.021, 1.0: 0.03}
