@@ -13,7 +13,7 @@ from typing import Any
 
 from friction_audit.export import WRITERS, Writer, write_log
 from friction_audit.joint_log import JointLog
-from friction_audit.replay.compensator import FixedCompensation
+from friction_audit.replay.compensators import FixedCompensation
 from friction_audit.simulate import (
     PANDA_SENSORS,
     BenchSettings,

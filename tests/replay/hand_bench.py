@@ -6,7 +6,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
+from friction_audit.replay.compensators import Compensator
 from friction_audit.replay.kernels import FIND, step, trace
 from friction_audit.replay.records import TRACE, Record, fresh_memory, pack
 

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
+from friction_audit.replay.compensators import Compensator
 from friction_audit.replay.kernels import FIND, step
 from friction_audit.replay.records import Record, fresh_memory, pack
 from friction_audit.simulate import IDEAL_SENSORS, JointParameters, Operator, Sensors

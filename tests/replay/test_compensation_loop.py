@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.replay.records import ESTIMATED, TOO_ALIKE, TOO_FEW
 from tests.replay.hand_bench import TICK_S, Bench, drive
 

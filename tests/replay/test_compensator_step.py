@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Coefficients, Compensator, EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import Coefficients, Compensator, EnergyCompensator, FixedCompensation
 from friction_audit.replay.kernels import step, trace
 from friction_audit.replay.records import GAP, MEMORY, NOT_MOVED, SCALED, TOO_ALIKE, TRACE, fresh_memory, pack
 from friction_audit.replay.run import run

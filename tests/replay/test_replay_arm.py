@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.audit import AuditSettings, LogReplay, replay_log
 from friction_audit.cycles.settings import CycleSettings
-from friction_audit.replay.compensator import EnergyCompensator
+from friction_audit.replay.compensators import EnergyCompensator
 from friction_audit.replay.settings import ReplaySettings
 from friction_audit.simulate import IDEAL_SENSORS, ArmSettings, JointParameters, Simulation, simulate
 

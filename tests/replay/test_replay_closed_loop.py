@@ -9,7 +9,7 @@ import pytest
 from friction_audit.audit import AuditSettings, LogReplay, replay_log
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.replay.compensator import EnergyCompensator, TorqueRegulation
+from friction_audit.replay.compensators import EnergyCompensator, TorqueRegulation
 from friction_audit.replay.rivals import Rival
 from friction_audit.replay.settings import OperatorImpedance, ReplaySettings, energy_compensator
 from friction_audit.simulate.bench import BenchSettings, simulate_bench

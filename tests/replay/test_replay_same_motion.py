@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.audit import AuditSettings, LogReplay, replay_log
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.replay.result import JointReplay, ReplayHistory
 from friction_audit.replay.settings import ReplaySettings, energy_compensator
 from friction_audit.report.figures.replay import applied

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.replay.compensator import EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.simulate import IDEAL_SENSORS, ArmSettings, JointParameters, Motion, Simulation, simulate
 
 JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.replay.compensator import Compensator, EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import Compensator, EnergyCompensator, FixedCompensation
 from friction_audit.replay.run import run
 from friction_audit.simulate.bench import BenchSettings, simulate_bench
 from friction_audit.simulate.motion import Sinusoid

@@ -6,7 +6,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.replay.compensator import EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.simulate import (
     IDEAL_SENSORS,
     PANDA_SENSORS,

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
+from friction_audit.replay.compensators import Compensator
 from friction_audit.replay.records import TRACE, fresh_memory, pack
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import EnergyCompensator
+from friction_audit.replay.compensators import EnergyCompensator
 from friction_audit.replay.run import run
 from friction_audit.report.paper_figures.course import Course
 from friction_audit.simulate.clock import CONTROL_RATE_HZ

@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
+from friction_audit.replay.compensators import Compensator
 from friction_audit.replay.records import TRACE
 from friction_audit.simulate import reading
 from friction_audit.simulate.clock import CONTROL_RATE_HZ, count_ticks

@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensator import Compensator
+from friction_audit.replay.compensators import Compensator
 from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulate import reading
 from friction_audit.simulate.bench import BenchSettings, Progress, make_motion, make_traces, move

@@ -7,7 +7,7 @@ The paper's simulations (Figs 3, 6, 7, 9) give friction in Ns/mm and name neithe
 from dataclasses import replace
 from math import inf
 
-from friction_audit.replay.compensator import Coefficients, EnergyCompensator, FixedCompensation
+from friction_audit.replay.compensators import Coefficients, EnergyCompensator, FixedCompensation
 from friction_audit.simulate.arm import ArmSettings
 from friction_audit.simulate.bench import BenchSettings
 from friction_audit.simulate.effects.friction_step import FrictionStep
