@@ -7,6 +7,7 @@ included, whose work is negative.
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -174,6 +175,16 @@ def close_cycle(settings: Record, memory: Record) -> None:
     memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
 
 
+class Products(NamedTuple):
+    """Sums of products of net energy, path and integral of the squared velocity over k cycles."""
+
+    net_path: float
+    net_square: float
+    path_path: float
+    path_square: float
+    square_square: float
+
+
 @compiled()
 def estimate(settings: Record, memory: Record) -> int:
     """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
@@ -182,6 +193,21 @@ def estimate(settings: Record, memory: Record) -> int:
     """
     if memory.count < settings.window:
         return TOO_FEW
+    sums = products(settings, memory)
+    if settings.model == COMBINED:
+        return estimate_both(settings, memory, sums)
+    if settings.model == VISCOUS:
+        memory.estimated_viscous_nms_per_rad = sums.net_square / sums.square_square
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
+    else:
+        memory.estimated_coulomb_nm = sums.net_path / sums.path_path
+        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
+    return ESTIMATED
+
+
+@compiled()
+def products(settings: Record, memory: Record) -> Products:
+    """Return the sums of products over the last k cycles."""
     net_path = net_square = path_path = path_square = square_square = 0.0
     for i in range(settings.window):
         row = memory.rows[i]
@@ -190,36 +216,21 @@ def estimate(settings: Record, memory: Record) -> int:
         path_path += row[PATH] * row[PATH]
         path_square += row[PATH] * row[SQUARE]
         square_square += row[SQUARE] * row[SQUARE]
-    if settings.model == COMBINED:
-        return estimate_both(settings, memory, net_path, net_square, path_path, path_square, square_square)
-    if settings.model == VISCOUS:
-        memory.estimated_viscous_nms_per_rad = net_square / square_square
-        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
-    else:
-        memory.estimated_coulomb_nm = net_path / path_path
-        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
-    return ESTIMATED
+    return Products(net_path, net_square, path_path, path_square, square_square)
 
 
 @compiled()
-def estimate_both(
-    settings: Record,
-    memory: Record,
-    net_path: float,
-    net_square: float,
-    path_path: float,
-    path_square: float,
-    square_square: float,
-) -> int:
-    """Estimate both coefficients by least squares from sums of products over k cycles; return the status.
+def estimate_both(settings: Record, memory: Record, sums: Products) -> int:
+    """Estimate both coefficients by least squares; return the status.
 
     Of a pair with a negative coefficient, the other one is too large: used alone, it would push the joint. What is used
     is the least squares of coefficients of zero or more.
     """
+    net_path, net_square, path_path, path_square, square_square = sums
     cosine = path_square / math.sqrt(path_path * square_square)
     sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
     if 1.0 + cosine > settings.condition_limit * sine:
-        return scale(memory, net_path, net_square, path_path, path_square, square_square)
+        return scale(memory, sums)
     determinant = path_path * square_square * sine * sine
     coulomb = (net_path * square_square - net_square * path_square) / determinant
     viscous = (net_square * path_path - net_path * path_square) / determinant
@@ -233,19 +244,13 @@ def estimate_both(
 
 
 @compiled()
-def scale(
-    memory: Record,
-    net_path: float,
-    net_square: float,
-    path_path: float,
-    path_square: float,
-    square_square: float,
-) -> int:
+def scale(memory: Record, sums: Products) -> int:
     """Scale the coefficients in use to cycles that are too alike to tell them apart; return the status.
 
     Such cycles still tell how much friction there is.
     """
     coulomb, viscous = memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad
+    net_path, net_square, path_path, path_square, square_square = sums
     expected = coulomb * coulomb * path_path + 2.0 * coulomb * viscous * path_square + viscous * viscous * square_square
     found = coulomb * net_path + viscous * net_square
     if not (expected > 0.0 and found > 0.0):

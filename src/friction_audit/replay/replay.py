@@ -13,7 +13,7 @@ from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, log_cautions, seems_compensated
-from friction_audit.replay.compensators import Compensator, EnergyCompensator, Guard
+from friction_audit.replay.compensators import Compensator, EnergyCompensator, guard_of
 from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR
 from friction_audit.replay.counterfactuals import Run, Scene, other_motion, run_scene, same_motion
 from friction_audit.replay.fitted_joint import fit_joint
@@ -186,7 +186,7 @@ def _in_force(
     compensator: Compensator, cycles: EnergyCycles, column: int, limits: Limits, step_s: float
 ) -> Compensator:
     """Return the compensator with the limits, and the thresholds where it finds cycles itself."""
-    guard = compensator if isinstance(compensator, EnergyCompensator) else getattr(compensator, "guard", Guard())
+    guard = guard_of(compensator)
     kept: dict[str, Any] = {
         "max_torque_nm": min(guard.max_torque_nm, limits.torque_nm),
         "max_torque_rate_nm_s": min(guard.max_torque_rate_nm_s, limits.rate_nm_s),

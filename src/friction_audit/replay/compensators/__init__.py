@@ -30,6 +30,7 @@ __all__ = [
     "LugreCompensation",
     "SigmoidCompensation",
     "TorqueRegulation",
+    "guard_of",
     "guards",
     "kind_of",
 ]
@@ -61,9 +62,12 @@ def kind_of(compensator: Compensator | None) -> CompensatorKind:
     return next(kind for kind in COMPENSATORS if isinstance(compensator, kind.settings))
 
 
+def guard_of(compensator: Compensator | None) -> Guard:
+    """Return passivity controller and limits of a compensator; where it has none, those that do nothing."""
+    guard = compensator if isinstance(compensator, Guard) else getattr(compensator, "guard", None)
+    return guard or Guard()
+
+
 def guards(compensator: Compensator | None) -> bool:
     """Return True if a passivity controller acts."""
-    if isinstance(compensator, EnergyCompensator):
-        return compensator.passivity
-    guard = getattr(compensator, "guard", None)
-    return isinstance(guard, Guard) and guard.passivity
+    return guard_of(compensator).passivity

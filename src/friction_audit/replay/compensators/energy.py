@@ -7,6 +7,7 @@ from typing import Any
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 from friction_audit.replay.compensators.check import require_not_negative, require_positive
+from friction_audit.replay.compensators.guard import Guard
 from friction_audit.replay.compensators.kind import ENERGY, CompensatorKind
 from friction_audit.replay.compensators.soft_sign import soft_sign
 
@@ -29,7 +30,7 @@ class Coefficients:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class EnergyCompensator:
+class EnergyCompensator(Guard):
     """The compensator of the paper: estimates at the end of each energy cycle, applies the estimate in the next.
 
     The Coulomb term is silent up to ``dead_band_rad_s`` and rises linearly over the next ``ramp_rad_s``. A sign
@@ -37,7 +38,7 @@ class EnergyCompensator:
     coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
 
-    Attributes:
+    Attributes: Those of ``Guard``, its passivity controller acting unless told otherwise, and
         model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
         window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
         condition_limit: If the columns of (18), scaled to length one, have a larger condition number, the cycles are
@@ -57,16 +58,6 @@ class EnergyCompensator:
         initiation_rad_s: Filtered speed above which a cycle begins. [rad/s]
         termination_rad_s: Filtered speed below which it may end; it ends when the joint then rests. [rad/s]
         cutoff_hz: Corner of the causal first-order low-pass on the velocity, for detection only. [Hz]
-        passivity: If True, the passivity controller acts.
-        initial_energy_j: E(0) of (21). [J]
-        controller_in_interaction: If True, the interaction torque was measured while the passivity controller acted
-            and the port energy (2) contains what it dissipated, as in every closed loop. False for a recording made
-            without it: the ledger then adds what it would have dissipated, lest the same deficit be paid for again.
-        minimum_speed_rad_s: The passivity controller does nothing below this speed. [rad/s]
-        max_damping_nms_per_rad: Largest damping it may inject. [N m s/rad] A damper held for a tick brakes a mass m
-            without overshoot up to m over the tick; the default is half of that for 0.1 kg m^2 at 1 kHz.
-        max_torque_nm: Largest torque of compensation and passivity controller together. [N m]
-        max_torque_rate_nm_s: Fastest change of it. [N m/s]
 
     Raises:
         UsageError: If a number is out of range or a name unknown.
@@ -88,12 +79,6 @@ class EnergyCompensator:
     termination_rad_s: float = 0.05
     cutoff_hz: float = 20.0
     passivity: bool = True
-    initial_energy_j: float = 0.0
-    controller_in_interaction: bool = True
-    minimum_speed_rad_s: float = 0.01
-    max_damping_nms_per_rad: float = 50.0
-    max_torque_nm: float = inf
-    max_torque_rate_nm_s: float = inf
 
     def __post_init__(self) -> None:
         """Check names and ranges."""
@@ -111,19 +96,9 @@ class EnergyCompensator:
             )
         if self.forced_from_cycle < 1:
             raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
-        require_not_negative("compensator", self, "factor", "dead_band_rad_s", "ramp_rad_s", "initial_energy_j")
-        require_positive(
-            "compensator",
-            self,
-            "condition_limit",
-            "minimum_path_rad",
-            "maximum_gap_s",
-            "cutoff_hz",
-            "minimum_speed_rad_s",
-            "max_damping_nms_per_rad",
-            "max_torque_nm",
-            "max_torque_rate_nm_s",
-        )
+        require_not_negative("compensator", self, "factor", "dead_band_rad_s", "ramp_rad_s")
+        require_positive("compensator", self, "condition_limit", "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
+        Guard.__post_init__(self)
 
     @property
     def unknowns(self) -> int:
