@@ -21,7 +21,7 @@ SECOND = 1
 
 
 def check(simulations: Simulations) -> tuple[Claim, ...]:
-    """Check that the energy rises for two cycles and then stays, with and without refusing cycles that are alike."""
+    """Check that the energy rises for two cycles and then stays, also without a limit on how alike cycles may be."""
     courses = [make_course(simulation) for simulation in simulations["fig10"]]
     rises = np.array([np.diff(course.ends_j[: SECOND + 1], prepend=0.0).min() for course in courses])
     guarded = each(simulations["fig10"], lambda simulation: leaves_by(make_course(simulation)))
@@ -41,7 +41,7 @@ def check(simulations: Simulations) -> tuple[Claim, ...]:
             "the same where every pair of cycles gives an estimate, however alike they are",
             printed,
             "(20) as printed divides by the difference of two cycles: two of the same speed tell nothing, and the "
-            "estimate is that of the noise. This program refuses pairs with a condition number above 200",
+            "estimate is that of the noise. Above a condition number of 200 the coefficients before are scaled",
             last_s,
         ),
     )
