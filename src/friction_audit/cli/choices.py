@@ -20,6 +20,7 @@ ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
 COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance-observer", "torque-regulation")
 FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
 REPLAY_FIGURES = ("replay", "replay-velocity-torque")
+DIAGNOSIS_FIGURES = ("verdicts", "simulation", "residual", "ladder", "effects", "evidence")
 KINDS = (*FIGURES, *REPLAY_FIGURES, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
 EFFECTS = (

@@ -1,6 +1,7 @@
 """``friction-audit diagnose``."""
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +10,8 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
-from friction_audit.cli.options import OUTPUT, LogOptions, LogPath
+from friction_audit.cli.figure_files import draw_files, possible_files
+from friction_audit.cli.options import OUTPUT, PNG, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
@@ -84,10 +86,11 @@ def command(
             "--output",
             "-o",
             metavar="DIR",
-            help=f"Also write {DOCUMENT} and the grown {MODEL} there.",
+            help=f"Also write {DOCUMENT}, the grown {MODEL} and the figures there.",
             rich_help_panel=OUTPUT,
         ),
     ] = None,
+    figures: FiguresBeside = PNG,
 ) -> None:
     """Find what the model of each joint misses, name it, and show how far the gap closes."""
     if shared.general.dump_config:
@@ -97,7 +100,8 @@ def command(
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
     settings = _settings(options)
     if folder is not None:
-        chain.check_outputs([folder / DOCUMENT, folder / MODEL], overwrite=output.overwrite)
+        files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, choices.DIAGNOSIS_FIGURES, figures)]
+        chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
         recorded = chain.read(log, reading, voice)
     _check_model(options.model, settings.model, recorded)
@@ -111,6 +115,7 @@ def command(
     text = _document(found, chain.reading_settings(reading))
     if folder is not None:
         _write(found, text, folder, voice, overwrite=output.overwrite)
+        _draw(found, folder, figures, voice, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
     chain.exit_if_damaged(recorded)
 
@@ -185,6 +190,14 @@ def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, ove
     grown = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
     voice.warn(f"{folder / MODEL}: joint {joint}: {lack}" for joint, lack in grown.lacking)
     save_model(grown.model, folder / MODEL, overwrite=overwrite)
+
+
+def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+
+    kinds = {kind.name: partial(kind.draw, found) for kind in DIAGNOSIS_FIGURES}
+    numbers = [joint.joint for joint in found.discrepancy.joints]
+    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice)
 
 
 def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:
