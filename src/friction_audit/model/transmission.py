@@ -144,13 +144,14 @@ def _follow(
             speed = (rise + (1.0 - x) * (1.0 - 3.0 * x) * bend0 + x * (2.0 - 3.0 * x) * bend1) / step
             theta += 0.5 * h * omega
             push, drag = _push(place - theta, speed - omega, link)
-            # Implicit: omega' with the damper and viscous friction at omega', then what Coulomb friction takes of it.
-            free = (inertia * omega + h * (push + drag * speed)) / (inertia + h * (drag + viscous))
-            held = h * coulomb / (inertia + h * (drag + viscous))
+            # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
+            loss, before = 0.5 * h * (drag + viscous), omega
+            free = ((inertia - loss) * omega + h * (push + drag * speed)) / (inertia + loss)
+            held = h * coulomb / (inertia + loss)
             omega = max(free - held, 0.0) if free > 0.0 else min(free + held, 0.0)
             theta += 0.5 * h * omega
             near = k if 2 * i < steps else k + 1
-            torque[near] += (push + drag * (speed - omega)) / share[near]
+            torque[near] += (push + drag * (speed - 0.5 * (before + omega))) / share[near]
     return torque
 
 

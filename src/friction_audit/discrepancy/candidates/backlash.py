@@ -8,7 +8,7 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.backlash import TERM
 
-SPAN_SHARES = np.geomspace(3e-5, 0.02, 28)
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion, close to each other: they set when the flanks strike."""
 CONTACTS_HZ = (15.0, 40.0)
 """Soft flanks and, beyond what a regression sees, hard ones."""

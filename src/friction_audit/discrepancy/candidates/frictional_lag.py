@@ -9,7 +9,7 @@ from friction_audit.joint_log import Float
 from friction_audit.model.terms.frictional_lag import TERM
 
 LAGS_S = np.geomspace(3e-3, 0.5, 8)
-STRIBECK = ((1e-3, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for share in np.geomspace(0.02, 0.5, 4)))
+STRIBECK = ((1e-3, 0.3), *((excess, float(share)) for excess in (0.2, 1.0) for share in np.geomspace(0.05, 0.5, 4)))
 """Excess at rest over Coulomb friction, and the speed at which it fades as a share of the usual top speed."""
 LARGEST_SHARE = 1.6
 """All the friction that depends on the speed lags, as far as a fit that did not know of it can tell."""
