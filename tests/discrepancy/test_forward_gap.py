@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.forward_gap import simulate_cycles
+from friction_audit.discrepancy.forward_gap import gap_in_motion, simulate_cycles
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model import FittedTerm, JointModel, simple_model
 from friction_audit.model.forward import simulate
@@ -100,3 +102,68 @@ def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
 def test_a_model_that_cannot_be_simulated_has_no_gap_in_motion() -> None:
     runaway = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1))))
     assert simulate_cycles(DECLARED, runaway, make_data(GROWN), np.array([4, 9])) is None
+
+
+def exactly(**values: float) -> dict[str, Coefficient]:
+    return {name: Coefficient(value=value, low=value, high=value) for name, value in values.items()}
+
+
+def missing_stribeck() -> Effect:
+    nothing = np.zeros(0)
+    curve = Profile(
+        axis="speed",
+        label="speed [rad/s]",
+        edges=nothing,
+        centre=nothing,
+        forwards=nothing,
+        backwards=nothing,
+        forwards_se=nothing,
+        backwards_se=nothing,
+        share=1.0,
+        p_value=0.0,
+        where="at low speed",
+    )
+    return Effect(
+        name="stribeck",
+        label="Stribeck friction",
+        alternatives=(),
+        decide="",
+        parameters=exactly(stribeck_excess_nm=0.15, stribeck_speed_rad_s=0.1, stribeck_exponent=2.0),
+        p_value=0.0,
+        where="at low speed",
+        axis="speed",
+        gap_before_nm=0.1,
+        gap_after_nm=0.0,
+        partial_nm=0.1,
+        torque=nothing,
+        curve=curve,
+        evidence=(),
+    )
+
+
+SIMPLE = exactly(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+
+
+def diagnosed(**grown: float) -> JointDiscrepancy:
+    return JointDiscrepancy(
+        joint=1,
+        name="joint1",
+        verdict="named",
+        message="",
+        effects=(missing_stribeck(),),
+        declared=SIMPLE,
+        grown=SIMPLE | exactly(**grown),
+    )
+
+
+def test_a_diagnosis_is_simulated_without_and_with_what_it_found() -> None:
+    data = make_data(GROWN)
+    gap = gap_in_motion(diagnosed(), None, data, np.array([4, 9]))
+    same = simulate_cycles(DECLARED, GROWN, data, np.array([4, 9]))
+    assert gap is not None
+    assert same is not None
+    assert (gap.before, gap.after) == (same.before, same.after)
+
+
+def test_numbers_that_no_model_allows_are_not_simulated() -> None:
+    assert gap_in_motion(diagnosed(viscous_nms_per_rad=-0.01), None, make_data(GROWN), np.array([4, 9])) is None

@@ -11,16 +11,47 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.grown_model import grow_model
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.result import SimulationGap
+from friction_audit.discrepancy.result import JointDiscrepancy, SimulationGap
+from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.along_recording import simulate_along
-from friction_audit.model.joint_model import JointModel
+from friction_audit.model.joint_model import JointModel, Provenance
 
 SHORTEST = 3
 """Samples of a cycle that is worth simulating."""
 LEAST_SHARE = 0.02
 """Share of the drive that inertia must take; with less, the velocity would follow any error of the torque at once."""
+
+
+def gap_in_motion(
+    joint: JointDiscrepancy,
+    declared: JointModel | None,
+    data: JointData,
+    cycles: NDArray[np.int64],
+    *,
+    known_inertia_kg_m2: float = 0.0,
+) -> SimulationGap | None:
+    """Simulate whole cycles of a joint that was diagnosed, without and with what was found.
+
+    Args:
+        joint: What a diagnosis says of it; its declared and grown numbers are those fitted.
+        declared: Its declared model; None for inertia, Coulomb and viscous friction.
+        data: The joint.
+        cycles: As of ``simulate_cycles``.
+        known_inertia_kg_m2: Likewise.
+
+    Returns:
+        As ``simulate_cycles``; None also where a number that was fitted is none that a model allows, as friction below
+        zero.
+    """
+    bare = replace(joint, effects=(), grown=joint.declared)
+    try:
+        models = [grow_model(one, declared, Provenance()) for one in (bare, joint)]
+    except AnalysisError:
+        return None
+    return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2=known_inertia_kg_m2)
 
 
 def simulate_cycles(

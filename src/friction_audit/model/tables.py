@@ -163,18 +163,24 @@ def _holds(share: Tables, term: FittedTerm, motion: Motion) -> bool:
 def read_along(tables: Tables, motion: Motion) -> Float:
     """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
     n, speed = len(motion.t), np.abs(motion.dq)
-    speeds, places = tables.speed_step * np.arange(n), tables.place_start + tables.place_step * np.arange(n)
+    speeds = np.asarray(tables.speed_step * np.arange(n), np.float64)
+    places = np.asarray(tables.place_start + tables.place_step * np.arange(n), np.float64)
     held = tables.bristles.along(motion.q)
     held = held + tables.bristle_damping_s * np.gradient(held, motion.t)
     ways = [
-        np.interp(speed, speeds, tables.speed[way])
-        + np.interp(motion.q, places, tables.place[way])
-        + np.interp(motion.q, places, tables.place_per_speed[way]) * speed
+        _read(tables.speed[way], speeds, speed)
+        + _read(tables.place[way], places, motion.q)
+        + _read(tables.place_per_speed[way], places, motion.q) * speed
         + tables.time[way]
         + tables.time_per_speed[way] * speed
         for way in (0, 1)
     ]
     return np.asarray(tables.inertia_kg_m2 * motion.ddq + np.where(motion.dq < 0.0, ways[1], ways[0]) + held)
+
+
+def _read(table: Float, entries: Float, at: Float) -> Float:
+    """Read a table; most are zero, and need no reading."""
+    return np.asarray(np.interp(at, entries, table)) if table.any() else table
 
 
 def _rms(signal: Float) -> float:
