@@ -43,7 +43,7 @@ def traces() -> Traces:
     place = place[place % ROWS >= LEFT_OUT]
     cycle = place // ROWS
     direction = np.where(cycle % 2, -1.0, 1.0)
-    t: Float = place * STEP_S
+    t = np.asarray(STEP_S * place, np.float64)
     speed: Float = 0.05 + 0.3 * np.sin(np.pi * (place % ROWS) / ROWS)
     after = direction * (0.4 + speed)
     return Traces(
