@@ -1,10 +1,12 @@
 """The table of a diagnosis says in eighty columns what was found; sentences below it say the rest."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from itertools import takewhile
 
 import pytest
+from rich.text import Text
 
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
@@ -23,18 +25,18 @@ from tests.report.diagnosis_by_hand import (
     coefficient,
     diagnosis,
 )
-from tests.report.test_tables import shown
 
 
-def table_of(parts: Sequence[Any]) -> list[str]:
+def lines_of(parts: Sequence[Text]) -> list[str]:
+    """Return everything, line by line."""
+    return [part.plain for part in parts]
+
+
+def table_of(parts: Sequence[Text]) -> list[str]:
     """Return the lines of the table alone."""
-    (table,) = (part for part in parts if hasattr(part, "columns"))
-    return [line.rstrip() for line in shown([table]).splitlines()]
-
-
-def lines_of(parts: Sequence[Any]) -> list[str]:
-    """Return the lines of text around the table."""
-    return [part.plain for part in parts if hasattr(part, "plain")]
+    lines = lines_of(parts)
+    head = next(place for place, line in enumerate(lines) if line.startswith("joint  verdict"))
+    return list(takewhile(lambda line: not re.match(r"joints? \d", line), lines[head - 1 :]))
 
 
 def test_a_row_per_joint_with_its_verdict_effect_size_and_gap() -> None:
@@ -60,6 +62,7 @@ def test_the_table_fits_eighty_columns_even_with_the_longest_names() -> None:
     lines = table_of(diagnose_table(diagnosis((joint,))))
     assert max(map(len, lines)) <= 80
     assert not any("…" in line for line in lines)
+    assert not any(line.endswith(" ") for line in lines)
 
 
 def test_that_gaps_are_on_locked_cycles_is_said_once() -> None:

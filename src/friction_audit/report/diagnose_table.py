@@ -10,10 +10,11 @@ from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.friction.history import Coefficient
 from friction_audit.model.terms import TERMS
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
+from friction_audit.report.plain_table import plain_lines
 
 if TYPE_CHECKING:
-    from rich.console import RenderableType
     from rich.table import Table
+    from rich.text import Text
 
 TITLES = ("joint", "verdict", "missing", "before\n[N m]", "after\n[N m]", "floor\n[N m]", "closed\n[%]")
 WORDS = 3
@@ -29,7 +30,7 @@ SCALED = ("s", "rad")
 SMALL = 0.02
 
 
-def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[RenderableType]":
+def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Text]":
     """Return what was asked, a row per joint, and what is to be said of each.
 
     Args:
@@ -38,8 +39,7 @@ def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Renderab
     """
     from rich.text import Text
 
-    parts: list[RenderableType] = [Text(line) for line in _head(found)]
-    parts.append(_table(found.discrepancy.joints))
+    parts = [Text(line) for line in (*_head(found), *plain_lines(_table(found.discrepancy.joints)))]
     for joints in _alike(found.discrepancy.joints, together=not verbose):
         parts.extend(Text(line) for line in _sentences(joints))
         if verbose:
