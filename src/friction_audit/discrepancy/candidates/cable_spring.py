@@ -44,5 +44,6 @@ CANDIDATE = Candidate(
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    same_as=("joint_limit_stop",),
     term=TERM,
 )

@@ -1,4 +1,7 @@
-"""Stops: springs near one end of the range or both, where and how steep unknown."""
+"""Stops: springs near one end of the range or both, where and how steep unknown.
+
+A soft stop is to the joint what a slack cable is.
+"""
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import span
@@ -43,5 +46,6 @@ CANDIDATE = Candidate(
     untestable=untestable,
     admissible=admissible,
     axis="position",
+    same_as=("cable_spring",),
     term=TERM,
 )
