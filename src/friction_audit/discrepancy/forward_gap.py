@@ -21,8 +21,9 @@ from friction_audit.model.joint_model import JointModel, Provenance
 
 SHORTEST = 3
 """Samples of a cycle that is worth simulating."""
-LEAST_SHARE = 0.02
-"""Share of the drive that inertia must take; with less, the velocity would follow any error of the torque at once."""
+LEAST_S = 0.05
+"""A joint that its drive alone would bring to its usual speed sooner has hardly any inertia: its velocity would follow
+any error of the torque at once."""
 
 
 def gap_in_motion(
@@ -100,8 +101,8 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
 
 
 def _weightless(model: JointModel, data: JointData, drive: Float) -> bool:
-    """Whether the inertia takes hardly anything of the drive."""
-    return model.inertia_kg_m2 * _rms(data.ddq) < LEAST_SHARE * _rms(drive)
+    """Whether the drive would bring the joint to its usual speed in no time."""
+    return model.inertia_kg_m2 * _rms(data.dq) < LEAST_S * _rms(drive)
 
 
 def _whole(data: JointData, cycles: NDArray[np.int64]) -> NDArray[np.int64]:
