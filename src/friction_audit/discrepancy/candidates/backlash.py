@@ -10,8 +10,8 @@ from friction_audit.model.terms.backlash import TERM
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion, close to each other: they set when the flanks strike."""
-CONTACTS_HZ = (15.0, 40.0)
-"""Soft flanks and, beyond what a regression sees, hard ones."""
+CONTACTS_HZ = (18.0, 28.0, 45.0)
+"""Flanks that ring about as fast as a regression sees, and hard ones."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 """All that is behind the sensor is behind the play, as far as a fit that did not know of it can tell."""
