@@ -9,11 +9,12 @@ from friction_audit.model.terms.cable_spring import TERM
 
 EDGES = (0.0, 1 / 3, 1 / 2, 2 / 3, 1.0)
 """Where it may begin to pull, as shares of the range; 0 and 1 for a side on which it does not."""
-MIDDLE = (0.5, 0.5)
+MIDDLE = (0.4999, 0.5001)
+"""No free stretch to speak of."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """No free stretch, and all between edges but the one that leaves nothing."""
+    """No free stretch, then all between edges but the one that leaves nothing."""
     low, high = reach(data)
     pairs = [MIDDLE, *((a, b) for a in EDGES for b in EDGES if a < b and b - a < 1.0)]
     return tuple(

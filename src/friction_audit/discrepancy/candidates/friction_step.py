@@ -11,6 +11,8 @@ from friction_audit.model.terms.friction_step import TERM
 
 FEWEST_CYCLES = 8
 MOMENTS = 32
+AT_ONCE = 1e-5
+"""Length of a step, as a share of the log's: less than a sample."""
 RAMPS = 8
 LENGTH = 0.12
 """How long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up."""
@@ -19,7 +21,7 @@ LENGTH = 0.12
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Steps from a sixteenth of the log on, and ramps."""
     length = duration(data)
-    steps = [(k / MOMENTS, 0.0) for k in range(2, MOMENTS - 1)]
+    steps = [(k / MOMENTS, AT_ONCE) for k in range(2, MOMENTS - 1)]
     ramps = [(k / RAMPS, LENGTH) for k in range(1, RAMPS)]
     return tuple(
         {"step_time_s": float(data.t[0]) + share * length, "step_length_s": part * length}

@@ -13,6 +13,7 @@ SHORTEST_S = 30.0
 TIMES = (0.08, 0.2, 0.5, 1.5)
 """Time constants as shares of the log's length; beyond, an exponential is a straight line."""
 FOREVER = 1e4
+UNFELT_PER_K = 1e-6
 DECAYS = (0.3, 1.5, 5.0)
 """How far friction fades over the range of the temperature, as exponents."""
 LEAST_K = 0.5
@@ -22,7 +23,7 @@ LEAST_K = 0.5
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Time constants by the length of the log; rates by the range of the temperature, where there is one."""
     length = duration(data)
-    tried: list[Shape] = [{"warm_up_time_s": share * length, "warm_up_per_k": 0.0} for share in TIMES]
+    tried: list[Shape] = [{"warm_up_time_s": share * length, "warm_up_per_k": UNFELT_PER_K} for share in TIMES]
     rise = 0.0 if data.temperature is None else float(np.ptp(data.temperature))
     if rise >= LEAST_K:
         tried += [{"warm_up_time_s": FOREVER * length, "warm_up_per_k": decay / rise} for decay in DECAYS]

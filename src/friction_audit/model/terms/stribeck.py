@@ -24,8 +24,8 @@ TERM = Term(
     label="Stribeck friction",
     linear=(Parameter(name="stribeck_excess_nm", unit="N m", meaning="friction above Coulomb at rest", lower=0.0),),
     shape=(
-        Parameter(name="stribeck_speed_rad_s", unit="rad/s", meaning="speed of fading", lower=1e-4, upper=10.0),
-        Parameter(name="stribeck_exponent", unit="1", meaning="exponent of fading", lower=0.5, upper=4.0),
+        Parameter(name="stribeck_speed_rad_s", unit="rad/s", meaning="speed of fading", lower=1e-6, upper=10.0),
+        Parameter(name="stribeck_exponent", unit="1", meaning="exponent of fading", lower=0.2, upper=5.0),
     ),
     basis=basis,
     friction=True,

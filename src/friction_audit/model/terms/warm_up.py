@@ -33,7 +33,7 @@ TERM = Term(
     ),
     shape=(
         Parameter(name="warm_up_time_s", unit="s", meaning="time constant", lower=1e-2, upper=1e9),
-        Parameter(name="warm_up_per_k", unit="1/K", meaning="share lost per kelvin", lower=0.0, upper=10.0),
+        Parameter(name="warm_up_per_k", unit="1/K", meaning="share lost per kelvin", lower=0.0, upper=100.0),
     ),
     basis=basis,
     friction=True,
