@@ -1,26 +1,18 @@
-"""The pictures of two pages, drawn by the program: ``python docs/make_paper_images.py``.
+"""The pictures of two pages, small copies of what the program draws: ``python docs/make_paper_images.py FOLDER``.
 
-Those of the page on the paper's figures, from the first seed, and those of the page on ``compare``, twenty persons.
+The program draws them beforehand, in the same runs that print the numbers on these pages:
+
+    friction-audit reproduce -o FOLDER/paper
+    friction-audit compare -o FOLDER/compare
 """  # noqa: INP001
 
-import tempfile
-from dataclasses import replace
+import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from PIL import Image
 
-from friction_audit.compare import SCENES, compare
-from friction_audit.compare.draw import draw
-from friction_audit.report.figures import save_figure
-from friction_audit.reproduce import REPRODUCTIONS, simulate_figures
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-FOLDER = Path(__file__).parent / "images"
-SEEDS = 20
-"""Persons of the comparison."""
+IMAGES = Path(__file__).parent / "images"
+PAGES = ("paper", "compare")
 WIDTH = 1050
 """Pixels of a picture, those of a column at 300 dpi."""
 COLOURS = 160
@@ -34,30 +26,16 @@ def small(path: Path) -> Image.Image:
         return image.convert("RGB").resize(size, Image.Resampling.LANCZOS).quantize(COLOURS, dither=Image.Dither.NONE)
 
 
-def keep(figure: "Figure", path: Path) -> None:
-    """Write a figure as a small picture."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory() as drafts:
-        draft = Path(drafts) / path.name
-        save_figure(figure, draft)
-        small(draft).save(path, optimize=True)
-
-
-def make_paper_pictures(folder: Path = FOLDER / "paper") -> None:
-    """Draw every figure of the paper from the first seed."""
-    simulations = simulate_figures(REPRODUCTIONS, seeds=1)
-    for one in REPRODUCTIONS:
-        keep(one.draw(simulations), folder / f"fig{one.figure}.png")
-
-
-def make_compare_pictures(folder: Path = FOLDER / "compare") -> None:
-    """Draw the figures of the comparison; they show no margins."""
-    joint = SCENES[0]
-    comparison = compare(replace(joint, plan=replace(joint.plan, margin_seeds=0)), SEEDS)
-    for name, figure in draw(comparison).items():
-        keep(figure, folder / f"{name}.png")
+def make_pictures(drawn: Path, images: Path = IMAGES) -> None:
+    """Copy all pictures of both pages."""
+    for page in PAGES:
+        paths = sorted((drawn / page).glob("*.png"))
+        if not paths:
+            raise SystemExit(f"{drawn / page}: found no pictures; draw them first, as told at the top of this script")
+        (images / page).mkdir(parents=True, exist_ok=True)
+        for path in paths:
+            small(path).save(images / page / path.name, optimize=True)
 
 
 if __name__ == "__main__":
-    make_paper_pictures()
-    make_compare_pictures()
+    make_pictures(Path(sys.argv[1]))
