@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import choices
+from friction_audit.discrepancy import data_audit
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.export import write_log
 from friction_audit.model.model_file import load_model
@@ -24,6 +25,12 @@ def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
 
 def test_names_of_the_figures_are_those_of_the_report() -> None:
     assert tuple(kind.name for kind in DIAGNOSIS_FIGURES) == choices.DIAGNOSIS_FIGURES
+
+
+def test_the_page_explains_every_fault_and_limit_of_the_data() -> None:
+    judged = set(re.findall(r'_judged\(\s*"(\w+)"', Path(data_audit.__file__).read_text()))
+    page = Path(__file__).parents[2] / "docs" / "commands" / "diagnose.md"
+    assert set(re.findall(r"^\| `(\w+)` \| (?:fault|limit) \|", page.read_text(), re.MULTILINE)) == judged
 
 
 def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> None:
