@@ -17,7 +17,7 @@ from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.naming import Names, find_names, worth
-from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, omnibus_test
+from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
@@ -174,10 +174,11 @@ def _test(
     clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
     widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
     fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
+    even = even_weights(left[w], cluster, len(np.unique(ground.rows.cycle[w])))[:, None]
     return omnibus_test(
-        ground.y[w],
-        np.hstack([ground.base, torque])[w],
-        [Group(name=group.name, shapes=tuple(s[w] for s in group.shapes)) for group in fitting],
+        ground.y[w] * even[:, 0],
+        np.hstack([ground.base, torque])[w] * even,
+        [Group(name=group.name, shapes=tuple(s[w] * even for s in group.shapes)) for group in fitting],
         cluster,
         rng,
         alpha=alpha,

@@ -28,11 +28,11 @@ MEMORIES_PER_CLUSTER = 5.0
 """Integral times of the noise in a cluster: neighbours then correlate by about 0.1."""
 LEAST_CLUSTERS = 12
 """Below this number of clusters the test loses more power than correlation costs in errors."""
-FEW_TO_TEST = 24
+FEW_TO_TEST = 30
 """Fewer cycles than this are cut into parts."""
-MEMORIES_PER_PART = 2.5
+MEMORIES_PER_PART = 1.5
 """Integral times of the noise in a part of a cycle: where cycles are few, power matters more than the correlation of
-about 0.2 that neighbours then have."""
+about 0.3 that neighbours then have."""
 MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
@@ -143,8 +143,8 @@ def cut_cycles(cycle: Index, integral_samples: float) -> Index:
         integral_samples: Integral time of the noise's autocorrelation. [samples]
 
     Returns:
-        Number of the part of each sample, shape (n,). Of fewer than 24 cycles, equal parts of each that outlast the
-        noise's memory two and a half times, and at least as many as make twelve; of more, :func:`independent_clusters`.
+        Number of the part of each sample, shape (n,). Of fewer than 30 cycles, equal parts of each that outlast the
+        noise's memory one and a half times, and at least as many as make twelve; of more, :func:`independent_clusters`.
     """
     numbers, first, position, length = np.unique(cycle, return_index=True, return_inverse=True, return_counts=True)
     if len(numbers) >= FEW_TO_TEST:
@@ -155,6 +155,25 @@ def cut_cycles(cycle: Index, integral_samples: float) -> Index:
     place = np.arange(len(cycle)) - first[position]
     part = place * parts[position] // length[position]
     return np.asarray((np.cumsum(parts) - parts)[position] + part, dtype=np.int64)
+
+
+def even_weights(residual: Float, cluster: Index, cycles: int) -> Float:
+    """Weights of samples that keep a few lively clusters from deciding alone: one over the root of a cluster's rms.
+
+    The score of a cluster in which something is missing grows with the square of its size there; few clusters of very
+    different scores prove little. Where there are at least thirty cycles all samples count alike.
+
+    Args:
+        residual: What the base leaves, shape (n,).
+        cluster: Number of the cluster of each sample, shape (n,).
+        cycles: Number of cycles that the clusters were made from.
+    """
+    if cycles >= FEW_TO_TEST:
+        return np.ones(len(residual))
+    _, place, length = np.unique(cluster, return_inverse=True, return_counts=True)
+    size = np.sqrt(np.bincount(place, weights=residual**2) / length)
+    least = np.finfo(float).eps * max(float(size.max()), 1.0)
+    return np.asarray(1.0 / np.sqrt(np.maximum(size, least))[place])
 
 
 def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:
