@@ -19,7 +19,7 @@ from friction_audit.joint_log import Float
 from friction_audit.report.figures import save_figure
 from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES, DiagnosisFigure
 from friction_audit.report.figures.diagnose_effects import draw_effects, mean_along
-from friction_audit.report.figures.diagnose_evidence import ALIKE, BEATEN, CHOSEN, draw_evidence, mark_of
+from friction_audit.report.figures.diagnose_evidence import ALIKE, BEATEN, CHOSEN, draw_evidence, mark_of, nearest
 from friction_audit.report.figures.diagnose_ladder import closed_words, draw_ladder
 from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
 from friction_audit.report.figures.diagnose_residual import draw_residual, limits_for, rows_of
@@ -253,6 +253,21 @@ def test_rivals_that_cannot_be_told_apart_are_marked() -> None:
     assert mark_of(effect, "torque_bias") is CHOSEN
     assert mark_of(effect, "asymmetric_coulomb") is ALIKE
     assert mark_of(effect, "warm_up") is BEATEN
+
+
+def test_a_sheet_leaves_out_only_rivals_that_are_told_apart() -> None:
+    (effect,) = AMBIGUOUS.effects
+    last = Evidence(name="asymmetric_coulomb", delta_bic=50.0, correlation=1.0)
+    assert [one.name for one in nearest(replace(effect, evidence=(*effect.evidence, last)), most=1)] == [
+        "torque_bias",
+        "asymmetric_coulomb",
+    ]
+
+
+def test_a_sheet_shows_the_axis_of_the_strongest_effect() -> None:
+    two = replace(NAMED, effects=(NAMED.effects[0], replace(NAMED.effects[0], curve=by_hand.profile("time", 0.1))))
+    assert len(draw_residual(of(two), None).axes) == 2
+    assert len(draw_residual(of(two), 1).axes) == 3
 
 
 def test_evidence_stands_at_its_difference_in_bic() -> None:

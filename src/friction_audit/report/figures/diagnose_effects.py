@@ -23,23 +23,23 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-PANEL_IN, EMPTY_IN = 2.3, 0.9
-ACROSS = 2
-NARROW, WIDE = 66, 62
-"""Characters of a line below a panel, at column width and on a sheet."""
+PANEL_IN, SHEET_PANEL_IN, EMPTY_IN = 2.3, 1.55, 0.9
+ACROSS = 3
+CHARACTERS = 66
+"""Of a line below a panel."""
 BELOW_PT = 25.0
 POINTS = 60
 """Stretches of the axis, with equally many rows each, over which the fitted torque is averaged for a line."""
 
 
 def draw_effects(found: Diagnosis, joint: int | None) -> "Figure":
-    """Draw one joint at column width, or every joint on a sheet; a panel per effect."""
+    """Draw one joint at column width, parameters below, or every joint on a sheet; a panel per effect."""
     with figure_style():
         panels: list[Callable[[Axes], list[Artist]]] = []
         heights: list[float] = []
         for one in chosen_joints(found, joint):
             panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
-            heights += [PANEL_IN for _ in one.effects] or [EMPTY_IN]
+            heights += [SHEET_PANEL_IN if joint is None else PANEL_IN for _ in one.effects] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None, across=ACROSS)
         add_legend(figure, handles)
         figure.supylabel("Torque of the effect [N m]", fontsize=7.5)
@@ -60,15 +60,15 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
     axes.set_ylim(*limits_for(shown, effect.curve))
     label_panel(axes, f"{joint_name(joint)}: {effect.name}")
     name_axis(axes, effect.curve)
-    _tell(axes, fitted_words(effect))
+    if is_narrow(axes.get_figure(root=True)):
+        _tell(axes, fitted_words(effect))
     return handles
 
 
 def _tell(axes: "Axes", sentence: str) -> None:
     """Write a sentence below the panel and its label."""
-    characters = NARROW if is_narrow(axes.get_figure(root=True)) else WIDE
     axes.annotate(
-        fill(sentence, characters), (0.0, 0.0), (0.0, -BELOW_PT), xycoords="axes fraction",
+        fill(sentence, CHARACTERS), (0.0, 0.0), (0.0, -BELOW_PT), xycoords="axes fraction",
         textcoords="offset points", va="top", fontsize=6.0, color=MUTED,
     )  # fmt: skip
 

@@ -1,12 +1,13 @@
 """The evidence of rival names: how much worse every other candidate does in the place of a named effect."""
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from friction_audit.audit import Diagnosis
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy
+from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.report.figures.diagnose_look import GROWN, chosen_joints, draw_grid, joint_name, say_why
 from friction_audit.report.figures.layout import add_legend, label_panel
 from friction_audit.report.figures.style import BORDER, FITTED, MUTED, figure_style
@@ -19,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 NAME_IN, TITLE_IN, EMPTY_IN = 0.17, 0.45, 0.9
+ON_SHEET = 4
+"""Candidates of an effect on a sheet, itself among them."""
 LINEAR_TO = 10.0
 """Difference in BIC up to which the axis is linear, logarithmic beyond."""
 STRONG = 6.0
@@ -44,13 +47,24 @@ def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
     with figure_style():
         panels: list[Callable[[Axes], list[Artist]]] = []
         heights: list[float] = []
-        for one in chosen_joints(found, joint):
+        for one in (_nearest(one) if joint is None else one for one in chosen_joints(found, joint)):
             panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
             heights += [TITLE_IN + NAME_IN * len(effect.evidence) for effect in one.effects] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None)
         add_legend(figure, handles)
         figure.supxlabel("BIC above that of the effect named; r: correlation of their torques", fontsize=7.5)
         return figure
+
+
+def _nearest(joint: JointDiscrepancy) -> JointDiscrepancy:
+    """Return a joint with as many rivals of each effect as a sheet has room for."""
+    return replace(joint, effects=tuple(replace(effect, evidence=nearest(effect)) for effect in joint.effects))
+
+
+def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
+    """Return the best candidates in the place of an effect, and all that cannot be told from it."""
+    ranked = enumerate(effect.evidence)
+    return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alternatives)
 
 
 def _draw_nothing(joint: JointDiscrepancy, axes: "Axes") -> "list[Artist]":
@@ -88,11 +102,12 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
 
 def _scale(axes: "Axes", effect: Effect) -> None:
     """Name the lines, and reach from the effect itself to the last rival."""
-    from matplotlib.ticker import SymmetricalLogLocator
+    from matplotlib.ticker import FuncFormatter, SymmetricalLogLocator
 
     worse = np.array([rival.delta_bic for rival in effect.evidence])
     axes.set_xlim(min(-2.0, 1.4 * float(worse.min())), 1.6 * max(float(worse.max()), LINEAR_TO))
     axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=LINEAR_TO))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_yticks(range(len(effect.evidence)), [rival.name for rival in effect.evidence])
     axes.tick_params(axis="y", length=0)
     axes.set_ylim(len(effect.evidence) - 0.5, -0.5)

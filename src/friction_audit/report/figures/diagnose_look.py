@@ -106,5 +106,5 @@ def say_why(axes: "Axes", title: str, joint: JointDiscrepancy) -> "list[Artist]"
     axes.set_xticks([])
     axes.set_yticks([])
     sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
-    say_in_panel(axes, sentence, characters=52 if is_narrow(axes.get_figure(root=True)) else 40)
+    say_in_panel(axes, sentence, characters=52 if is_narrow(axes.get_figure(root=True)) else 36)
     return []

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-SHEET_ROW_IN, PANEL_IN = 1.6, 1.55
+SHEET_ROW_IN, PANEL_IN = 1.4, 1.55
 NARROW, WIDE = 52, 52
 """Characters of a line of a title, at column width and on a sheet."""
 OUTSIDE = 0.005
@@ -66,9 +66,13 @@ BACKWARDS_MARK = Mark("backwards", "<", BACKWARDS)
 
 
 def draw_residual(found: Diagnosis, joint: int | None) -> "Figure":
-    """Draw one joint at column width, or every joint on a sheet; a pair of panels per axis on which something shows."""
+    """Draw one joint at column width, a pair of panels per axis on which something shows, or every joint on a sheet.
+
+    The sheet shows the axis of the strongest effect alone.
+    """
     with figure_style():
-        rows = [row for one in chosen_joints(found, joint) for row in rows_of(one)]
+        joints = chosen_joints(found, joint)
+        rows = [row for one in joints for row in (rows_of(one) if joint is not None else rows_of(one)[:1])]
         figure, pairs = _pairs(rows, sheet=joint is None)
         handles = [handle for panels, row in zip(pairs, rows, strict=True) for handle in _draw_row(panels, row)]
         add_legend(figure, once(handles))
