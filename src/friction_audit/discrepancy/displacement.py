@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
@@ -52,19 +51,6 @@ def onsets(data: JointData, rest_s: float = 0.05) -> Index:
     before = np.searchsorted(stops, starts) - 1
     rest_start = np.where(before >= 0, stops[np.maximum(before, 0)] if len(stops) else 0, 0)
     return np.asarray(starts[(starts - rest_start) * data.step_s >= rest_s], dtype=np.int64)
-
-
-def stop_operator(q: Float, reach_rad: float) -> Float:
-    """State of a stop (Prandtl) element: z += dq / reach, held within -1..1; rate-independent, shape (n,)."""
-    return np.asarray(_stop(np.ascontiguousarray(q, dtype=float), float(reach_rad)))
-
-
-@compiled()
-def _stop(q: Float, reach_rad: float) -> Float:
-    z = np.zeros(len(q))
-    for k in range(1, len(q)):
-        z[k] = min(1.0, max(-1.0, z[k - 1] + (q[k] - q[k - 1]) / reach_rad))
-    return z
 
 
 def _held_direction(dq: Float, dead_speed: float) -> Float:

@@ -1,0 +1,91 @@
+"""Delay, elasticity, backlash and lag by hand: each explained by its own candidate, by no other as well."""
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.candidates import backlash, frictional_lag, joint_elasticity, presliding, time_delay
+from friction_audit.joint_log import Float
+from tests.discrepancy.candidates.explained import share_explained
+from tests.discrepancy.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
+
+DATA = two_sines(30.0)
+BASE = baseline(DATA)
+SUBSTEPS = 10
+RIVALS = (time_delay, joint_elasticity, backlash, frictional_lag, presliding)
+
+
+def far_side_torque(stiffness: float, damping: float, half_gap: float) -> Float:
+    """Inertia and friction of the baseline behind a spring with a dead zone: explicit steps, a ramp for the sign."""
+    theta, omega, torque = DATA.q[0], DATA.dq[0], np.zeros(len(DATA.q))
+    h = STEP_S / SUBSTEPS
+    fine = np.interp(np.arange(len(DATA.q) * SUBSTEPS) / SUBSTEPS, np.arange(len(DATA.q)), DATA.q).tolist()
+    speed = np.interp(np.arange(len(DATA.q) * SUBSTEPS) / SUBSTEPS, np.arange(len(DATA.q)), DATA.dq).tolist()
+    total = np.zeros(len(fine))
+    for i, (q, v) in enumerate(zip(fine, speed, strict=True)):
+        twist = q - theta
+        engaged = max(abs(twist) - half_gap, 0.0)
+        push = (stiffness * engaged if twist > 0 else -stiffness * engaged) + (
+            damping * (v - omega) if engaged else 0.0
+        )
+        push = push if push * twist > 0 or half_gap == 0.0 else 0.0
+        friction = 0.3 * max(-1.0, min(1.0, omega / 2e-3)) + 0.07 * omega
+        omega += h * (push - friction) / 0.3
+        theta += h * omega
+        total[i] = push
+    torque[:] = total.reshape(-1, SUBSTEPS).mean(axis=1)
+    return torque
+
+
+def best_rival(own: Candidate, torque: Float) -> float:
+    return max(share_explained(r.CANDIDATE, DATA, torque) for r in RIVALS if r.CANDIDATE is not own)
+
+
+@pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
+def test_a_late_torque_is_a_delay(delay: float) -> None:
+    torque = np.interp(DATA.t - delay, DATA.t, BASE.torque)
+    own = share_explained(time_delay.CANDIDATE, DATA, torque)
+    assert own > 0.97
+    assert best_rival(time_delay.CANDIDATE, torque) < own - 0.1
+
+
+def test_a_spring_is_an_elasticity() -> None:
+    torque = far_side_torque(1e3, 2.0, 0.0)
+    own = share_explained(joint_elasticity.CANDIDATE, DATA, torque)
+    assert own > 0.8
+    assert best_rival(joint_elasticity.CANDIDATE, torque) < own - 0.1
+
+
+def test_a_dead_zone_is_a_backlash() -> None:
+    torque = far_side_torque(1e4, 20.0, 2e-3)
+    own = share_explained(backlash.CANDIDATE, DATA, torque)
+    assert own > 0.6
+    assert best_rival(backlash.CANDIDATE, torque) < own - 0.1
+
+
+def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
+    speed = np.abs(DATA.dq)
+    seen = np.zeros_like(speed)
+    for k in range(1, len(speed)):
+        seen[k] = seen[k - 1] + STEP_S / 0.06 * (speed[k - 1] - seen[k - 1])
+    torque = np.sign(DATA.dq) * 0.15 * (np.exp(-seen / 0.2) - np.exp(-speed / 0.2))
+    own = share_explained(frictional_lag.CANDIDATE, DATA, torque)
+    assert own > 0.9
+    assert best_rival(frictional_lag.CANDIDATE, torque) < own - 0.1
+
+
+def test_factors_agree_with_what_the_column_was_built_for() -> None:
+    step = {"delay_step_s": 0.01}
+    assert time_delay.CANDIDATE.admissible(np.array([0.009]), step)
+    assert not time_delay.CANDIDATE.admissible(np.array([0.002]), step)
+    assert not time_delay.CANDIDATE.admissible(np.array([-0.01]), step)
+    spring = {"spring_nm_per_rad": 1e3, "soft_nm": 0.0}
+    assert joint_elasticity.CANDIDATE.admissible(np.array([1.1e-3]), spring)
+    assert not joint_elasticity.CANDIDATE.admissible(np.array([1e-4]), spring)
+    assert not backlash.CANDIDATE.admissible(np.array([0.1]), {})
+    assert not frictional_lag.CANDIDATE.admissible(np.array([-0.5]), {})
+
+
+def test_one_stroke_back_and_forth_is_not_enough() -> None:
+    once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
+    assert "reversals" in str(backlash.CANDIDATE.untestable(once, baseline(once)))
