@@ -25,8 +25,10 @@ LEAST_FILLED = 0.5
 """Share of a window in which the joint must move."""
 APART_S = 0.1
 """Stretches that are closer belong to one contact."""
-MOST_CYCLES = 0.25
+MOST_CYCLES = 0.6
 """Share of the cycles in which contacts may be."""
+MOST_TIME = 0.2
+"""Share of the time that contacts may take."""
 LONGEST_S = 10.0
 KNOTS = 5
 """Points of the curve through one contact, nothing at its ends."""
@@ -60,7 +62,7 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     for contact in found:
         inside |= (data.t >= contact.start_s) & (data.t <= contact.stop_s)
     touched = len(np.unique(data.cycle[data.used & inside]))
-    rare = touched <= max(MOST_CYCLES * len(np.unique(data.cycle[data.used])), 1.0)
+    rare = touched <= MOST_CYCLES * len(np.unique(data.cycle[data.used])) and float(np.mean(inside)) <= MOST_TIME
     return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
 
 
