@@ -12,7 +12,7 @@ RIDGE = 1e-3
 
 
 def noise_floor(ground: Ground, curves: Sequence[Curve], *effects: Float) -> float:
-    """Root mean square on the locked cycles of the best of: the model, and the model with a curve over every axis. [N m]
+    """Root mean square on locked cycles of the better of the model and the model with a curve over every axis. [N m]
 
     Curves and model are fitted on the working cycles. It is an upper bound of the noise, for it holds what the curves
     do not learn.

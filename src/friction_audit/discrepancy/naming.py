@@ -9,7 +9,7 @@ from friction_audit.discrepancy.acceptance import LEAST_GAIN, cycle_rss, paired_
 from friction_audit.discrepancy.alternatives import Naming, name_effects
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.discrepancy.library import Library, build_library
+from friction_audit.discrepancy.library import Library, rebuild_library
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.search import CycleProducts, Group, Search, cycle_products, search
 from friction_audit.joint_log import Float
@@ -71,7 +71,7 @@ def find_names(
     products, outcome, n_eff = _search(ground, library)
     if outcome.chosen:
         baseline = ground.baseline(*_columns(library, outcome))
-        library = build_library(candidates, ground.data, baseline, ground.rows)
+        library = rebuild_library(library, ground.data, baseline, ground.rows)
         products, outcome, n_eff = _search(ground, library)
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
@@ -115,17 +115,7 @@ def _refined(
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, namings, strict=True)):
         entry = library.entry(chosen.name)
         base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
-        shape = refine(
-            entry.candidate,
-            entry.shapes[chosen.shape],
-            entry.shapes,
-            ground.data,
-            baseline,
-            ground.rows,
-            ground.working,
-            base,
-            ground.y,
-        )
+        shape = refine(entry.candidate, entry.shapes[chosen.shape], entry.shapes, ground, baseline, base)
         columns[k] = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
         found.append(Found(candidate=entry.candidate, shape=shape, columns=columns[k], naming=naming, p_value=1.0))
     return found

@@ -130,9 +130,14 @@ def _span(axis: str, low: float, high: float, from_start: bool, to_end: bool) ->
 
 
 def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    forwards, backwards = np.nanmean(np.append(up, np.nan)), np.nanmean(np.append(down, np.nan))
-    clear_up = np.any(np.abs(up) > CLEAR * up_se)
-    clear_down = np.any(np.abs(down) > CLEAR * down_se)
-    if clear_up and clear_down:
-        return "in both directions, " + ("against the motion" if forwards * backwards < 0 else "the same way in both")
-    return "forwards only" if clear_up else "backwards only"
+    clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
+    if min(clear_up, clear_down) > CLEAR:
+        against = np.nansum(up) * np.nansum(down) < 0
+        return "in both directions, " + ("against the motion" if against else "the same way in both")
+    return "forwards only" if clear_up > clear_down else "backwards only"
+
+
+def _clearness(mean: Float, error: Float) -> float:
+    """Root mean square of a direction's bins in standard errors, about 1 where there is nothing; 0 if all are empty."""
+    there = error > 0
+    return float(np.sqrt(np.mean((mean[there] / error[there]) ** 2))) if there.any() else 0.0

@@ -3,29 +3,30 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.declared import least_squares
-from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.rows import Rows
+from friction_audit.discrepancy.ground import Ground
 from friction_audit.joint_log import Float
 
 BEYOND_EDGE = 1.5
 """At the edge of the grid the search goes on by so many of its last steps."""
 EVALUATIONS = 40
+FIRST_STEP = 1.0
+"""Of the simplex, as logit of the share of the way between the neighbours: from the middle to three quarters."""
+CLOSE = 0.02
+"""Of the corners of the simplex, in the same measure."""
+SETTLED = 1e-6
+"""Change of the misfit, as a share of it, that is not worth another evaluation."""
 
 
 def refine(
     candidate: Candidate,
     shape: Shape,
     tried: Sequence[Shape],
-    data: JointData,
+    ground: Ground,
     baseline: Baseline,
-    rows: Rows,
-    working: NDArray[np.bool_],
     base: Float,
-    y: Float,
 ) -> Shape:
     """Make the residual on the working rows smallest between the neighbours on the grid (Nelder and Mead 1965).
 
@@ -33,36 +34,55 @@ def refine(
         candidate: The effect.
         shape: Its best shape on the grid.
         tried: The grid.
-        data: The joint.
+        ground: The joint.
         baseline: What columns may lean on.
-        rows: The rows.
-        working: Rows that may be looked at, shape (m,).
         base: All other columns of the model on the rows, shape (m, b).
-        y: Response, shape (m,).
     """
     from scipy.optimize import minimize
 
-    free = {name: _neighbours(name, shape, tried) for name in shape}
-    names = [name for name, (low, high) in free.items() if high > low]
-    if not names:
+    free = _free(candidate, shape, tried)
+    if not free:
         return shape
-    low, high = (np.array([free[name][side] for name in names]) for side in (0, 1))
+    low, high = np.array(list(free.values())).T
+    w, y = ground.working, ground.y[ground.working]
+    nothing = float(y @ y)
 
-    def at(x: Float) -> Shape:
-        inside = low + (high - low) / (1.0 + np.exp(-x))
-        return {**shape, **dict(zip(names, inside.tolist(), strict=True))}
+    def misfit(at: Shape) -> float:
+        columns = np.hstack([base, ground.rows.of(candidate.columns(ground.data, baseline, at))])[w]
+        factors = least_squares(columns, y)
+        possible = candidate.admissible(factors[base.shape[1] :], at)
+        return float(np.sum((y - columns @ factors) ** 2)) if possible else nothing
 
-    def misfit(x: Float) -> float:
-        columns = np.hstack([base, rows.of(candidate.columns(data, baseline, at(x)))])[working]
-        factors = least_squares(columns, y[working])
-        possible = candidate.admissible(factors[base.shape[1] :], at(x))
-        return float(np.sum((y[working] - columns @ factors) ** 2)) if possible else np.inf
+    def inside(x: Float) -> Shape:
+        return {**shape, **dict(zip(free, (low + (high - low) / (1.0 + np.exp(-x))).tolist(), strict=True))}
 
-    start = np.array([shape[name] for name in names])
-    share = np.clip((start - low) / (high - low), 0.02, 0.98)
+    def cost(x: Float) -> float:
+        return misfit(inside(x))
+
+    share = np.clip((np.array([shape[name] for name in free]) - low) / (high - low), 0.02, 0.98)
     begin = np.log(share / (1.0 - share))
-    found = minimize(misfit, begin, method="Nelder-Mead", options={"maxfev": EVALUATIONS, "xatol": 0.02, "fatol": 0.0})
-    return at(found.x) if found.fun < misfit(begin) else shape
+    first = np.vstack([begin, begin - np.diag(np.where(begin > 0, FIRST_STEP, -FIRST_STEP))])
+    own = misfit(shape)
+    found = minimize(
+        cost,
+        begin,
+        method="Nelder-Mead",
+        options={"initial_simplex": first, "maxfev": EVALUATIONS, "xatol": CLOSE, "fatol": SETTLED * own},
+    )
+    return inside(found.x) if found.fun < own else shape
+
+
+def _free(candidate: Candidate, shape: Shape, tried: Sequence[Shape]) -> dict[str, tuple[float, float]]:
+    """The range of each number that can be refined, by name: between neighbours on the grid, within its bounds."""
+    known = {} if candidate.term is None else {parameter.name: parameter for parameter in candidate.term.shape}
+    free = {}
+    for name in shape:
+        low, high = _neighbours(name, shape, tried)
+        if (parameter := known.get(name)) is not None:
+            low, high = max(low, parameter.lower), min(high, parameter.upper)
+        if high > low and not (parameter is not None and parameter.whole):
+            free[name] = low, high
+    return free
 
 
 def _neighbours(name: str, shape: Shape, tried: Sequence[Shape]) -> tuple[float, float]:

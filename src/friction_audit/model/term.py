@@ -74,6 +74,7 @@ class Parameter:
         meaning: One line.
         lower: Smallest value that makes sense.
         upper: Largest value that makes sense.
+        whole: True for a choice by number, between which there is nothing.
     """
 
     name: str
@@ -81,6 +82,7 @@ class Parameter:
     meaning: str
     lower: float = -inf
     upper: float = inf
+    whole: bool = False
 
     def allows(self, value: float) -> bool:
         """Return True for a finite value within the bounds."""

@@ -46,7 +46,11 @@ TERM = Term(
     ),
     shape=(
         Parameter(
-            name="gravity_error_source", unit="1", meaning="0 own angle, -1 base, else number of the link", lower=TILT
+            name="gravity_error_source",
+            unit="1",
+            meaning="0 own angle, -1 base, else number of the link",
+            lower=TILT,
+            whole=True,
         ),
     ),
     basis=basis,

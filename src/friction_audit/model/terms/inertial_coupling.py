@@ -76,6 +76,7 @@ TERM = Term(
             meaning="0 joint before, 1 after, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
             lower=BEFORE,
             upper=TIP,
+            whole=True,
         ),
     ),
     basis=basis,

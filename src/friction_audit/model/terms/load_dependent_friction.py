@@ -36,7 +36,14 @@ TERM = Term(
     ),
     shape=(
         Parameter(name="load_exponent", unit="1", meaning="exponent of the load", lower=0.5, upper=3.0),
-        Parameter(name="load_directed", unit="1", meaning="1 if the power's direction counts", lower=0.0, upper=1.0),
+        Parameter(
+            name="load_directed",
+            unit="1",
+            meaning="1 if the power's direction counts",
+            lower=0.0,
+            upper=1.0,
+            whole=True,
+        ),
     ),
     basis=basis,
 )

@@ -33,7 +33,12 @@ TERM = Term(
     ),
     shape=(
         Parameter(
-            name="crosstalk_side", unit="1", meaning="-1 the joint before, 1 the one after, 0 both", lower=-1, upper=1
+            name="crosstalk_side",
+            unit="1",
+            meaning="-1 the joint before, 1 the one after, 0 both",
+            lower=-1,
+            upper=1,
+            whole=True,
         ),
     ),
     basis=basis,

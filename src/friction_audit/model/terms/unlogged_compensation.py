@@ -32,7 +32,7 @@ TERM = Term(
             name="unlogged_width_rad_s", unit="rad/s", meaning="speed up to which it holds back", lower=1e-4, upper=10.0
         ),
         Parameter(name="unlogged_skew", unit="1", meaning="shift of its sigmoid", lower=-2.0, upper=2.0),
-        Parameter(name="unlogged_form", unit="1", meaning="0 smooth, 1 dead band", lower=0.0, upper=1.0),
+        Parameter(name="unlogged_form", unit="1", meaning="0 smooth, 1 dead band", lower=0.0, upper=1.0, whole=True),
     ),
     basis=basis,
     speed_only=True,
