@@ -1,9 +1,26 @@
-"""One filter for torque and motion, on real stamps."""
+"""One filter for torque and motion, on real stamps; directions that are certain; velocities from the quieter source."""
+
+from dataclasses import replace
+from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.prepare import low_pass_for
+from friction_audit.audit import AuditSettings, Estimate, estimate_log
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.prepare import fresh_samples, holes, low_pass_for, prepare
+from friction_audit.simulate import BenchSettings, simulate
+
+
+@cache
+def bench() -> Estimate:
+    return estimate_log(simulate(BenchSettings(duration_s=20.0), 0).log, AuditSettings())
+
+
+def prepared(estimate: Estimate) -> JointData:
+    (data,) = prepare(estimate.interaction, estimate.cycles, estimate.log)
+    return data
 
 
 def test_a_slow_sine_passes_with_its_derivative() -> None:
@@ -15,17 +32,90 @@ def test_a_slow_sine_passes_with_its_derivative() -> None:
     assert np.abs(slope - 4 * np.pi * np.cos(4 * np.pi * low_pass.t))[inside].max() < 2e-2
 
 
-@pytest.mark.parametrize(("frequency", "gain"), [(5.0, 1.0), (25.0, 0.5), (60.0, 0.0)])
+@pytest.mark.parametrize(("frequency", "gain"), [(40.0, 1.0), (80.0, 0.5), (130.0, 0.0)])
 def test_corner(frequency: float, gain: float) -> None:
-    t = np.arange(0, 5, 1e-3)
+    t = np.arange(0, 5, 2.5e-4)
     low_pass = low_pass_for(t)
     inside = (low_pass.t > 0.2) & (low_pass.t < 4.7)
     passed = low_pass.of(t, np.sin(2 * np.pi * frequency * t + 0.7))[inside]
     assert np.sqrt(2 * np.mean(passed**2)) == pytest.approx(gain, abs=0.01)
 
 
-@pytest.mark.parametrize("rate", [50.0, 100.0, 300.0, 1000.0])
-def test_grid_is_not_faster_than_the_log(rate: float) -> None:
-    low_pass = low_pass_for(np.arange(0, 5, 1 / rate))
-    assert 1 / (low_pass.t[1] - low_pass.t[0]) == pytest.approx(min(rate, 100.0))
-    assert low_pass.of(np.arange(0, 5, 1 / rate), np.ones(round(5 * rate))) == pytest.approx(1.0)
+@pytest.mark.parametrize(
+    ("rate", "grid", "corner"), [(50.0, 50.0, 12.5), (300.0, 300.0, 75.0), (500.0, 400.0, 80.0), (1000.0, 400.0, 80.0)]
+)
+def test_grid_is_not_faster_than_the_log(rate: float, grid: float, corner: float) -> None:
+    t = np.arange(0, 5, 1 / rate)
+    low_pass = low_pass_for(t)
+    assert 1 / (low_pass.t[1] - low_pass.t[0]) == pytest.approx(grid)
+    assert low_pass.corner_hz == pytest.approx(corner)
+    assert (low_pass.t[0], low_pass.t[-1]) == pytest.approx((0.0, t[-1]), abs=1 / grid)
+    assert low_pass.of(t, np.ones(len(t))) == pytest.approx(1.0)
+
+
+def test_an_impulse_comes_out_where_it_went_in() -> None:
+    t = np.arange(0, 2, 1e-3)
+    low_pass = low_pass_for(t)
+    passed = low_pass.of(t, (t == 1.0).astype(float))
+    assert passed @ low_pass.t / passed.sum() == pytest.approx(1.0, abs=1e-6)
+    assert np.argmax(passed) == 400
+
+
+def test_holes_are_those_that_motion_bends_in() -> None:
+    t = np.delete(np.arange(2000) * 1e-3, [*range(500, 515), *range(900, 925)])
+    (hole,) = holes(t)
+    assert t[hole] == pytest.approx(0.899)
+
+
+def test_a_stale_sample_of_a_moving_joint_is_no_news_and_that_of_a_resting_one_is() -> None:
+    log = bench().log
+    moving = int(np.argmax(np.abs(log.dq[:, 0])))
+    still = replace(log, q=np.full_like(log.q, 0.3), dq=np.zeros_like(log.dq))
+    q, dq = log.q.copy(), log.dq.copy()
+    q[moving + 1], dq[moving + 1] = q[moving], dq[moving]
+    assert not fresh_samples(replace(log, q=q, dq=dq))[moving + 1]
+    assert fresh_samples(still).all()
+
+
+def test_a_hole_and_the_ends_are_not_valid() -> None:
+    log = bench().log
+    kept = (log.t < 10.0) | (log.t > 10.3)
+    channels: dict[str, Any] = {name: channel[kept] for name, channel in log.channels().items()}
+    data = prepared(estimate_log(replace(log, t=log.t[kept], **channels), AuditSettings()))
+    reach = low_pass_for(log.t).reach_s
+    invalid = data.t[~data.valid & (data.t > 9.0) & (data.t < 11.0)]
+    assert (invalid[0], invalid[-1]) == pytest.approx((10.0 - reach, 10.3 + reach), abs=0.006)
+    assert not data.valid[0]
+    assert not data.valid[-1]
+    assert data.valid.mean() > 0.97
+
+
+def test_velocity_comes_from_the_quieter_of_position_and_velocity() -> None:
+    estimate = bench()
+    rng = np.random.default_rng(0)
+    loud = {
+        name: replace(
+            estimate.log, **{name: getattr(estimate.log, name) + sigma * rng.standard_normal(estimate.log.q.shape)}
+        )
+        for name, sigma in (("q", 1e-3), ("dq", 0.2))
+    }
+    source = {name: prepared(replace(estimate, log=log)).derived_from for name, log in loud.items()}
+    assert source == {"q": "dq", "dq": "q"}
+
+
+def test_cycles_are_those_of_the_segmentation() -> None:
+    estimate = bench()
+    data = prepared(estimate)
+    for number, (start, stop) in enumerate(zip(estimate.cycles.start_s, estimate.cycles.stop_s, strict=True)):
+        inside = data.t[data.cycle == number]
+        assert start <= inside[0]
+        assert inside[-1] < stop
+
+
+def test_a_quick_reversal_is_certain_and_a_rest_is_not() -> None:
+    data = prepared(bench())
+    speed = np.abs(data.dq)
+    rests = (speed < data.dead_speed_rad_s) & data.valid
+    # Bench strokes end at rest: what is not moving lies below the dead speed, and most of what is below is not moving.
+    assert np.all(speed[~data.moving] <= data.dead_speed_rad_s)
+    assert np.mean(data.moving[rests]) < 0.5

@@ -1,0 +1,32 @@
+"""The floor is the noise, whatever smooth curve the model lacks."""
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.floor import noise_floor
+from friction_audit.discrepancy.ground import make_ground
+from tests.discrepancy.moved_joint import moved_joint
+
+
+def rms(residual: np.ndarray) -> float:
+    return float(np.sqrt(np.mean(residual**2)))
+
+
+def test_of_a_complete_model_it_is_what_the_model_leaves() -> None:
+    ground = make_ground(moved_joint(noise_nm=0.02), None, 0)
+    floor = noise_floor(ground, ground.curves)
+    assert floor == pytest.approx(0.02, rel=0.05)
+    assert floor <= rms(ground.residual()[ground.locked]) + 1e-12
+
+
+def test_a_curve_that_the_model_lacks_does_not_raise_it() -> None:
+    ground = make_ground(moved_joint(lambda data: 0.2 * np.cos(2 * data.q), noise_nm=0.02), None, 0)
+    assert rms(ground.residual()[ground.locked]) > 0.05
+    assert noise_floor(ground, ground.curves) == pytest.approx(0.02, rel=0.1)
+
+
+def test_what_no_curve_learns_it_takes_for_noise_until_an_effect_explains_it() -> None:
+    ground = make_ground(moved_joint(lambda data: 0.1 * np.sin(40 * data.q), noise_nm=0.02), None, 0)
+    wave = ground.rows.of(np.sin(40 * ground.data.q)[:, None])
+    assert noise_floor(ground, ground.curves) > 0.05
+    assert noise_floor(ground, ground.curves, wave) == pytest.approx(0.02, rel=0.05)
