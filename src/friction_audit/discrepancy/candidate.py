@@ -48,6 +48,7 @@ class Candidate:
         axis: The quantity on which it shows itself: speed, position, displacement, time, acceleration, load, neighbour.
         same_as: Names that no motion of this kind tells apart from it.
         term: The term of a joint model that it adds; None for an effect that no model can hold.
+        leans_on_model: Whether its columns hold torque of the declared model, so that they change with its factors.
     """
 
     name: str
@@ -60,6 +61,7 @@ class Candidate:
     axis: str
     same_as: tuple[str, ...] = ()
     term: Term | None = None
+    leans_on_model: bool = False
 
     def tried(self, data: JointData) -> tuple[Shape, ...]:
         """All shapes to try on a joint."""

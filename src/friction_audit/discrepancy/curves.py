@@ -14,6 +14,8 @@ from friction_audit.joint_log import Float
 CYCLES_PER_COLUMN = 3
 """A curve has at most so many columns as a third of the cycles, or of their parts, or its test means nothing."""
 
+SURFACE_KNOTS = 3
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Curve:
@@ -22,6 +24,14 @@ class Curve:
     axis: Axis
     group: Group
     values: Float
+
+
+def build_surface(data: JointData, rows: Rows) -> Group:
+    """Friction that is viscous here and not there: slopes over the speed that change with the position, six columns."""
+    knots = knots_of(data.q, data.used, SURFACE_KNOTS)
+    hats = np.column_stack([np.interp(data.q, knots, row) for row in np.eye(len(knots))])
+    speed = data.dq[:, None]
+    return Group(name="position and speed", shapes=(rows.of(np.hstack([hats * speed, hats * np.abs(speed)])),))
 
 
 def build_curves(data: JointData, rows: Rows) -> tuple[Curve, ...]:

@@ -20,12 +20,13 @@ from friction_audit.discrepancy.naming import Names, find_names, worth
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict, Vibration
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.spectrum import find_vibration
 from friction_audit.discrepancy.tell import effects_of, message_of
+from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
@@ -39,6 +40,8 @@ POWER_Z = 1.28
 """Normal quantile of 90 % power."""
 OVER_FLOOR = 1.05
 """A grown model that leaves more than so many times the floor does not explain the joint."""
+LEAST_VIBRATION = 0.5
+"""A vibration of less than this share of what the grown model leaves is told, and does not decide."""
 LEAST_OVER_FLOOR = 1.01
 """A declared model that leaves less than so many times the floor misses nothing worth a word."""
 
@@ -91,7 +94,11 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
             f"{cycles} energy cycles with motion, worth {clusters} independent ones where {FEWEST_CLUSTERS} are needed "
             "beside those locked away: move the joint back and forth for longer",
         )
-    return _judge(subject, ground, candidates, settings)
+    try:
+        return _judge(subject, ground, candidates, settings)
+    except AnalysisError as error:
+        # What one joint lacks must not take the answer away from the others.
+        return _unanswered(subject, "not_testable", str(error))
 
 
 def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiscrepancy:
@@ -123,7 +130,7 @@ def _judge(
     left = ground.residual(*columns)
     floor = noise_floor(ground, curves, *columns)
     gap = measure_gap(declared_left[ground.locked], left[ground.locked], floor, ground.rows.cycle[ground.locked])
-    verdict = _verdict(names, first, last, gap, settings.alpha)
+    verdict = _verdict(names, first, last, gap, vibration, settings.alpha)
     numbers = parameters_of(ground, names.found, names.baseline)
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
     effects = effects_of(ground, names, curves, numbers)
@@ -170,7 +177,8 @@ def _test(
     torque = (ground.residual() - left)[:, None] if effects else np.zeros((len(left), 0))
     cluster = ground.clusters(w, *effects)
     named = {f.candidate.name for f in names.found}
-    groups = [e.group for e in names.library.entries if e.group.name not in named] + [c.group for c in curves]
+    catalogue = [entry.group for entry in names.library.entries if entry.group.name not in named]
+    groups = [*catalogue, *(curve.group for curve in curves), ground.surface]
     clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
     widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
     fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
@@ -185,9 +193,13 @@ def _test(
     )
 
 
-def _verdict(names: Names, first: Omnibus, last: Omnibus, gap: Gap, alpha: float) -> Verdict:
+def _verdict(
+    names: Names, first: Omnibus, last: Omnibus, gap: Gap, vibration: Vibration | None, alpha: float
+) -> Verdict:
     if not names.library.entries:
         return "not_testable"
+    if vibration is not None and vibration.rms_nm > LEAST_VIBRATION * gap.after:
+        return "unexplained"
     if not names.found:
         missing = first.p_value <= alpha and gap.before > LEAST_OVER_FLOOR * gap.floor
         return "unexplained" if missing else "none"

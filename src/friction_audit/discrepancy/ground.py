@@ -7,12 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline
-from friction_audit.discrepancy.curves import Curve, build_curves
+from friction_audit.discrepancy.curves import Curve, build_curves, build_surface
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
 from friction_audit.discrepancy.omnibus import cut_cycles
 from friction_audit.discrepancy.rows import CORNER_HZ, Rows, corner_for, make_rows
+from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.split import split_cycles
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
@@ -29,6 +30,7 @@ class Ground:
         working: Rows of cycles that may be looked at, shape (m,).
         run: Number of the unbroken stretch of each row, shape (m,).
         curves: A curve over every axis.
+        surface: Slopes over the speed that change with the position.
         rigid: What the rigid-body model of the arm may get wrong, on the rows, shape (m, r).
     """
 
@@ -38,6 +40,7 @@ class Ground:
     working: NDArray[np.bool_]
     run: NDArray[np.int64]
     curves: tuple[Curve, ...]
+    surface: Group
     rigid: Float
 
     @property
@@ -112,6 +115,7 @@ def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
         working=np.isin(rows.cycle, split.working),
         run=run,
         curves=build_curves(data, rows),
+        surface=build_surface(data, rows),
         rigid=rows.of(_rigid_columns(data)),
     )
 

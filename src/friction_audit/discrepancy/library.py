@@ -47,6 +47,15 @@ def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Ba
     )
 
 
+def rebuild_library(library: Library, data: JointData, baseline: Baseline, rows: Rows) -> Library:
+    """Build again what leans on the declared model, whose factors are better known."""
+    entries = (
+        _entry(entry.candidate, data, baseline, rows) if entry.candidate.leans_on_model else entry
+        for entry in library.entries
+    )
+    return Library(entries=tuple(entries), untestable=library.untestable)
+
+
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
     every = [rows.of(candidate.columns(data, baseline, shape)) for shape in shapes]

@@ -7,8 +7,8 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.result import Vibration
 from friction_audit.joint_log import Float
 
-SEGMENT_S = 2.0
-LOWEST_HZ = 2.0
+SEGMENT_S = 5.0
+LOWEST_HZ = 0.6
 HIGHEST_HZ = 40.0
 LEAST_RISE = 3.0
 """By how much a hump must stand above the valley beside it, in power."""
@@ -20,9 +20,9 @@ SMOOTHED = 3
 
 
 def find_vibration(residual: Float, data: JointData) -> Vibration | None:
-    """Find the strongest hump between 2 and 40 Hz.
+    """Find the strongest hump between 0.6 and 40 Hz.
 
-    The power spectral density is a mean over stretches of two seconds (Welch 1967); the logarithm of a mean of k has a
+    The power spectral density is a mean over stretches of five seconds (Welch 1967); the logarithm of a mean of k has a
     standard error of about 1 / sqrt(k).
 
     Args:

@@ -43,4 +43,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="displacement",
     term=TERM,
+    leans_on_model=True,
 )

@@ -40,4 +40,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="load",
     term=TERM,
+    leans_on_model=True,
 )
