@@ -131,7 +131,11 @@ def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: Dia
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
-    estimate = estimate_log(log, settings)
-    arm = known_arm(estimate.log, settings.torque, estimate.interaction.choice)
-    found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, diagnosis_settings, arm)
-    return Diagnosis(estimate=estimate, discrepancy=found, settings=diagnosis_settings)
+    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
+
+
+def diagnose_estimate(estimate: Estimate, settings: DiagnosisSettings) -> Diagnosis:
+    """Find what the declared model misses on the joints of a log that was estimated before."""
+    arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)
+    found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
+    return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)

@@ -16,7 +16,10 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
         "plot", logs / "moved2.csv", "--joints", "2", "--kind", "all", "--format", "svg,pdf", "-o", "x", "--json"
     )
     figures = answer.document()["figures"]
-    assert [figure["kind"] for figure in figures[::2]] == [kind.name for kind in (*FIGURES, *REPLAY_FIGURES)]
+    assert [figure["kind"] for figure in figures[::2]] == [
+        *(kind.name for kind in (*FIGURES, *REPLAY_FIGURES)),
+        "residual",
+    ]
     assert {figure["joint"] for figure in figures} == {2}
     assert {Path(figure["path"]).suffix for figure in figures} == {".svg", ".pdf"}
 
@@ -32,4 +35,4 @@ def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_pat
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
     answer = run("plot", logs / "still.csv", "--kind", "all")
     assert answer.code == 0
-    assert len(answer.out.split()) == len(FIGURES) + len(REPLAY_FIGURES)
+    assert len(answer.out.split()) == len(FIGURES) + len(REPLAY_FIGURES) + len(["residual"])

@@ -21,7 +21,9 @@ COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance-observer", "
 FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
 REPLAY_FIGURES = ("replay", "replay-velocity-torque")
 DIAGNOSIS_FIGURES = ("verdicts", "simulation", "residual", "ladder", "effects", "evidence")
-KINDS = (*FIGURES, *REPLAY_FIGURES, "all")
+PLOTTED = (*FIGURES, *REPLAY_FIGURES, "residual")
+"""Kinds of figures of ``plot``."""
+KINDS = (*PLOTTED, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
 EFFECTS = (
     "stribeck",

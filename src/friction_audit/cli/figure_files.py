@@ -5,6 +5,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
+from friction_audit.cli import choices
 from friction_audit.cli.console import Voice
 
 if TYPE_CHECKING:
@@ -42,8 +43,26 @@ def write_figures(
     from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
 
     chosen = {kind.name: partial(kind.draw, result) for kind in (*FIGURES, *REPLAY_FIGURES) if kind.name in kinds}
+    of_a_diagnosis = _of_a_diagnosis(result, kinds, voice)
     numbers = result.interaction.joint_numbers
-    return draw_files(chosen, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice)
+    return draw_files(
+        {**chosen, **of_a_diagnosis}, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice
+    )
+
+
+def _of_a_diagnosis(
+    result: "Estimate", kinds: Sequence[str], voice: Voice
+) -> "dict[str, Callable[[int | None], Figure]]":
+    """Return what draws the kinds on what the declared model misses; diagnosed once, with the default settings."""
+    if not set(kinds) & set(choices.DIAGNOSIS_FIGURES):
+        return {}
+    from friction_audit.audit import diagnose_estimate
+    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+
+    with voice.step("diagnose"):
+        found = diagnose_estimate(result, DiagnosisSettings())
+    return {kind.name: partial(kind.draw, found) for kind in DIAGNOSIS_FIGURES if kind.name in kinds}
 
 
 def draw_files(

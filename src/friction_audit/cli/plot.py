@@ -43,7 +43,7 @@ def command(
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
-    kinds = (*choices.FIGURES, *choices.REPLAY_FIGURES) if "all" in kind else tuple(kind)
+    kinds = choices.PLOTTED if "all" in kind else tuple(kind)
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:

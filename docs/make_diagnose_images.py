@@ -1,0 +1,106 @@
+"""The pictures of the page of ``diagnose``, of simulated logs: ``python docs/make_diagnose_images.py [NAME...]``.
+
+Each is what ``friction-audit diagnose -o DIR`` draws of the log that ``friction-audit simulate`` makes with the same
+scenario, effects and seed.
+"""  # noqa: INP001
+
+import io
+import sys
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from matplotlib.figure import Figure
+from PIL import Image
+
+from friction_audit.audit import AuditSettings, Diagnosis, diagnose_log
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.joint_log import JointLog
+from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+from friction_audit.report.figures.style import figure_style
+from friction_audit.simulate import simulate
+from friction_audit.simulate.hide import hide
+from friction_audit.simulate.scenarios import SCENARIOS
+
+FOLDER = Path(__file__).parent / "images" / "diagnose"
+SEED, DPI, COLOURS = 3, 220, 96
+
+
+@dataclass(frozen=True, kw_only=True)
+class Case:
+    """A log and what is drawn of it.
+
+    Attributes:
+        name: First part of the pictures' names.
+        scenario: Of the simulator.
+        effects: Hidden in it, as the command line takes them.
+        figures: Kinds that are drawn.
+        duration_s: None for the scenario's own. [s]
+        candidates: Effects that may be named; None for all.
+    """
+
+    name: str
+    scenario: str
+    effects: tuple[str, ...]
+    figures: tuple[str, ...]
+    duration_s: float | None = None
+    candidates: tuple[str, ...] | None = None
+
+
+CASES = (
+    Case(
+        name="named",
+        scenario="joint",
+        effects=("stribeck",),
+        figures=("simulation", "residual", "ladder", "effects", "evidence"),
+    ),
+    Case(name="ambiguous", scenario="joint-sine", effects=("torque_bias",), figures=("evidence",)),
+    # A catalogue without the effect that is there: what the log shows is all that can be told.
+    Case(
+        name="unexplained",
+        scenario="joint",
+        effects=("stribeck",),
+        figures=("residual",),
+        candidates=("torque_drift", "torque_ripple", "gravity_error"),
+    ),
+    Case(name="arm", scenario="panda-driven", effects=("stribeck",), figures=("verdicts",), duration_s=120.0),
+)
+
+
+def simulated(case: Case) -> JointLog:
+    """Return the log of a case."""
+    settings = next(scenario.settings for scenario in SCENARIOS if scenario.name == case.scenario)
+    if case.duration_s is not None:
+        settings = replace(settings, duration_s=case.duration_s)
+    return simulate(hide(settings, case.effects), SEED).log
+
+
+def diagnosed(case: Case) -> Diagnosis:
+    """Return the diagnosis of a case, with the default settings but for the candidates."""
+    return diagnose_log(simulated(case), AuditSettings(), DiagnosisSettings(candidates=case.candidates))
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a figure in few colours, to keep the file small."""
+    drawn = io.BytesIO()
+    with figure_style():
+        figure.savefig(drawn, format="png", dpi=DPI, metadata={"Software": None})
+    with Image.open(drawn) as image:
+        image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def make_pictures(names: list[str]) -> None:
+    """Draw the pictures of the cases with these names, or of all."""
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    for case in CASES:
+        if names and case.name not in names:
+            continue
+        found = diagnosed(case)
+        joints = [joint.joint for joint in found.discrepancy.joints]
+        for kind in DIAGNOSIS_FIGURES:
+            if kind.name in case.figures:
+                figure = kind.draw(found, joints[0] if len(joints) == 1 else None)
+                save(figure, FOLDER / f"{case.name}-{kind.name}.png")
+
+
+if __name__ == "__main__":
+    make_pictures(sys.argv[1:])
