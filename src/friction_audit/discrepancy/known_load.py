@@ -40,6 +40,12 @@ class KnownLoad:
             return None
         return choice.sign * (gravity if self.inertial is None else gravity + self.inertial)
 
+    def taken(self, choice: TorqueChoice, load: Float | None) -> Float | None:
+        """What is to be taken from the sensors' readings where links' inertia is part of it, else None. [N m]"""
+        if self.inertial is None:
+            return None
+        return choice.sign * self.inertial if choice.gravity == "none" or load is None else load
+
 
 def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion) -> KnownLoad:
     """Evaluate the model of an arm along a motion.

@@ -144,6 +144,7 @@ def prepare(
         known.gravity if log.gravity is None or known.gravity is not None else low_pass.all_of(t, log.gravity[new])
     )
     load = known.load(interaction.choice, gravity)
+    better = _refined(interaction, everyone, low_pass, t, new, known.taken(interaction.choice, load))
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
@@ -155,7 +156,7 @@ def prepare(
             q=everyone.q[:, column],
             dq=dq,
             ddq=everyone.ddq[:, column],
-            torque=low_pass.of(t, _torque(interaction, joint)[new]),
+            torque=low_pass.of(t, _torque(interaction, joint)[new]) + better[:, joint],
             gravity=None if gravity is None else gravity[:, column],
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[new, column]),
             others_dq=everyone.dq,
@@ -227,6 +228,25 @@ def _torque(interaction: Interaction, joint: int) -> Float:
     """Everything that drives the side on which friction acts, shape (n,). [N m]"""
     torque = interaction.torque[:, joint]
     return torque if interaction.compensation is None else torque + interaction.compensation[:, joint]
+
+
+def _refined(
+    interaction: Interaction,
+    everyone: _Everyone,
+    low_pass: LowPass,
+    t: Float,
+    new: NDArray[np.bool_],
+    taken: Float | None,
+) -> Float:
+    """What is to be added to the torque of each column because links' inertia is known better here, (n, j). [N m]
+
+    The inertial torque in the interaction torque ends at 10 Hz, and what a reversal leaves above that would look like
+    friction; the one from the motion on the grid holds all that the sensor saw.
+    """
+    columns = [number - 1 for number in interaction.joint_numbers]
+    if taken is None:
+        return np.zeros((len(low_pass.t), len(columns)))
+    return everyone.sensed[:, columns] - taken[:, columns] - low_pass.all_of(t, interaction.torque[new])
 
 
 def _valid(low_pass: LowPass, t: Float) -> NDArray[np.bool_]:
