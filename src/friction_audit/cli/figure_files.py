@@ -42,8 +42,10 @@ def write_figures(
     """Draw the kinds, all joints on a sheet and, if asked for, each joint alone; return the files."""
     from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
 
-    drawn = {kind.name: partial(kind.draw, result) for kind in (*FIGURES, *REPLAY_FIGURES) if kind.name in kinds}
-    chosen = {**drawn, **_of_a_diagnosis(result, kinds, voice)}
+    chosen: dict[str, Callable[[int | None], Figure]] = {
+        kind.name: partial(kind.draw, result) for kind in (*FIGURES, *REPLAY_FIGURES) if kind.name in kinds
+    }
+    chosen |= _of_a_diagnosis(result, kinds, voice)
     numbers = result.interaction.joint_numbers
     return draw_files(chosen, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice)
 
