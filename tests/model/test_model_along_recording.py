@@ -218,7 +218,9 @@ def test_what_never_settles_is_not_simulated(monkeypatch: pytest.MonkeyPatch) ->
 def test_a_joint_without_inertia_left_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     term = invent(monkeypatch, lambda motion, _: motion.ddq, -B)
     t = clock(1.0)
-    assert simulate_along(joint_with(term), recording_of(t, t, np.sin(t)), np.sin(t), whole(t)) is None
+    seen = recording_of(t, t, np.sin(t))
+    assert simulate_along(joint_with(term), seen, np.sin(t), whole(t)) is None
+    assert simulate_along(joint_with(inertia_kg_m2=-0.1), seen, np.sin(t), whole(t)) is None
 
 
 def test_pieces_start_from_the_recording_and_nothing_is_said_between_them() -> None:

@@ -40,7 +40,7 @@ origin = st.builds(Provenance, method=text, log=text, sha256=text, cycles=st.int
 terms = st.sets(st.sampled_from(TERMS[1:])).flatmap(
     lambda chosen: st.tuples(*(values_of(term) for term in sorted(chosen, key=lambda term: term.name)))
 )
-joint = st.builds(JointModel, inertia_kg_m2=st.floats(1e-300, 1e300), terms=terms, provenance=origin)
+joint = st.builds(JointModel, inertia_kg_m2=st.floats(-1e300, 1e300), terms=terms, provenance=origin)
 arm = st.lists(st.tuples(text, st.none() | joint), min_size=1, max_size=3).map(
     lambda pairs: ArmModel(names=tuple(name for name, _ in pairs), joints=tuple(joint for _, joint in pairs))
 )
@@ -94,7 +94,7 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
             "joint 1: name is missing.*inertia_kg_m2 is missing.*offset_nm miss",
         ),
         (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
-        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = 0', "joint 1: inertia_kg_m2 = 0; expected a number above 0"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = nan', "joint 1: inertia_kg_m2 = nan; expected a number"),
         (HEAD + '[[joint]]\nname = "a"\ninertia = 1', r"'inertia' is no key \(did you mean inertia_kg_m2\?\)"),
         (HEAD + JOINT_TEXT + "terms = 1", "joint 1: terms is no table"),
         (HEAD + JOINT_TEXT + "provenance = 1", "joint 1: provenance is no table"),

@@ -238,6 +238,12 @@ def add_invented(value: float) -> JointModel:
     return JointModel(inertia_kg_m2=B, terms=(*MODEL.terms, FittedTerm("invented", (value,))))
 
 
+@pytest.mark.parametrize("inertia", [0.0, -0.1])
+def test_a_joint_without_inertia_is_refused(inertia: float) -> None:
+    with pytest.raises(AnalysisError, match=r"inertia_kg_m2 = .*expected a number above 0.*reflected inertia"):
+        make_body(JointModel(inertia_kg_m2=inertia))
+
+
 def test_a_term_of_more_than_the_velocity_is_refused_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
     invent(monkeypatch, lambda motion: np.sin(motion.q), speed_only=False)
     with pytest.raises(AnalysisError, match="the model's invented follow from more than the velocity"):

@@ -107,6 +107,11 @@ def test_a_joint_without_friction_has_none() -> None:
     assert with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=0.2))).joints[0].coulomb_nm == 0.0
 
 
+def test_a_joint_without_inertia_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"the model's joint 1: inertia_kg_m2 = -0.1: expected more than zero"):
+        with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=-0.1)))
+
+
 def test_joints_without_a_model_stay_as_they_are() -> None:
     arm = ArmSettings()
     model = model_of({"stribeck": EXAMPLES["stribeck"]})

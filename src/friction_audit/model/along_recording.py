@@ -68,7 +68,7 @@ def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDAr
     inner = _inner(motion, reading, step)
     acting = [term for term in model.terms if term.term.forward not in BETWEEN]
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
-    if tables.inertia_kg_m2 <= LEAST_INERTIA * model.inertia_kg_m2:
+    if tables.inertia_kg_m2 <= LEAST_INERTIA * abs(model.inertia_kg_m2):
         return None
     bent = tables.bristles.states_along(inner.q)
     found = _settle(model, tables, past, inner, reading.drive, pieces, bent, step)

@@ -45,8 +45,14 @@ def make_body(
     sampled together, by direction, so that a joint at rest is held by their limit at speed zero.
 
     Raises:
-        AnalysisError: If a term follows from more than the velocity, or friction would push.
+        AnalysisError: If a term follows from more than the velocity, the inertia is not above zero, or friction would
+            push.
     """
+    if model.inertia_kg_m2 <= 0.0:
+        raise AnalysisError(
+            f"inertia_kg_m2 = {model.inertia_kg_m2:g}; expected a number above 0: a joint without inertia has no motion"
+            " to simulate; give the reflected inertia, rotor and gear included"
+        )
     unable = [term.name for term in model.terms if not term.term.speed_only]
     if unable:
         raise AnalysisError(

@@ -72,12 +72,13 @@ class JointModel:
     """Model of one joint: F_m + u = B ddq + the sum of its terms.
 
     Attributes:
-        inertia_kg_m2: Inertia B behind the torque sensor.
+        inertia_kg_m2: Inertia B behind the torque sensor; of a torque from which a rigid-body model has taken the
+            inertia out already, what is left to be paid: about zero, and below it where the model took too much.
         terms: The other terms, each at most once.
         provenance: Where it comes from.
 
     Raises:
-        AnalysisError: If the inertia is not above zero, or a term stands twice.
+        AnalysisError: If the inertia is no number, or a term stands twice.
     """
 
     inertia_kg_m2: float
@@ -85,11 +86,8 @@ class JointModel:
     provenance: Provenance = field(default_factory=Provenance)
 
     def __post_init__(self) -> None:
-        if not (isfinite(self.inertia_kg_m2) and self.inertia_kg_m2 > 0.0):
-            raise AnalysisError(
-                f"inertia_kg_m2 = {self.inertia_kg_m2:g}; expected a number above 0: a joint without inertia has no"
-                " motion to simulate; give the reflected inertia, rotor and gear included"
-            )
+        if not isfinite(self.inertia_kg_m2):
+            raise AnalysisError(f"inertia_kg_m2 = {self.inertia_kg_m2:g}; expected a number")
         names = [term.name for term in self.terms]
         if "inertia" in names:
             raise AnalysisError("term inertia stands among the terms; expected it as inertia_kg_m2")

@@ -62,7 +62,7 @@ def with_model(settings: Settings, model: ArmModel) -> Settings:
         model: A model for every joint; one that is None leaves the scenario's joint as it is.
 
     Raises:
-        UsageError: If the numbers of joints differ, or the simulator has no equal of a term.
+        UsageError: If the numbers of joints differ, a joint has no inertia, or the simulator has no equal of a term.
     """
     if len(model.joints) != len(settings.joints):
         raise UsageError(
@@ -73,7 +73,7 @@ def with_model(settings: Settings, model: ArmModel) -> Settings:
     joints, hidden = list(settings.joints), list(settings.hidden)
     for k, joint in enumerate(model.joints):
         if joint is not None:
-            joints[k] = _simple(joint)
+            joints[k] = _simple(joint, f"the model's joint {k + 1}")
             setting = Setting(
                 joint=joints[k],
                 start_rad=starts[k],
@@ -85,7 +85,12 @@ def with_model(settings: Settings, model: ArmModel) -> Settings:
     return replace(settings, joints=tuple(joints), hidden=tuple(hidden))
 
 
-def _simple(joint: JointModel) -> JointParameters:
+def _simple(joint: JointModel, where: str) -> JointParameters:
+    if joint.inertia_kg_m2 <= 0.0:
+        raise UsageError(
+            f"{where}: inertia_kg_m2 = {joint.inertia_kg_m2:g}: expected more than zero; it is of a torque from which "
+            "a rigid-body model took the inertia out: give that of the joint"
+        )
     coulomb, viscous = joint.values("coulomb"), joint.values("viscous")
     return JointParameters(
         inertia_kg_m2=joint.inertia_kg_m2,
