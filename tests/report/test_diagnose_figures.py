@@ -159,6 +159,23 @@ def test_fewer_locked_cycles_than_asked_for_are_shown_once_each() -> None:
     assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
 
 
+def test_cycles_that_were_simulated_are_shown_before_others() -> None:
+    whole = moved()
+    late = replace(whole, **{name: getattr(whole, name)[-ROWS:] for name in ("t", "measured", "declared", "grown")})
+    (piece,) = shown_cycles(TRACES, late)
+    assert piece.start == pytest.approx((28 * ROWS + LEFT_OUT) * STEP_S)
+
+
+def test_a_ripple_is_shown_with_its_waves_laid_over_each_other() -> None:
+    waves = 8.0
+    rippled = effect_of(replace(NAMED.effects[0], parameters={"ripple_order": by_hand.coefficient(waves, 0.1)}))
+    rippled = replace(rippled, torque=np.sin(waves * TRACES.q))
+    axes = draw_effects(of(replace(NAMED, effects=(rippled,))), 1).axes[0]
+    x, y = line(axes, "fitted, forwards")
+    assert y == pytest.approx(np.sin(2 * np.pi * x), abs=0.05)
+    assert axes.get_xlabel() == "Position within a wave [waves]"
+
+
 def test_cycles_are_put_behind_each_other_and_left_out_rows_are_not_bridged() -> None:
     t = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 20.0, 21.0])
     x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0))
@@ -169,7 +186,8 @@ def test_cycles_are_put_behind_each_other_and_left_out_rows_are_not_bridged() ->
 
 def test_torque_is_shown_raw_and_filtered_and_the_corner_is_said() -> None:
     figure = draw_simulation(ALL, 1)
-    assert legend_of(figure) == ["measured, raw", "measured, below 17 Hz", "declared model", "with stribeck"]
+    said = ["measured, raw", "measured, below 17 Hz", "declared model", "with stribeck", "measured velocity"]
+    assert legend_of(figure) == said
     assert [axes.get_ylabel().replace("\n", " ") for axes in figure.axes] == [
         "Torque [N m]",
         "Measured less model [N m]",

@@ -12,7 +12,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.report.diagnose_table import MEANINGS, UNITS, format_quantity
 from friction_audit.report.figures.diagnose_look import DASHED, chosen_joints, draw_grid, joint_name, say_why
-from friction_audit.report.figures.diagnose_residual import draw_profile, limits_for, name_axis
+from friction_audit.report.figures.diagnose_residual import draw_dots, draw_profile, limits_for, name_axis
 from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel
 from friction_audit.report.figures.style import BORDER, MUTED, figure_style
 
@@ -28,6 +28,8 @@ ACROSS = 3
 CHARACTERS = 66
 """Of a line below a panel."""
 BELOW_PT = 25.0
+ORDER = "ripple_order"
+"""Parameter of an effect that repeats with the position: its waves per revolution."""
 POINTS = 60
 """Stretches of the axis, with equally many rows each, over which the fitted torque is averaged for a line."""
 
@@ -55,11 +57,15 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
     traces = joint.traces
     assert traces is not None
     shown = traces.measured - traces.after + effect.torque
-    handles = draw_profile(axes, effect.curve, traces, shown)
-    handles += _draw_fitted(axes, traces, effect)
-    axes.set_ylim(*limits_for(shown, effect.curve))
     label_panel(axes, f"{joint_name(joint)}: {effect.name}")
-    name_axis(axes, effect.curve)
+    if ORDER in effect.parameters:
+        waves = np.mod(effect.parameters[ORDER].value * traces.q / (2 * np.pi), 1.0)
+        handles = _draw_wave(axes, traces, effect, waves, shown)
+    else:
+        handles = draw_profile(axes, effect.curve, traces, shown)
+        handles += _draw_fitted(axes, traces, effect, traces.along[effect.curve.axis])
+        axes.set_ylim(*limits_for(shown, effect.curve))
+        name_axis(axes, effect.curve)
     if is_narrow(axes.get_figure(root=True)):
         _tell(axes, fitted_words(effect))
     return handles
@@ -73,10 +79,19 @@ def _tell(axes: "Axes", sentence: str) -> None:
     )  # fmt: skip
 
 
-def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect) -> "list[Artist]":
+def _draw_wave(axes: "Axes", traces: Traces, effect: Effect, waves: Float, shown: Float) -> "list[Artist]":
+    """Draw a ripple with all its waves laid over each other: in place, the bins would average them away."""
+    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+    draw_dots(axes, waves, traces.dq, shown)
+    axes.set_xlim(0.0, 1.0)
+    axes.set_ylim(*np.quantile(shown, (0.005, 0.995)))
+    axes.set_xlabel("Position within a wave [waves]")
+    return _draw_fitted(axes, traces, effect, waves)
+
+
+def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> "list[Artist]":
     """Draw the fitted torque along the axis, a line for each direction."""
     handles: list[Artist] = []
-    along = traces.along[effect.curve.axis]
     for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, DASHED, "backwards")):
         x, y = mean_along(along[which], effect.torque[which])
         handles += axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)

@@ -161,7 +161,7 @@ def draw_profile(axes: "Axes", profile: Profile, traces: Traces, residual: Float
         residual: What is drawn of every row, shape (m,). [N m]
     """
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    _draw_dots(axes, traces.along[profile.axis], traces.dq, residual)
+    draw_dots(axes, traces.along[profile.axis], traces.dq, residual)
     return [
         _draw_means(axes, profile, profile.forwards, profile.forwards_se, FORWARDS_MARK),
         _draw_means(axes, profile, profile.backwards, profile.backwards_se, BACKWARDS_MARK),
@@ -180,7 +180,8 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
         axes.set_xlim(0.0, float(profile.edges[-1]))
 
 
-def _draw_dots(axes: "Axes", along: Float, dq: Float, residual: Float) -> None:
+def draw_dots(axes: "Axes", along: Float, dq: Float, residual: Float) -> None:
+    """Draw single rows, thinned, in the colour of their direction."""
     for which, colour in ((dq > 0, FORWARDS), (dq <= 0, BACKWARDS)):
         kept = every_nth(int(which.sum()), MOST_DOTS)
         axes.plot(along[which][kept], residual[which][kept], ".", color=colour, ms=1.2, mew=0, alpha=0.35, zorder=2)

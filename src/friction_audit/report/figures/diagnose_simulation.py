@@ -5,6 +5,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.result import JointDiscrepancy, SimulationGap, Traces
@@ -22,7 +23,7 @@ from friction_audit.report.figures.diagnose_look import (
 )
 from friction_audit.report.figures.joint_series import joint_series
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
-from friction_audit.report.figures.style import COLUMN_IN, FILTERED, MUTED, RAW, SHADE, SHEET_IN, figure_style
+from friction_audit.report.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHADE, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import break_at_gaps, thin_extremes
 
 if TYPE_CHECKING:
@@ -75,11 +76,11 @@ def _draw_joint(panels: "list[Axes]", found: Diagnosis, joint: JointDiscrepancy)
         for axes in panels[1:]:
             axes.set_axis_off()
         return say_why(panels[0], joint_name(joint), joint)
-    pieces = shown_cycles(joint.traces)
+    pieces = shown_cycles(joint.traces, joint.simulation)
     handles = _draw_torque(panels[0], found, joint, pieces)
     _draw_residual(panels[1], joint, pieces)
     if joint.simulation is not None:
-        _draw_motion(panels[2], joint, joint.simulation, pieces)
+        handles += _draw_motion(panels[2], joint, joint.simulation, pieces)
     elif len(panels) > len((TORQUE, RESIDUAL)):
         panels[2].set_axis_off()
     for axes, label in zip(panels, (TORQUE, RESIDUAL, MOTION), strict=False):
@@ -90,14 +91,17 @@ def _draw_joint(panels: "list[Axes]", found: Diagnosis, joint: JointDiscrepancy)
     return handles
 
 
-def shown_cycles(traces: Traces, most: int = SHOWN) -> tuple[Piece, ...]:
+def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
     """Return locked cycles from the first to the last, evenly chosen, put behind each other.
 
     Args:
         traces: Of one joint, with at least one locked cycle.
+        motion: Where there is one, cycles that it holds go before those that it lacks.
         most: Number of cycles.
     """
     locked = np.unique(traces.cycle[traces.locked])
+    moved = locked if motion is None else _simulated(traces, locked, motion)
+    locked = moved if len(moved) else locked
     chosen = locked[np.unique(np.linspace(0, len(locked) - 1, min(most, len(locked))).round().astype(int))]
     spans = [(float(t[0]), float(t[-1])) for t in (traces.t[traces.cycle == number] for number in chosen)]
     gap = GAP * sum(stop - start for start, stop in spans)
@@ -107,6 +111,14 @@ def shown_cycles(traces: Traces, most: int = SHOWN) -> tuple[Piece, ...]:
         place = 0.0 if before is None else before.place + before.stop - before.start + gap
         pieces.append(Piece(start, stop, place))
     return tuple(pieces)
+
+
+def _simulated(traces: Traces, cycles: NDArray[np.int64], motion: SimulationGap) -> NDArray[np.int64]:
+    """Return the cycles whose first row lies within the simulated motion."""
+    begins = np.array([traces.t[traces.cycle == number][0] for number in cycles])
+    known = motion.t[np.isfinite(motion.t)]
+    near = np.abs(known[np.clip(np.searchsorted(known, begins), 0, len(known) - 1)] - begins)
+    return np.asarray(cycles[near <= LONGEST_STEP * np.median(np.diff(traces.t))], np.int64)
 
 
 def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Float]:
@@ -158,10 +170,14 @@ def _draw_residual(axes: "Axes", joint: JointDiscrepancy, pieces: Sequence[Piece
     _draw_models(axes, joint, pieces, traces.t, (traces.measured - traces.before, traces.measured - traces.after))
 
 
-def _draw_motion(axes: "Axes", joint: JointDiscrepancy, motion: SimulationGap, pieces: Sequence[Piece]) -> None:
-    """Draw the velocity as measured and as both models move under the measured torque."""
-    axes.plot(*lay_out(pieces, motion.t, motion.measured), color=FILTERED, lw=1.0, zorder=2)
+def _draw_motion(
+    axes: "Axes", joint: JointDiscrepancy, motion: SimulationGap, pieces: Sequence[Piece]
+) -> "list[Artist]":
+    """Draw the velocity as measured and as both models move under the measured torque; return the legend's entry."""
+    shown = lay_out(pieces, motion.t, motion.measured)
+    handles = axes.plot(*shown, color=BORDER, lw=1.0, label="measured velocity", zorder=2)
     _draw_models(axes, joint, pieces, motion.t, (motion.declared, motion.grown))
+    return list(handles)
 
 
 def _divide(axes: "Axes", pieces: Sequence[Piece]) -> None:
