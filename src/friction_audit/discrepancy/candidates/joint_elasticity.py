@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
-from friction_audit.discrepancy.candidates.excitation import several_speeds
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.joint_elasticity import TERM
@@ -13,6 +13,7 @@ STIFFNESSES_NM_PER_RAD = np.geomspace(10.0, 1e5, 25)
 SOFT_SHARES = (1e-3, 0.3, 1.0, 3.0)
 """Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring."""
 LARGEST_SHARE = 1.6
+FEWEST_REVERSALS = 20
 LEAST_SHARE = 0.5
 """Compliance found times the stiffness it was built for; a stiffer spring than the stiffest looks just like it."""
 
@@ -25,6 +26,11 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
         for k, share in enumerate(SOFT_SHARES)
         for stiffness in STIFFNESSES_NM_PER_RAD[:: 2 if k else 1]
     )
+
+
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
+    return reversals(data, baseline, FEWEST_REVERSALS)
 
 
 def admissible(factors: Float, shape: Shape) -> bool:
@@ -40,7 +46,7 @@ CANDIDATE = Candidate(
     shapes=shapes,
     columns=columns_of(TERM),
     column_units=("rad_per_nm",),
-    untestable=several_speeds,
+    untestable=untestable,
     admissible=admissible,
     axis="acceleration",
     term=TERM,

@@ -2,14 +2,21 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
-from friction_audit.discrepancy.candidates.excitation import several_speeds
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidates.excitation import reversals
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.time_delay import TERM
 
 STEPS_S = np.geomspace(1e-3, 0.1, 13)
+FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
 """Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it."""
+
+
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
+    return reversals(data, baseline, FEWEST_REVERSALS)
 
 
 def admissible(factors: Float, shape: Shape) -> bool:
@@ -25,7 +32,7 @@ CANDIDATE = Candidate(
     shapes=tuple({"delay_step_s": float(sign * step)} for sign in (1.0, -1.0) for step in STEPS_S),
     columns=columns_of(TERM),
     column_units=("s",),
-    untestable=several_speeds,
+    untestable=untestable,
     admissible=admissible,
     axis="acceleration",
     term=TERM,

@@ -7,9 +7,11 @@ play and strikes it on the other flank.
 from collections.abc import Sequence
 from math import pi
 
+import numpy as np
+
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import Transmission, added_torque, far_side
+from friction_audit.model.transmission import Transmission, added_torque, far_side, simple_torque
 
 CONTACT_DAMPING_RATIO = 0.2
 """Of metal on lubricated metal: half of the speed is left after an impact."""
@@ -19,7 +21,9 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what play in front of all inertia and friction adds to the torque, as a column."""
     gap, contact_hz = shape
     far = far_side(motion)
-    stiffness = far.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2
+    # Flanks that gave way by more than the play would be a spring, and that has its own name.
+    hard = float(np.sqrt(np.mean(simple_torque(motion) ** 2))) / gap
+    stiffness = max(far.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2, hard)
     flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
     return added_torque(motion, far, flanks)[:, None]
 
@@ -37,7 +41,7 @@ TERM = Term(
         ),
     ),
     shape=(
-        Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=0.0, upper=1.0),
+        Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=1e-7, upper=1.0),
         Parameter(name="contact_hz", unit="Hz", meaning="ringing on a flank that touches", lower=1.0, upper=1e3),
     ),
     basis=basis,
