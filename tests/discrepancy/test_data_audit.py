@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.audit import AuditSettings, estimate_log
-from friction_audit.discrepancy.data_audit import DataFinding, audit_data
+from friction_audit.discrepancy.data_audit import DataFinding, audit_data, faults
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.interaction import Interaction
@@ -28,16 +28,34 @@ def found(clean: tuple[JointLog, Interaction, JointData], data: JointData) -> di
 
 def test_delay_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:
     data = clean[2]
-    delay = found(clean, replace(data, dq=np.interp(data.t - 0.03, data.t, data.dq)))["dq_delay"]
+    delay = found(clean, replace(data, logged_dq=np.interp(data.t - 0.03, data.t, data.dq)))["dq_delay"]
     assert delay.verdict == "fault"
     assert delay.value == pytest.approx(0.03, rel=0.1)
 
 
 def test_scale_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:
-    scale = found(clean, replace(clean[2], dq=1.2 * clean[2].dq))["dq_scale"]
+    scale = found(clean, replace(clean[2], logged_dq=1.2 * clean[2].dq))["dq_scale"]
     assert scale.verdict == "fault"
     assert scale.value == pytest.approx(0.2, abs=0.005)
     assert "20%" in scale.message
+
+
+def test_a_velocity_that_is_too_large_is_found_where_the_position_is_quieter_too() -> None:
+    log = simulate(BenchSettings(duration_s=20.0), 0).log
+    for factor, codes in ((1.0, set()), (1.3, {"dq_scale"})):
+        spoilt = replace(log, dq=factor * log.dq)
+        estimate = estimate_log(spoilt, AuditSettings())
+        (data,) = prepare(estimate.interaction, estimate.cycles, spoilt)
+        assert data.derived_from == "q"
+        assert {finding.code for finding in faults(audit_data(spoilt, estimate.interaction, data))} == codes
+
+
+def test_a_turned_velocity_is_a_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    data = clean[2]
+    codes = {one.code for one in found(clean, replace(data, logged_dq=-data.dq)).values() if one.verdict == "fault"}
+    assert codes == {"dq_scale"}
+    gaining = found(clean, replace(data, torque=-data.torque))["power"]
+    assert gaining.verdict == "fault"
 
 
 def test_recorder_and_sensor_are_measured(clean: tuple[JointLog, Interaction, JointData]) -> None:
@@ -56,7 +74,7 @@ def test_velocities_of_a_joint_at_rest_are_noise_and_no_fault(clean: tuple[Joint
     data = clean[2]
     rng = np.random.default_rng(0)
     q, dq = 1e-5 * rng.standard_normal((2, len(data.t)))
-    measured = found(clean, replace(data, q=q, dq=dq, cycle=np.full(len(data.t), -1)))
+    measured = found(clean, replace(data, q=q, dq=dq, logged_dq=dq, cycle=np.full(len(data.t), -1)))
     assert {code for code, finding in measured.items() if finding.verdict == "fault"} == set()
     assert "dq_noise" in measured
 
@@ -65,5 +83,5 @@ def test_a_velocity_that_stays_zero_while_the_position_moves_is_a_fault(
     clean: tuple[JointLog, Interaction, JointData],
 ) -> None:
     data = clean[2]
-    still = replace(data, dq=np.zeros(len(data.t)), moving=np.zeros(len(data.t), bool))
+    still = replace(data, logged_dq=np.zeros(len(data.t)))
     assert found(clean, still)["dq_against_q"].verdict == "fault"

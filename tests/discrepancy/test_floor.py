@@ -5,6 +5,7 @@ import pytest
 
 from friction_audit.discrepancy.floor import noise_floor
 from friction_audit.discrepancy.ground import make_ground
+from friction_audit.discrepancy.joint_data import JointData
 from tests.discrepancy.moved_joint import moved_joint
 
 
@@ -23,6 +24,15 @@ def test_a_curve_that_the_model_lacks_does_not_raise_it() -> None:
     ground = make_ground(moved_joint(lambda data: 0.2 * np.cos(2 * data.q), noise_nm=0.02), None, 0)
     assert rms(ground.residual()[ground.locked]) > 0.05
     assert noise_floor(ground, ground.curves) == pytest.approx(0.02, rel=0.1)
+
+
+def test_few_cycles_teach_one_curve_where_they_do_not_teach_all() -> None:
+    def excess(data: JointData) -> np.ndarray:
+        return 0.15 * np.sign(data.dq) * np.exp(-np.abs(data.dq) / 0.2)
+
+    ground = make_ground(moved_joint(excess, noise_nm=0.01, duration_s=14.0), None, 0)
+    assert rms(ground.residual()[ground.locked]) > 0.02
+    assert noise_floor(ground, ground.curves) < 0.7 * rms(ground.residual()[ground.locked])
 
 
 def test_what_no_curve_learns_it_takes_for_noise_until_an_effect_explains_it() -> None:

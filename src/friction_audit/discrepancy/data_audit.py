@@ -98,8 +98,9 @@ def _clock(log: JointLog) -> tuple[DataFinding, ...]:
 
 
 def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:
-    """Hold dq against the change of q: dq(t) = scale * (dq/dt of q)(t - delay), over short windows."""
+    """Hold the logged dq against the change of q: dq(t) = scale * (dq/dt of q)(t - delay)."""
     good = data.valid
+    dq = data.dq if data.logged_dq is None else data.logged_dq
     noise = _stated("dq_noise", data.dead_speed_rad_s, "rad/s")
     if good.any() and not data.used.any() and np.ptp(data.q[good]) < RESTING_RAD:
         return (noise,)
@@ -108,9 +109,9 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     if not good.any() or not np.any(slope[good]):
         return (_judged("dq_against_q", 0.0, LEAST_SHARE_EXPLAINED, "the position does not change", above=False),)
     design = np.column_stack([slope, -acceleration])[good]
-    scale, shift = np.linalg.lstsq(design, data.dq[good], rcond=None)[0]
-    left = data.dq[good] - design @ np.array([scale, shift])
-    power = float(np.mean(data.dq[good] ** 2))
+    scale, shift = np.linalg.lstsq(design, dq[good], rcond=None)[0]
+    left = dq[good] - design @ np.array([scale, shift])
+    power = float(np.mean(dq[good] ** 2))
     explained = 1.0 - float(np.mean(left**2)) / power if power > 0 else 0.0
     delay = float(shift / scale) if scale else float("nan")
     rate = 1 / median_step(interaction.t)

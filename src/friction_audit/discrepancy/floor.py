@@ -12,15 +12,16 @@ RIDGE = 1e-3
 
 
 def noise_floor(ground: Ground, curves: Sequence[Curve], *effects: Float) -> float:
-    """Root mean square on locked cycles of the better of the model and the model with a curve over every axis. [N m]
+    """Root mean square on locked cycles of the best of the model, it with a curve over one axis, and with all. [N m]
 
     Curves and model are fitted on the working cycles. It is an upper bound of the noise, for it holds what the curves
-    do not learn.
+    do not learn; few cycles do not teach all of them at once.
     """
     locked = ground.locked
     model = np.hstack([ground.base, *effects])
-    flexible = np.hstack([model, *(curve.group.shapes[0] for curve in curves)])
-    return min(float(np.sqrt(np.mean(_left(ground, columns)[locked] ** 2))) for columns in (model, flexible))
+    bent = [curve.group.shapes[0] for curve in curves]
+    tried = [model, *(np.hstack([model, columns]) for columns in bent), np.hstack([model, *bent])]
+    return min(float(np.sqrt(np.mean(_left(ground, columns)[locked] ** 2))) for columns in tried)
 
 
 def _left(ground: Ground, columns: Float) -> Float:

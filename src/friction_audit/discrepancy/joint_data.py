@@ -38,6 +38,7 @@ class JointData:
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
         dead_speed_rad_s: Below this speed the direction is not certain. [rad/s]
         derived_from: ``"q"`` or ``"dq"``: what velocity and acceleration were taken from.
+        logged_dq: Velocity as it was logged, through the same filter; ``dq`` where None, shape (n,). [rad/s]
     """
 
     joint: int
@@ -56,6 +57,7 @@ class JointData:
     valid: NDArray[np.bool_]
     dead_speed_rad_s: float
     derived_from: str = "dq"
+    logged_dq: Float | None = None
     load: Float | None = None
     rigid: RigidBody | None = None
     others_joint: int | None = None

@@ -167,6 +167,7 @@ def prepare(
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=everyone.derived_from[column],
+            logged_dq=everyone.logged[:, column],
             load=None if load is None else load[:, column],
             rigid=None if known.rigid is None else known.rigid[column],
             others_joint=column,
@@ -197,12 +198,13 @@ def holes(t: Float) -> NDArray[np.int64]:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class _Everyone:
-    """Motion of all joints of a log on the grid, and what their sensors read, shape (n, j) each."""
+    """Motion of all joints of a log on the grid, what their sensors read, their velocities as logged, (n, j) each."""
 
     q: Float
     dq: Float
     ddq: Float
     sensed: Float
+    logged: Float
     derived_from: tuple[str, ...]
 
 
@@ -211,17 +213,18 @@ def _filter_everyone(
 ) -> _Everyone:
     read: Float = getattr(log, CHANNELS[interaction.choice.source])
 
-    def one(column: int) -> tuple[Float, Float, Float, Float, str]:
+    def one(column: int) -> tuple[Float, Float, Float, Float, Float, str]:
         q, slope = low_pass.with_slope(t, log.q[new, column])
         dq, ddq = low_pass.with_slope(t, log.dq[new, column])
         sensed = interaction.choice.sign * low_pass.of(t, read[new, column])
         if _noise(slope) < _noise(dq):
-            return q, slope, np.gradient(slope, low_pass.t), sensed, "q"
-        return q, dq, ddq, sensed, "dq"
+            return q, slope, np.gradient(slope, low_pass.t), sensed, dq, "q"
+        return q, dq, ddq, sensed, dq, "dq"
 
     filtered = per_joint(one, log.q.shape[1])
-    q, dq, ddq, sensed = (np.stack([joint[k] for joint in filtered], axis=1) for k in range(4))
-    return _Everyone(q=q, dq=dq, ddq=ddq, sensed=sensed, derived_from=tuple(joint[4] for joint in filtered))
+    q, dq, ddq, sensed, logged = (np.stack([joint[k] for joint in filtered], axis=1) for k in range(5))
+    sources = tuple(joint[5] for joint in filtered)
+    return _Everyone(q=q, dq=dq, ddq=ddq, sensed=sensed, logged=logged, derived_from=sources)
 
 
 def _torque(interaction: Interaction, joint: int) -> Float:
