@@ -6,6 +6,12 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH, MODEL, TERM, TIP
 
+NAMES = tuple(parameter.name for parameter in TERM.linear)
+LARGEST_SHARE = 2.0
+"""Of the model's inertial torque: 1 where nobody took it away, -1 where somebody took it twice."""
+LARGEST_MASS_KG = 10.0
+"""What columns that nearly cancel may make of the last link is no body."""
+
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """The neighbours that there are, all joints, and what the model knows."""
@@ -22,9 +28,11 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return tuple({"coupling_source": float(source)} for source, there in sources if there)
 
 
-def admissible(_factors: Float, _shape: Shape) -> bool:
-    """Either sign is possible: a rotor may turn against its neighbour."""
-    return True
+def admissible(factors: Float, _shape: Shape) -> bool:
+    """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
+    value = dict(zip(NAMES, factors.tolist(), strict=True))
+    possible = abs(value["inertial_torque_share"]) <= LARGEST_SHARE and abs(value["tip_mass_kg"]) <= LARGEST_MASS_KG
+    return bool(possible)
 
 
 CANDIDATE = Candidate(
