@@ -8,6 +8,7 @@ from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.data_audit import audit_data
 from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
+from friction_audit.discrepancy.known_inertia import known_inertias
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
@@ -38,6 +39,7 @@ def diagnose(
     """
     prepared = prepare(interaction, cycles, log, arm)
     candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
+    inertias = known_inertias(arm, interaction.choice, log.q)
     subjects = [
         Subject(
             data=data,
@@ -46,6 +48,7 @@ def diagnose(
             findings=audit_data(log, interaction, data),
             from_energy=_from_energy(friction, data.joint),
             model=None if settings.model is None else settings.model.joints[interaction.joint_numbers[data.joint] - 1],
+            known_inertia_kg_m2=float(inertias[interaction.joint_numbers[data.joint] - 1]),
         )
         for data in prepared
     ]

@@ -1,7 +1,7 @@
 """One joint: is anything missing, what, and how far does the gap close."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.displacement import strokes
 from friction_audit.discrepancy.floor import noise_floor
+from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
@@ -57,6 +58,7 @@ class Subject:
         findings: What the audit of its data found.
         from_energy: What the energy method says of it.
         model: Its declared model, None for the simple one.
+        known_inertia_kg_m2: Inertia whose torque a rigid-body model took out of the log.
     """
 
     data: JointData
@@ -65,6 +67,7 @@ class Subject:
     findings: tuple[DataFinding, ...]
     from_energy: dict[str, Coefficient]
     model: JointModel | None = None
+    known_inertia_kg_m2: float = 0.0
 
 
 def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiscrepancy:
@@ -95,10 +98,14 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
             "beside those locked away: move the joint back and forth for longer",
         )
     try:
-        return _judge(subject, ground, candidates, settings)
+        found = _judge(subject, ground, candidates, settings)
     except AnalysisError as error:
         # What one joint lacks must not take the answer away from the others.
         return _unanswered(subject, "not_testable", str(error))
+    locked = np.unique(ground.rows.cycle[ground.locked])
+    known = subject.known_inertia_kg_m2
+    motion = gap_in_motion(found, subject.model, subject.data, locked, known_inertia_kg_m2=known)
+    return replace(found, simulation=motion)
 
 
 def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiscrepancy:

@@ -13,6 +13,7 @@ from friction_audit.model.term import Term
 from friction_audit.model.terms import TERMS
 
 METHOD = "diagnose"
+FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
 ABSENT = Coefficient(value=0.0, low=0.0, high=0.0)
 """Of a factor that the form of the term at hand does not have."""
 
@@ -61,7 +62,7 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     Raises:
         AnalysisError: If a number is beyond what its term allows, e.g. friction below zero, or a term stands twice.
     """
-    fitted = {name: number.value for name, number in joint.grown.items()}
+    fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
     terms = [
         FittedTerm(term.name, (*(fitted[p.name] for p in term.linear), *_shape(term, declared)))
         for term in TERMS
@@ -75,6 +76,11 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     ]
     inertia = fitted["inertia_kg_m2"] if declared is None else declared.inertia_kg_m2
     return JointModel(inertia_kg_m2=inertia, terms=tuple(terms), provenance=origin)
+
+
+def _allowed(number: Coefficient) -> float:
+    """Friction that comes out below zero is zero where its interval holds zero."""
+    return max(number.value, 0.0) if number.high >= 0.0 else number.value
 
 
 def _shape(term: Term, declared: JointModel | None) -> tuple[float, ...]:

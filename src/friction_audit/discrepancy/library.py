@@ -1,6 +1,6 @@
 """The candidates that a log can show, as columns on the rows of a joint."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,10 +14,11 @@ from friction_audit.joint_log import Float
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Entry:
-    """A candidate with the shapes that are tried and their columns on the rows."""
+    """A candidate with the shapes that are tried, their columns on the rows, and what a search takes of them."""
 
     candidate: Candidate
     shapes: tuple[Shape, ...]
+    columns: tuple[Float, ...]
     group: Group
 
 
@@ -56,9 +57,26 @@ def rebuild_library(library: Library, data: JointData, baseline: Baseline, rows:
     return Library(entries=tuple(entries), untestable=library.untestable)
 
 
+def extend_library(library: Library, found: Iterable[tuple[str, Shape, Float]]) -> Library:
+    """Add a shape and its columns, zero columns included, to entries by name."""
+    more: dict[str, list[tuple[Shape, Float]]] = {}
+    for name, shape, columns in found:
+        more.setdefault(name, []).append((shape, columns))
+    entries = (_with(entry, more.get(entry.candidate.name, [])) for entry in library.entries)
+    return Library(entries=tuple(entries), untestable=library.untestable)
+
+
+def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
+    shapes, columns = (*entry.shapes, *(s for s, _ in more)), [*entry.columns, *(c for _, c in more)]
+    return _made(entry.candidate, shapes, columns) if more else entry
+
+
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
-    every = [rows.of(candidate.columns(data, baseline, shape)) for shape in shapes]
+    return _made(candidate, shapes, [rows.of(candidate.columns(data, baseline, shape)) for shape in shapes])
+
+
+def _made(candidate: Candidate, shapes: tuple[Shape, ...], every: list[Float]) -> Entry:
     there = [np.any(columns != 0.0, axis=0) for columns in every]
 
     def admissible(factors: Float, shape: int) -> bool:
@@ -67,7 +85,6 @@ def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows
         return candidate.admissible(whole, shapes[shape])
 
     # A column that is zero throughout has no factor that could be fitted and none to be paid for.
-    kept = tuple(columns[:, which] for columns, which in zip(every, there, strict=True))
-    return Entry(
-        candidate=candidate, shapes=shapes, group=Group(name=candidate.name, shapes=kept, admissible=admissible)
-    )
+    kept = tuple(columns if which.all() else columns[:, which] for columns, which in zip(every, there, strict=True))
+    group = Group(name=candidate.name, shapes=kept, admissible=admissible)
+    return Entry(candidate=candidate, shapes=shapes, columns=tuple(every), group=group)

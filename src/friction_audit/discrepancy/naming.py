@@ -1,15 +1,15 @@
 """Which effects are missing: search on the working cycles, refine, and keep what holds on the locked ones."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from friction_audit.discrepancy.acceptance import LEAST_GAIN, cycle_rss, paired_improvement, rms_gain
-from friction_audit.discrepancy.alternatives import Naming, name_effects
+from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.discrepancy.library import Library, rebuild_library
+from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.search import CycleProducts, Group, Search, cycle_products, search
 from friction_audit.joint_log import Float
@@ -17,6 +17,9 @@ from friction_audit.joint_log import Float
 MOST_ROUNDS = 4
 """Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
 SETTLED = 0.05
+NEAR = 60.0
+"""Difference in BIC up to which a rival may win once its shape is as good as that of what was found."""
+MOST_RIVALS = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
 
@@ -58,7 +61,10 @@ class Names:
 def find_names(
     ground: Ground, candidates: Sequence[Candidate], library: Library, alpha: float, rng: np.random.Generator
 ) -> Names:
-    """Search, rebuild what leans on the declared model with its better fit, search again, refine and accept.
+    """Search, refine what was found and what comes near it, search again with these shapes, and accept.
+
+    What leans on the declared model is built again with its better fit in between. Close rivals are refined too, for
+    a name must not win by the luck of the grid.
 
     Args:
         ground: The joint.
@@ -72,6 +78,7 @@ def find_names(
     if outcome.chosen:
         baseline = ground.baseline(*_columns(library, outcome))
         library = rebuild_library(library, ground.data, baseline, ground.rows)
+        library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff, baseline))
         products, outcome, n_eff = _search(ground, library)
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
@@ -104,6 +111,21 @@ def _search(ground: Ground, library: Library) -> tuple[CycleProducts, Search, fl
 
 def _columns(library: Library, outcome: Search) -> list[Float]:
     return [library.entry(chosen.name).group.shapes[chosen.shape] for chosen in outcome.chosen]
+
+
+def _sharpened(
+    ground: Ground, library: Library, outcome: Search, products: CycleProducts, n_eff: float, baseline: Baseline
+) -> Iterator[tuple[str, Shape, Float]]:
+    """Refined shapes of the effects found and of the rivals that come near them, with their columns."""
+    columns = _columns(library, outcome)
+    for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
+        base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
+        near = [r for r in naming.rivals if r.correlation > ALIKE and r.delta_bic < NEAR][:MOST_RIVALS]
+        for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
+            entry = library.entry(name)
+            shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
+            if shape != entry.shapes[at]:
+                yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
 
 
 def _refined(
