@@ -1,0 +1,117 @@
+"""From a log to a name: effects hidden by the simulator, which shares no formula with the detector."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.signal import lfilter
+
+from friction_audit.audit import AuditSettings, diagnose_log
+from friction_audit.discrepancy.result import JointDiscrepancy
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.simulate import IDEAL_SENSORS, SCENARIOS, simulate
+from friction_audit.simulate.hide import hide
+
+SEED = 2
+NOISE_NM = 0.02
+
+
+def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, seed: int = SEED) -> JointLog:
+    settings = next(one.settings for one in SCENARIOS if one.name == scenario)
+    return simulate(hide(replace(settings, duration_s=duration_s), effects), seed).log
+
+
+def diagnosed(log: JointLog, **asked: object) -> JointDiscrepancy:
+    (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints  # type: ignore[arg-type]
+    return found
+
+
+def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
+    """Of each effect all names that it may have."""
+    return tuple({effect.name, *effect.alternatives} for effect in found.effects)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stribeck",
+        "presliding",
+        "torque_drift",
+        "time_delay",
+        "warm_up",
+        "friction_step",
+        "backlash",
+        "cable_spring",
+    ],
+)
+def test_an_effect_is_named(name: str) -> None:
+    found = diagnosed(recorded(name))
+    assert found.verdict in ("named", "ambiguous")
+    assert len(found.effects) == 1
+    assert name in said(found)[0]
+    assert found.gap is not None
+    assert found.gap.shrink > 0.8
+    assert found.omnibus_p < 0.01
+
+
+def test_what_this_motion_cannot_tell_apart_is_said_so() -> None:
+    found = diagnosed(recorded("torque_bias", duration_s=40.0))
+    assert found.verdict == "ambiguous"
+    assert len(found.effects) == 1
+    assert {"torque_bias", "asymmetric_coulomb"} <= said(found)[0]
+    assert found.effects[0].decide
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.9, 0.99])
+def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float) -> None:
+    settings = next(one.settings for one in SCENARIOS if one.name == "joint")
+    clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
+    assert clean.tau_interaction is not None
+    noise = coloured(memory, len(clean.t))
+    found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
+    assert (found.verdict, found.effects) == ("none", ())
+    assert found.gap is not None
+    assert found.gap.before == pytest.approx(found.gap.floor, rel=0.02)
+
+
+def coloured(memory: float, n: int) -> Float:
+    noise = lfilter([1.0], [1.0, -memory], np.random.default_rng(7).standard_normal(n + 1000))[1000:]
+    return np.asarray(NOISE_NM * noise / noise.std())
+
+
+@pytest.mark.parametrize("names", [("stribeck", "gravity_error"), ("presliding", "torque_drift")], ids="+".join)
+def test_two_effects_are_both_in_the_answer(names: tuple[str, ...]) -> None:
+    found = diagnosed(recorded(*names))
+    assert found.verdict in ("named", "ambiguous")
+    assert len(found.effects) == 2
+    for name in names:
+        assert any(name in one for one in said(found)), said(found)
+
+
+def turned(log: JointLog) -> JointLog:
+    return replace(log, dq=-log.dq)
+
+
+def scaled(log: JointLog) -> JointLog:
+    return replace(log, dq=1.3 * log.dq)
+
+
+@pytest.mark.parametrize("spoil", [turned, scaled])
+def test_nothing_is_named_on_wrong_data(spoil: Callable[[JointLog], JointLog]) -> None:
+    found = diagnosed(spoil(recorded("stribeck", duration_s=30.0)))
+    assert (found.verdict, found.effects) == ("data_fault", ())
+    assert "wrong sign" in found.message or "dq differs from the derivative of q by 30%" in found.message
+
+
+def test_a_log_that_is_too_short_tells_what_is_lacking() -> None:
+    found = diagnosed(recorded("stribeck", duration_s=4.0))
+    assert found.verdict == "not_testable"
+    assert "move the joint back and forth" in found.message
+
+
+def test_only_names_that_were_asked_for_are_given() -> None:
+    found = diagnosed(recorded("stribeck", duration_s=40.0), candidates=("torque_bias", "torque_drift"))
+    assert {effect.name for effect in found.effects} <= {"torque_bias", "torque_drift"}
+    assert found.verdict == "unexplained"

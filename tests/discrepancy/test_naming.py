@@ -1,0 +1,81 @@
+"""What a search finds is refined, and holds on locked cycles or is dropped."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.naming import Names, find_names, worth
+from friction_audit.joint_log import Float
+from tests.discrepancy.moved_joint import TRUTH, moved_joint
+from tests.discrepancy.toy_candidates import BUMP, SQUARE, TOYS
+
+
+def bump(data: JointData) -> Float:
+    return 0.1 * np.exp(-(((data.q - 0.2) / 0.2) ** 2))
+
+
+def square(data: JointData) -> Float:
+    return 0.05 * data.dq * np.abs(data.dq)
+
+
+def ground_of(missing: Callable[[JointData], Float] | None) -> Ground:
+    return make_ground(moved_joint(missing, noise_nm=0.02, duration_s=40.0), None, 0)
+
+
+def names_of(ground: Ground) -> Names:
+    library = build_library(TOYS, ground.data, ground.baseline(), ground.rows)
+    return find_names(ground, TOYS, library, 0.05, np.random.default_rng(0))
+
+
+def test_an_effect_is_named_and_its_shape_refined() -> None:
+    names = names_of(ground_of(bump))
+    (found,) = names.found
+    assert found.candidate is BUMP
+    assert found.shape["place_rad"] == pytest.approx(0.2, abs=0.02)
+    assert found.p_value < 0.01
+    assert found.naming.alternatives == ()
+
+
+def test_two_effects_are_named_the_strongest_first_and_the_declared_model_is_fitted_beside_them() -> None:
+    names = names_of(ground_of(lambda data: bump(data) + 2.0 * square(data)))
+    assert [found.candidate.name for found in names.found] == ["bump", "square"]
+    assert names.baseline.viscous_nms_per_rad == pytest.approx(TRUTH["viscous_nms_per_rad"], rel=0.2)
+    assert names.baseline.inertia_kg_m2 == pytest.approx(TRUTH["inertia_kg_m2"], rel=0.01)
+
+
+def test_noise_has_no_name() -> None:
+    assert names_of(ground_of(None)).found == ()
+
+
+def test_what_was_there_on_the_working_cycles_only_is_dropped() -> None:
+    ground = ground_of(None)
+    working = np.isin(ground.data.cycle, ground.rows.cycle[ground.working])
+    spoilt = make_ground(replace(ground.data, torque=ground.data.torque + bump(ground.data) * working), None, 0)
+    assert np.array_equal(spoilt.working, ground.working)
+    assert names_of(spoilt).found == ()
+
+
+def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
+    def missing(data: JointData) -> Float:
+        return 20.0 * bump(data) + square(data)
+
+    (found,) = names_of(ground_of(missing)).found
+    assert found.candidate is BUMP
+
+
+def test_twins_are_alternatives() -> None:
+    ground = ground_of(square)
+    toys = (replace(SQUARE, same_as=("bump",)), BUMP)
+    library = build_library(toys, ground.data, ground.baseline(), ground.rows)
+    (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
+    assert found.naming.alternatives == ("bump",)
+
+
+def test_rows_are_worth_their_number_over_the_memory() -> None:
+    ground = ground_of(None)
+    assert worth(ground) == pytest.approx(ground.working.sum() / ground.memory())

@@ -1,0 +1,81 @@
+"""Intervals of factors and shapes of a grown model: exact without noise, and they cover."""
+
+from collections.abc import Mapping
+from functools import cache
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.alternatives import Naming
+from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.naming import Found
+from friction_audit.discrepancy.parameters import Parameters, parameters_of
+from friction_audit.discrepancy.refine import refine
+from friction_audit.joint_log import Float
+from tests.discrepancy.moved_joint import TRUTH, moved_joint
+from tests.discrepancy.toy_candidates import BUMP, WAVE
+
+PLACE, SIZE = 0.2, 0.1
+
+
+def bump(data: JointData) -> Float:
+    return SIZE * np.exp(-(((data.q - PLACE) / 0.2) ** 2))
+
+
+def found(ground: Ground, candidate: Candidate, shape: Mapping[str, float]) -> Found:
+    return Found(
+        candidate=candidate,
+        shape=shape,
+        columns=ground.rows.of(candidate.columns(ground.data, ground.baseline(), shape)),
+        naming=Naming(name=candidate.name, rivals=(), alternatives=()),
+        p_value=0.01,
+    )
+
+
+@cache
+def fitted(seed: int, noise_nm: float) -> Parameters:
+    ground = make_ground(moved_joint(bump, noise_nm=noise_nm, duration_s=20.0, seed=seed), None, 0)
+    start = {"place_rad": 0.3, "width_rad": 0.2}
+    shape = refine(BUMP, start, BUMP.tried(ground.data), ground, ground.baseline(), ground.base)
+    return parameters_of(ground, [found(ground, BUMP, shape)], ground.baseline())
+
+
+def test_numbers_are_exact_without_noise() -> None:
+    numbers = fitted(0, 0.0)
+    (effect,) = numbers.effects
+    assert list(effect) == ["factor_1_nm", "place_rad", "width_rad"]
+    assert effect["factor_1_nm"].value == pytest.approx(SIZE, rel=1e-3)
+    assert effect["place_rad"].value == pytest.approx(PLACE, abs=1e-3)
+    assert {name: one.value for name, one in numbers.declared.items()} == pytest.approx(TRUTH, rel=1e-3)
+
+
+def test_intervals_cover_at_their_rate() -> None:
+    fits = [fitted(seed, 0.03) for seed in range(40)]
+    truth = {"factor_1_nm": SIZE, "place_rad": PLACE}
+    for name, true in truth.items():
+        ones = [fit.effects[0][name] for fit in fits]
+        # 95 % of 40 are 38; fewer than 34 come less than once in a hundred times.
+        assert sum(one.low <= true <= one.high for one in ones) >= 34, name
+        assert np.mean([one.high - one.low for one in ones]) < 0.5 * true, name
+    for name, true in TRUTH.items():
+        assert sum(fit.declared[name].low <= true <= fit.declared[name].high for fit in fits) >= 34, name
+
+
+def test_several_effects_keep_their_own_numbers() -> None:
+    def missing(data: JointData) -> Float:
+        return bump(data) + 0.05 * np.sin(0.5 * data.t) - 0.02 * np.cos(0.5 * data.t)
+
+    ground = make_ground(moved_joint(missing, duration_s=30.0), None, 0)
+    both = [found(ground, WAVE, {"rate": 0.5}), found(ground, BUMP, {"place_rad": PLACE, "width_rad": 0.2})]
+    wave, hump = parameters_of(ground, both, ground.baseline()).effects
+    assert (wave["factor_1_nm"].value, wave["factor_2_nm"].value) == pytest.approx((0.05, -0.02), rel=1e-6)
+    assert hump["factor_1_nm"].value == pytest.approx(SIZE, rel=1e-6)
+
+
+def test_nothing_found_leaves_the_declared_model() -> None:
+    ground = make_ground(moved_joint(), None, 0)
+    numbers = parameters_of(ground, [], ground.baseline())
+    assert numbers.effects == ()
+    assert {name: one.value for name, one in numbers.declared.items()} == pytest.approx(TRUTH)
