@@ -56,6 +56,12 @@ def test_an_effect_is_named(name: str) -> None:
     assert found.omnibus_p < 0.01
 
 
+def test_friction_that_grows_with_the_load_is_named_where_gravity_is_logged() -> None:
+    found = diagnosed(recorded("load_dependent_friction", scenario="joint-loaded"))
+    assert found.verdict in ("named", "ambiguous")
+    assert "load_dependent_friction" in said(found)[0]
+
+
 def test_what_this_motion_cannot_tell_apart_is_said_so() -> None:
     found = diagnosed(recorded("torque_bias", duration_s=40.0))
     assert found.verdict == "ambiguous"
@@ -73,7 +79,10 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float) -> Non
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
     assert (found.verdict, found.effects) == ("none", ())
     assert found.gap is not None
-    assert found.gap.before == pytest.approx(found.gap.floor, rel=0.02)
+    assert found.gap.before == pytest.approx(found.gap.floor, rel=0.03)
+    truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}
+    for name, one in found.declared.items():
+        assert one.low - 0.02 * truth[name] <= truth[name] <= one.high + 0.02 * truth[name], name
 
 
 def coloured(memory: float, n: int) -> Float:

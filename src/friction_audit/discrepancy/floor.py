@@ -17,11 +17,11 @@ def noise_floor(ground: Ground, curves: Sequence[Curve], *effects: Float) -> flo
     Curves and model are fitted on the working cycles. It is an upper bound of the noise, for it holds what the curves
     do not learn; few cycles do not teach all of them at once.
     """
-    locked = ground.locked
     model = np.hstack([ground.base, *effects])
     bent = [curve.group.shapes[0] for curve in curves]
-    tried = [model, *(np.hstack([model, columns]) for columns in bent), np.hstack([model, *bent])]
-    return min(float(np.sqrt(np.mean(_left(ground, columns)[locked] ** 2))) for columns in tried)
+    tried = [*(np.hstack([model, columns]) for columns in bent), np.hstack([model, *bent])]
+    left = [ground.residual(*effects), *(_left(ground, columns) for columns in tried)]
+    return min(float(np.sqrt(np.mean(residual[ground.locked] ** 2))) for residual in left)
 
 
 def _left(ground: Ground, columns: Float) -> Float:
