@@ -5,9 +5,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.acceptance import LEAST_GAIN, cycle_rss, paired_improvement, rms_gain
+from friction_audit.discrepancy.acceptance import LEAST_GAIN, rms_gain
 from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
@@ -162,12 +163,10 @@ def _judge(ground: Ground, found: list[Found], rng: np.random.Generator) -> tupl
     """P-value of each effect on locked cycles, the share of the root mean square that it removes, and its size."""
     locked = ground.locked
     columns = [f.columns for f in found]
-    whole = ground.residual(*columns)
-    cluster = ground.clusters(locked, *columns)
+    p = confirm(ground, columns, rng)
+    after = float(np.sum(ground.residual(*columns)[locked] ** 2))
     without = [ground.residual(*(g.columns for g in found if g is not f)) for f in found]
-    rss = np.stack([cycle_rss(r[locked], cluster) for r in without])
-    base = cycle_rss(whole[locked], cluster)
-    test = paired_improvement(rss, base, rng)
-    gains = np.array([rms_gain(float(row.sum()), float(base.sum())) for row in rss])
-    sizes = np.sqrt(np.maximum(rss.sum(axis=1) - base.sum(), 0.0) / locked.sum())
-    return [replace(f, p_value=float(p)) for f, p in zip(found, test.adjusted_p, strict=True)], gains, sizes
+    before = np.array([np.sum(r[locked] ** 2) for r in without])
+    gains = np.array([rms_gain(float(one), after) for one in before])
+    sizes = np.sqrt(np.maximum(before - after, 0.0) / locked.sum())
+    return [replace(f, p_value=float(one)) for f, one in zip(found, p, strict=True)], gains, sizes
