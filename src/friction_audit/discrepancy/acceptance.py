@@ -1,8 +1,7 @@
-"""Whether an effect holds on cycles that no choice was made on, and whether its size is the same everywhere.
+"""How much an effect removes, and whether its size is the same everywhere.
 
 References:
     A. C. Cameron, J. B. Gelbach, D. L. Miller, Review of Economics and Statistics 90 (2008) 414.
-    J. P. Romano, M. Wolf, Journal of the American Statistical Association 100 (2005) 94.
     W. G. Cochran, The combination of estimates from different experiments, Biometrics 10 (1954) 101.
 """
 
@@ -11,8 +10,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.omnibus import bootstrap_weights, step_down
-from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -20,25 +17,6 @@ LEAST_GAIN = 0.005
 """Smallest gain of the root mean square that is worth a name."""
 LEAST_STRENGTH = 1.0 / 3.0
 """An effect that falls below this share of its size in some part of the log is not one effect."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Improvement:
-    """Paired improvement on locked cycles, for m effects.
-
-    Attributes:
-        mean: Mean over cycles of the drop of the residual sum of squares, shape (m,).
-        se: Standard error of the mean, shape (m,).
-        t: Their ratio, shape (m,).
-        adjusted_p: One-sided family-wise p-values, shape (m,).
-        cycles: Number of cycles.
-    """
-
-    mean: Float
-    se: Float
-    t: Float
-    adjusted_p: Float
-    cycles: int
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -62,47 +40,6 @@ class Stability:
             return False
         even = bool(np.all((known > 1.0 - LEAST_STRENGTH) & (known < 1.0 + LEAST_STRENGTH)))
         return bool(np.all(known > LEAST_STRENGTH)) and (even or not self.p_value < alpha)
-
-
-def cycle_rss(residual: Float, cycle: Index) -> Float:
-    """Residual sum of squares of each cycle, in ascending order of their numbers, shape (c,)."""
-    _, number = np.unique(cycle, return_inverse=True)
-    return np.asarray(np.bincount(number, weights=residual**2), dtype=float)
-
-
-def paired_improvement(
-    without: Float,
-    model: Float,
-    rng: np.random.Generator,
-    *,
-    draws: int = 1999,
-) -> Improvement:
-    """Tests on locked cycles whether each effect makes the model better.
-
-    With d_c the drop of the residual sum of squares in cycle c, t = mean(d) / (sd(d) / sqrt(C)). The signs of
-    d - mean(d) are drawn anew for whole cycles, the same for all effects, and the maximum of t is stepped down (Romano
-    and Wolf 2005).
-
-    Args:
-        without: Residual sum of squares of each cycle without one of the effects, shape (m, c).
-        model: The same with all of them, shape (c,).
-        rng: Source of randomness.
-        draws: Number of draws.
-
-    Returns:
-        The improvements.
-
-    Raises:
-        AnalysisError: Fewer than three cycles.
-    """
-    cycles = len(model)
-    if cycles < 3:  # noqa: PLR2004 - two values have no spread to speak of
-        raise AnalysisError(f"locked cycles: {cycles}, expected at least 3; record more cycles")
-    d = without - model
-    mean, se, t = _t_of(d)
-    weights = bootstrap_weights(rng, draws, cycles)
-    drawn = np.stack([_t_of(weights * (row - row.mean()))[2] for row in d])
-    return Improvement(mean=mean, se=se, t=t, adjusted_p=step_down(t, drawn), cycles=cycles)
 
 
 def rms_gain(before: float, after: float) -> float:
@@ -138,13 +75,6 @@ def stability(
     pairs = [_strength(y[at], base[at], torque[at], cycle[at], size) for at in parts]
     strength, se = np.array(pairs).T
     return Stability(strength=strength, se=se, p_value=_cochran(strength, se))
-
-
-def _t_of(d: Float) -> tuple[Float, Float, Float]:
-    """Mean, standard error and their ratio along the last axis; a ratio of 0 where there is neither."""
-    mean = d.mean(axis=-1)
-    se = d.std(axis=-1, ddof=1) / np.sqrt(d.shape[-1])
-    return mean, se, mean / np.where(se > 0, se, np.inf)
 
 
 def _strength(y: Float, base: Float, torque: Float, cycle: Index, size: float) -> tuple[float, float]:
