@@ -34,8 +34,8 @@ def _travelled(data: JointData) -> Float:
 
 def _neighbour(data: JointData) -> Float | None:
     """Acceleration of the other joint that moves most, in its own units."""
-    others = np.delete(data.others_ddq, data.own_column, axis=1)
-    return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
+    others: Float = np.delete(data.others_ddq, data.own_column, axis=1)
+    return np.asarray(others[:, int(np.argmax(others.std(axis=0)))], np.float64) if others.shape[1] else None
 
 
 AXES: tuple[Axis, ...] = (

@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.contacts import leave_out_contacts
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
@@ -26,7 +27,7 @@ from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.spectrum import find_vibration
-from friction_audit.discrepancy.tell import effects_of, message_of
+from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -123,9 +124,12 @@ def _judge(
     subject: Subject, ground: Ground, candidates: Sequence[Candidate], settings: DiagnosisSettings
 ) -> JointDiscrepancy:
     rng = np.random.default_rng(settings.seed)
+    library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
+    undisturbed = leave_out_contacts(ground, library)
+    events = contact_effects(ground, undisturbed)
+    ground, library = undisturbed.ground, undisturbed.library
     declared_left = ground.residual()
     curves = ground.curves
-    library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
     names = Names(found=(), library=library, baseline=ground.baseline())
     first = _test(ground, (), names, curves, settings.alpha, rng)
     if library.entries and first.p_value <= settings.alpha:
@@ -138,9 +142,10 @@ def _judge(
     floor = noise_floor(ground, curves, *columns)
     gap = measure_gap(declared_left[ground.locked], left[ground.locked], floor, ground.rows.cycle[ground.locked])
     verdict = _verdict(names, first, last, gap, vibration, settings.alpha)
+    verdict = "named" if events and verdict == "none" else verdict
     numbers = parameters_of(ground, names.found, names.baseline)
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
-    effects = effects_of(ground, names, curves, numbers)
+    effects = (*events, *effects_of(ground, names, curves, numbers))
     simple = coefficients(ground.base, ground.y, ground.rows.cycle)
     declared = dict(zip(ground.declared.names, simple, strict=True))
     remaining = profile_all(left, curves, speed, ground.rows.cycle, last)
@@ -225,7 +230,8 @@ def _detection_limit(ground: Ground, names: Names, gap: Gap, alpha: float) -> fl
 
 
 def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...]:
-    steps = [("declared model", gap.before), *((f"+ {effect.name}", effect.gap_after_nm) for effect in effects)]
+    first = effects[0].gap_before_nm if effects else gap.before
+    steps = [("declared model", first), *((f"+ {effect.name}", effect.gap_after_nm) for effect in effects)]
     return (*steps, ("floor of the noise", gap.floor))
 
 

@@ -1,7 +1,7 @@
 """What everything about one joint is judged on: its rows, its declared model, the cycles that are locked away."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,6 +74,22 @@ class Ground:
         columns = np.hstack([self.base, *effects])
         factors = least_squares(columns[self.working], self.y[self.working])
         return self.declared.baseline(factors[: self.base.shape[1]])
+
+    def keep(self, kept: NDArray[np.bool_]) -> "Ground":
+        """The same joint with some of its rows, shape (m,)."""
+        used = self.rows.used.copy()
+        used[used] = kept
+        rows = replace(self.rows, used=used, t=self.rows.t[kept], y=self.rows.y[kept], cycle=self.rows.cycle[kept])
+        return replace(
+            self,
+            rows=rows,
+            declared=replace(self.declared, columns=self.base[kept], y=self.y[kept]),
+            working=self.working[kept],
+            run=np.cumsum(np.diff(np.flatnonzero(kept) + self.run[kept], prepend=0) != 1),
+            curves=tuple(replace(c, group=c.group.keep(kept), values=c.values[kept]) for c in self.curves),
+            surface=self.surface.keep(kept),
+            rigid=self.rigid[kept],
+        )
 
     def memory(self, *effects: Float) -> float:
         """Integral time of the noise over the working rows: of what a model, any curves and rigid bodies leave. [rows]

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.joint_data import JointData
@@ -63,6 +64,18 @@ def extend_library(library: Library, found: Iterable[tuple[str, Shape, Float]]) 
     for name, shape, columns in found:
         more.setdefault(name, []).append((shape, columns))
     entries = (_with(entry, more.get(entry.candidate.name, [])) for entry in library.entries)
+    return Library(entries=tuple(entries), untestable=library.untestable)
+
+
+def without(library: Library, name: str) -> Library:
+    """The library without one candidate."""
+    kept = tuple(entry for entry in library.entries if entry.candidate.name != name)
+    return Library(entries=kept, untestable=library.untestable)
+
+
+def keep_rows(library: Library, kept: NDArray[np.bool_]) -> Library:
+    """The library on some of the rows, shape (m,)."""
+    entries = (_made(e.candidate, e.shapes, [columns[kept] for columns in e.columns]) for e in library.entries)
     return Library(entries=tuple(entries), untestable=library.untestable)
 
 

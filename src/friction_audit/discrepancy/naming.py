@@ -12,7 +12,7 @@ from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
-from friction_audit.discrepancy.search import CycleProducts, Group, Search, cycle_products, search
+from friction_audit.discrepancy.search import CycleProducts, Search, cycle_products, search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -75,12 +75,12 @@ def find_names(
         rng: Source of randomness.
     """
     baseline = ground.baseline()
-    products, outcome, n_eff = _search(ground, library)
+    products, outcome, n_eff = search_library(ground, library)
     if outcome.chosen:
         baseline = ground.baseline(*_columns(library, outcome))
         library = rebuild_library(library, ground.data, baseline, ground.rows)
         library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff, baseline))
-        products, outcome, n_eff = _search(ground, library)
+        products, outcome, n_eff = search_library(ground, library)
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
     found = _refined(ground, library, outcome, namings, baseline)
@@ -92,12 +92,10 @@ def worth(ground: Ground, *effects: Float) -> float:
     return float(ground.working.sum()) / ground.memory(*effects)
 
 
-def _search(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
+def search_library(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
+    """Search on the working cycles until what they are worth is settled; products, outcome and that number."""
     w = ground.working
-    groups = [
-        Group(name=e.group.name, shapes=tuple(s[w] for s in e.group.shapes), admissible=e.group.admissible)
-        for e in library.entries
-    ]
+    groups = [entry.group.keep(w) for entry in library.entries]
     products = cycle_products(ground.y[w], ground.base[w], groups, ground.rows.cycle[w])
     n_eff = worth(ground)
     outcome = search(products, n_eff)

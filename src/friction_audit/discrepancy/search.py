@@ -6,7 +6,7 @@ Letters 15 (1994) 1119.
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -44,6 +44,10 @@ class Group:
     name: str
     shapes: tuple[Float, ...]
     admissible: Callable[[Float, int], bool] = any_factors
+
+    def keep(self, kept: NDArray[np.bool_]) -> "Group":
+        """The same on some of the samples, shape (n,)."""
+        return replace(self, shapes=tuple(shape[kept] for shape in self.shapes))
 
     def narrow(self, widest: int) -> "Group | None":
         """The same without columns that are zero and without shapes that are wider; None if none is left.

@@ -4,6 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
+from friction_audit.discrepancy.contacts import Undisturbed
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.decide import motion_to_decide
 from friction_audit.discrepancy.declared import least_squares
@@ -16,6 +18,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 RIVALS_SHOWN = 6
+CONTACTS_TOLD = 3
 
 
 def effects_of(ground: Ground, names: Names, curves: Sequence[Curve], numbers: Parameters) -> tuple[Effect, ...]:
@@ -70,6 +73,42 @@ def _effect(
             ),
         ),
     )
+
+
+def contact_effects(ground: Ground, undisturbed: Undisturbed) -> tuple[Effect, ...]:
+    """Contacts as one effect: the gap is that of all locked rows before, and of those that are left after."""
+    contacts = undisturbed.contacts
+    if not contacts:
+        return ()
+    before, after = (float(np.sqrt(np.mean(g.residual()[g.locked] ** 2))) for g in (ground, undisturbed.ground))
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    profiles = profile_all(ground.residual(), ground.curves, speed, ground.rows.cycle, None)
+    lengths = [contact.stop_s - contact.start_s for contact in contacts]
+    told = ", ".join(f"at {c.start_s:.1f} s ({c.stop_s - c.start_s:.2g} s long)" for c in contacts[:CONTACTS_TOLD])
+    more = f" and {len(contacts) - CONTACTS_TOLD} more" if len(contacts) > CONTACTS_TOLD else ""
+    numbers = {
+        "contacts": float(len(contacts)),
+        "first_contact_s": contacts[0].start_s,
+        "longest_contact_s": max(lengths),
+    }
+    nothing = np.zeros(len(undisturbed.ground.y))
+    effect = Effect(
+        name=CONTACT.name,
+        label=CONTACT.label,
+        alternatives=(),
+        decide="",
+        parameters={name: Coefficient(value=v, low=float("nan"), high=float("nan")) for name, v in numbers.items()},
+        p_value=float("nan"),
+        where=told + more,
+        axis=CONTACT.axis,
+        gap_before_nm=before,
+        gap_after_nm=after,
+        partial_nm=float(np.sqrt(max(before**2 - after**2, 0.0))),
+        torque=nothing,
+        curve=next(profile for profile in profiles if profile.axis == CONTACT.axis),
+        evidence=(Evidence(name=CONTACT.name, delta_bic=0.0, correlation=1.0),),
+    )
+    return (effect,)
 
 
 def _curve(ground: Ground, shown: Float, f: Found, curves: Sequence[Curve]) -> Profile:
