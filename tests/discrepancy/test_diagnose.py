@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
+from scipy.signal import butter, lfilter, sosfiltfilt
 
 from friction_audit.audit import AuditSettings, diagnose_log
 from friction_audit.discrepancy.result import JointDiscrepancy
@@ -15,7 +15,6 @@ from friction_audit.simulate import IDEAL_SENSORS, SCENARIOS, simulate
 from friction_audit.simulate.hide import hide
 
 SEED = 2
-NOISE_NM = 0.02
 
 
 def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, seed: int = SEED) -> JointLog:
@@ -70,12 +69,19 @@ def test_what_this_motion_cannot_tell_apart_is_said_so() -> None:
     assert found.effects[0].decide
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.9, 0.99])
-def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float) -> None:
+QUIET = pytest.mark.xfail(
+    reason="what a filter smears at reversals passes for contacts where there is hardly any noise"
+)
+
+
+@pytest.mark.parametrize(
+    ("memory", "noise_nm"), [(0.0, 0.02), (0.9, 0.02), (0.99, 0.02), pytest.param(0.0, 0.005, marks=QUIET)]
+)
+def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
     clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
     assert clean.tau_interaction is not None
-    noise = coloured(memory, len(clean.t))
+    noise = coloured(memory, noise_nm, len(clean.t))
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
     assert (found.verdict, found.effects) == ("none", ())
     assert found.gap is not None
@@ -85,9 +91,11 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float) -> Non
         assert one.low - 0.02 * truth[name] <= truth[name] <= one.high + 0.02 * truth[name], name
 
 
-def coloured(memory: float, n: int) -> Float:
+def coloured(memory: float, noise_nm: float, n: int) -> Float:
+    """Noise at 1 kHz, of which so much is left below 25 Hz, where models are fitted."""
     noise = lfilter([1.0], [1.0, -memory], np.random.default_rng(7).standard_normal(n + 1000))[1000:]
-    return np.asarray(NOISE_NM * noise / noise.std())
+    seen = sosfiltfilt(butter(4, 25.0, fs=1000.0, output="sos"), noise)
+    return np.asarray(noise_nm * noise / seen.std())
 
 
 @pytest.mark.parametrize("names", [("stribeck", "gravity_error"), ("presliding", "torque_drift")], ids="+".join)
