@@ -35,7 +35,7 @@ def _travelled(data: JointData) -> Float:
 def _neighbour(data: JointData) -> Float | None:
     """Acceleration of the other joint that moves most, in its own units."""
     others: Float = np.delete(data.others_ddq, data.own_column, axis=1)
-    return np.asarray(others[:, int(np.argmax(others.std(axis=0)))], np.float64) if others.shape[1] else None
+    return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
 
 
 AXES: tuple[Axis, ...] = (
@@ -56,7 +56,8 @@ def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Fl
     if not counted.any():
         return np.zeros(0)
     knots = np.unique(np.quantile(values[counted], np.linspace(0.0, 1.0, most)))
-    return knots[np.append(True, np.diff(knots) > 1e-9 * max(float(np.ptp(knots)), 1e-12))]
+    apart = np.diff(knots) > 1e-9 * max(float(np.ptp(knots)), 1e-12)
+    return np.asarray(knots[np.append(True, apart)], np.float64)
 
 
 def curve(values: Float, knots: Float, dq: Float) -> Float:

@@ -155,13 +155,20 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
 
 
 def _effect(effect: Effect, said: str) -> Iterator[str]:
-    p_value = f"p < {SMALLEST_P}" if effect.p_value < SMALLEST_P else f"p = {effect.p_value:.2g}"
+    p_value = _p_value(effect.p_value)
     gap = f"gap {_torque(effect.gap_before_nm)} -> {_torque(effect.gap_after_nm)} N m"
     yield f"{effect.name}: {'; '.join(text for text in (_numbers(effect), gap, p_value) if text)}"
     if effect.where not in said:
         yield f"  where: {effect.where}"
     if effect.decide:
         yield f"  to decide: {effect.decide}"
+
+
+def _p_value(p: float) -> str:
+    """Return a p-value in words; nothing for an event, which no other cycle can confirm."""
+    if math.isnan(p):
+        return ""
+    return f"p < {SMALLEST_P}" if p < SMALLEST_P else f"p = {p:.2g}"
 
 
 def _numbers(effect: Effect) -> str:
@@ -174,7 +181,10 @@ def _numbers(effect: Effect) -> str:
 
 def _parameter(name: str, number: Coefficient) -> str:
     """Return a parameter in words; one of no term by its name alone, one that chooses a form by that form."""
-    meaning = MEANINGS.get(name, name)
+    if name not in MEANINGS:
+        seconds = " s" if name.endswith("_s") else ""
+        return f"{name.removesuffix('_s').replace('_', ' ')} {number.value:.4g}{seconds}"
+    meaning = MEANINGS[name]
     if CHOICE.match(meaning):
         return _choice(meaning, round(number.value))
     return f"{meaning} {format_quantity(number, UNITS.get(name, ''))}"
