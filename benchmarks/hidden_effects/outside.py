@@ -15,7 +15,7 @@ Torque = Callable[[Float, Float, Float, np.random.Generator], Float]
 
 def hum(t: Float, _q: Float, _dq: Float, rng: np.random.Generator) -> Float:
     """A motor next door: a sine in time."""
-    return np.sin(2 * np.pi * rng.uniform(1.0, 12.0) * t + rng.uniform(0, 2 * np.pi))
+    return np.asarray(np.sin(2 * np.pi * rng.uniform(1.0, 12.0) * t + rng.uniform(0, 2 * np.pi)))
 
 
 def worn_patch(_t: Float, q: Float, dq: Float, rng: np.random.Generator) -> Float:

@@ -6,7 +6,6 @@ python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0]
 import argparse
 import csv
 import os
-import sys
 from concurrent.futures import ProcessPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -108,4 +107,4 @@ def summary(truth: str, rows: list[dict[str, object]]) -> str:
 if __name__ == "__main__":
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     np.seterr(all="ignore")
-    sys.exit(main())
+    main()
