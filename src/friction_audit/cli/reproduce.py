@@ -47,7 +47,7 @@ def command(
             metavar="INT",
             min=1,
             max=1000,
-            help="Persons simulated where one moves the joint, at most 5 for the whole arm, 3 with all methods.",
+            help="Persons simulated where one moves the joint, at most 5 for the whole arm.",
             rich_help_panel=SIMULATION,
         ),
     ] = 20,

@@ -20,7 +20,7 @@ ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy
 
 SCENARIO = "fig13"
 
-MOST_SEEDS = 3
+MOST_SEEDS = 5
 """Of an arm with all its methods and their sweeps; ``compare --arm panda`` takes more."""
 
 NOTE = (
