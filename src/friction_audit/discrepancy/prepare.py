@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_load import know_load
 from friction_audit.discrepancy.steady_clock import steady_clock
@@ -39,8 +40,6 @@ DEAD_SIGMAS = 5.0
 """A speed of so many standard deviations of the filtered velocity's noise has a certain direction."""
 DEAD_SHARE = 1e-3
 """And of so much of the usual speed, which is what the stop band lets through next to a standstill."""
-TURN_S = 0.01
-"""A reversal that is over after this time leaves no doubt about the direction on either side of it."""
 SIGMA_PER_MEDIAN = 1.4826
 SIGMA_PER_BEND = 1.0 / 0.643
 """Of noise that is white up to the corner, a fifth of the grid's rate, per rms of its second difference."""
@@ -163,7 +162,7 @@ def prepare(
             others_ddq=everyone.ddq,
             others_torque=everyone.sensed,
             cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=_moving(dq, dead, round(TURN_S / (low_pass.t[1] - low_pass.t[0]))),
+            moving=certain_direction(dq, dead, float(low_pass.t[1] - low_pass.t[0])),
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=everyone.derived_from[column],
@@ -279,16 +278,6 @@ def _noise(velocity: Float) -> float:
 def _dead_speed(dq: Float) -> float:
     usual = float(np.quantile(np.abs(dq), 0.95)) if len(dq) else 0.0
     return max(DEAD_SIGMAS * _noise(dq), DEAD_SHARE * usual, TINY_SPEED)
-
-
-def _moving(dq: Float, dead: float, turn: int) -> NDArray[np.bool_]:
-    """Samples with a certain direction, those of a quick reversal among them."""
-    sure = np.abs(dq) > dead
-    begins, ends = np.flatnonzero(sure[:-1] & ~sure[1:]) + 1, np.flatnonzero(~sure[:-1] & sure[1:]) + 1
-    ends = ends[np.searchsorted(ends, begins[0], side="right") :] if len(begins) else ends
-    for begin, end in zip(begins, ends, strict=False):
-        sure[begin:end] |= end - begin <= turn
-    return np.asarray(sure, bool)
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
