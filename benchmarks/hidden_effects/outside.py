@@ -21,7 +21,7 @@ def hum(t: Float, _q: Float, _dq: Float, rng: np.random.Generator) -> Float:
 def worn_patch(_t: Float, q: Float, dq: Float, rng: np.random.Generator) -> Float:
     """Viscous friction in one stretch of the range, drag in the rest."""
     middle = rng.uniform(np.quantile(q, 0.3), np.quantile(q, 0.7))
-    return dq * np.abs(dq) * np.exp(-(((q - middle) / (0.15 * np.ptp(q))) ** 2))
+    return np.asarray(dq * np.abs(dq) * np.exp(-(((q - middle) / (0.15 * np.ptp(q))) ** 2)), np.float64)
 
 
 def flips(t: Float, _q: Float, dq: Float, rng: np.random.Generator) -> Float:

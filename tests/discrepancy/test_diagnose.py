@@ -69,14 +69,7 @@ def test_what_this_motion_cannot_tell_apart_is_said_so() -> None:
     assert found.effects[0].decide
 
 
-QUIET = pytest.mark.xfail(
-    reason="what a filter smears at reversals passes for contacts where there is hardly any noise"
-)
-
-
-@pytest.mark.parametrize(
-    ("memory", "noise_nm"), [(0.0, 0.02), (0.9, 0.02), (0.99, 0.02), pytest.param(0.0, 0.005, marks=QUIET)]
-)
+@pytest.mark.parametrize(("memory", "noise_nm"), [(0.0, 0.02), (0.9, 0.02), (0.99, 0.02), (0.0, 0.005)])
 def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
     clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log

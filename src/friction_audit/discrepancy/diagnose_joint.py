@@ -127,35 +127,44 @@ def _judge(
     library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
     undisturbed = leave_out_contacts(ground, library)
     events = contact_effects(ground, undisturbed)
-    ground, library = undisturbed.ground, undisturbed.library
-    declared_left = ground.residual()
-    curves = ground.curves
-    names = Names(found=(), library=library, baseline=ground.baseline())
-    first = _test(ground, (), names, curves, settings.alpha, rng)
-    if library.entries and first.p_value <= settings.alpha:
-        names = find_names(ground, candidates, library, settings.alpha, rng)
+    ground = undisturbed.ground
+    names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
+    first = _test(ground, names, settings.alpha, rng)
+    if names.library.entries and first.p_value <= settings.alpha:
+        names = find_names(ground, candidates, names.library, settings.alpha, rng)
+    last = _test(ground, names, settings.alpha, rng) if names.found else first
+    return _told(subject, ground, names, events, (first, last), settings.alpha)
+
+
+def _told(
+    subject: Subject,
+    ground: Ground,
+    names: Names,
+    events: tuple[Effect, ...],
+    tests: tuple[Omnibus, Omnibus],
+    alpha: float,
+) -> JointDiscrepancy:
+    """Everything that is to be said, from what was found and the tests without and with it."""
     columns = [f.columns for f in names.found]
+    before, after, cycle = ground.residual(), ground.residual(*columns), ground.rows.cycle
+    floor = noise_floor(ground, ground.curves, *columns)
+    gap = measure_gap(before[ground.locked], after[ground.locked], floor, cycle[ground.locked])
+    numbers = parameters_of(ground, names.found, names.baseline)
+    effects = (*events, *effects_of(ground, names, ground.curves, numbers))
+    declared = dict(zip(ground.declared.names, coefficients(ground.base, ground.y, cycle), strict=True))
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    profiles = [
+        profile_all(left, ground.curves, speed, cycle, test) for left, test in zip((before, after), tests, strict=True)
+    ]
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
     vibration = find_vibration(ground.fine_residual(columns, fine), ground.data)
-    last = _test(ground, columns, names, curves, settings.alpha, rng) if columns else first
-    left = ground.residual(*columns)
-    floor = noise_floor(ground, curves, *columns)
-    gap = measure_gap(declared_left[ground.locked], left[ground.locked], floor, ground.rows.cycle[ground.locked])
-    verdict = _verdict(names, first, last, gap, vibration, settings.alpha)
-    verdict = "named" if events and verdict == "none" else verdict
-    numbers = parameters_of(ground, names.found, names.baseline)
-    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
-    effects = (*events, *effects_of(ground, names, curves, numbers))
-    simple = coefficients(ground.base, ground.y, ground.rows.cycle)
-    declared = dict(zip(ground.declared.names, simple, strict=True))
-    remaining = profile_all(left, curves, speed, ground.rows.cycle, last)
-    profiles = profile_all(declared_left, curves, speed, ground.rows.cycle, first)
-    limit = _detection_limit(ground, names, gap, settings.alpha)
+    limit = _detection_limit(ground, names, gap, alpha)
+    verdict = _verdict(names, tests, gap, vibration, alpha, touched=bool(events))
     return JointDiscrepancy(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message_of(verdict, effects, remaining, vibration, limit, names.library.untestable),
+        message=message_of(verdict, effects, profiles[1], vibration, limit, names.library.untestable),
         effects=effects,
         declared=declared,
         grown=numbers.declared,
@@ -163,34 +172,28 @@ def _judge(
         disagreements=differences_from_energy(declared, subject.from_energy),
         gap=gap,
         ladder=_ladder(gap, effects),
-        omnibus_p=first.p_value,
-        remaining_p=last.p_value,
+        omnibus_p=tests[0].p_value,
+        remaining_p=tests[1].p_value,
         detection_limit_nm=limit,
-        profiles=profiles,
-        remaining=remaining,
+        profiles=profiles[0],
+        remaining=profiles[1],
         vibration=vibration,
         untestable=names.library.untestable,
         findings=subject.findings,
-        traces=_traces(ground, curves, declared_left, left),
+        traces=_traces(ground, ground.curves, before, after),
     )
 
 
-def _test(
-    ground: Ground,
-    effects: Sequence[Float],
-    names: Names,
-    curves: Sequence[Curve],
-    alpha: float,
-    rng: np.random.Generator,
-) -> Omnibus:
-    """Whether anything is missing beside some effects, which enter as the torque that was fitted."""
+def _test(ground: Ground, names: Names, alpha: float, rng: np.random.Generator) -> Omnibus:
+    """Whether anything is missing beside what was found, which enters as the torque that was fitted."""
+    effects = [f.columns for f in names.found]
     w = ground.working
     left = ground.residual(*effects)
     torque = (ground.residual() - left)[:, None] if effects else np.zeros((len(left), 0))
     cluster = ground.clusters(w, *effects)
     named = {f.candidate.name for f in names.found}
     catalogue = [entry.group for entry in names.library.entries if entry.group.name not in named]
-    groups = [*catalogue, *(curve.group for curve in curves), ground.surface]
+    groups = [*catalogue, *(curve.group for curve in ground.curves), ground.surface]
     clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
     widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
     fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
@@ -206,15 +209,16 @@ def _test(
 
 
 def _verdict(
-    names: Names, first: Omnibus, last: Omnibus, gap: Gap, vibration: Vibration | None, alpha: float
+    names: Names, tests: tuple[Omnibus, Omnibus], gap: Gap, vibration: Vibration | None, alpha: float, *, touched: bool
 ) -> Verdict:
+    first, last = tests
     if not names.library.entries:
         return "not_testable"
     if vibration is not None and vibration.rms_nm > LEAST_VIBRATION * gap.after:
         return "unexplained"
     if not names.found:
         missing = first.p_value <= alpha and gap.before > LEAST_OVER_FLOOR * gap.floor
-        return "unexplained" if missing else "none"
+        return "unexplained" if missing else ("named" if touched else "none")
     if last.p_value <= alpha and gap.over_floor > OVER_FLOOR:
         return "unexplained"
     return "ambiguous" if any(f.naming.alternatives for f in names.found) else "named"

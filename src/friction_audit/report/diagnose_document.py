@@ -44,6 +44,7 @@ def _joint(joint: JointDiscrepancy) -> Document:
         "remaining_p_value": to_json(joint.remaining_p),
         "declared": {name: coefficient_document(value) for name, value in joint.declared.items()},
         "grown": {name: coefficient_document(value) for name, value in joint.grown.items()},
+        "disagreements": list(joint.disagreements),
         "from_energy": {name: coefficient_document(value) for name, value in joint.from_energy.items()},
         "ladder": [{"step": step, "rms_nm": to_json(rms)} for step, rms in joint.ladder],
         "profiles": _profiles(joint.profiles),

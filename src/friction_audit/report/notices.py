@@ -47,7 +47,9 @@ def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
-    """Return what was noticed on the way from the log to the diagnosis, each once: with limits of the data.
+    """Return what was noticed on the way from the log to the diagnosis, each once.
+
+    With limits of the data, and where energy and torque tell different friction.
 
     Of joints without an answer nothing: what is wrong with them is their answer.
     """
@@ -57,7 +59,15 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
         for finding in joint.findings
         if finding.verdict == "limit" and joint.gap is not None
     )
-    every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + limits
+    # Where an effect was found, it is what makes the two differ.
+    disagreements = tuple(
+        Notice("energy_against_torque", joint.joint, sentence)
+        for joint in found.discrepancy.joints
+        for sentence in joint.disagreements
+        if not joint.effects
+    )
+    of_log = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction)
+    every = of_log + limits + disagreements
     return tuple(dict.fromkeys(every))
 
 

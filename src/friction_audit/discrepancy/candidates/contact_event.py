@@ -23,6 +23,8 @@ EDGE_SIGMAS = 2.5
 """How far the shortest window stands out at the beginning and the end of a contact."""
 LEAST_FILLED = 0.5
 """Share of a window in which the joint must move."""
+TURN_S = 0.05
+"""About a reversal, where the filter mixes both directions, nothing is looked for."""
 APART_S = 0.1
 """Stretches that are closer belong to one contact."""
 MOST_CYCLES = 0.6
@@ -52,11 +54,14 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     """Find the stretches of a log in which something touches the joint; none where they come with every stroke."""
     if not data.used.any():
         return ()
-    left = _left(data)
-    means = [_window_means(left, data.used, round(length / data.step_s)) for length in WINDOWS_S]
+    clear = data.used & ~_widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
+    if not clear.any():
+        return ()
+    left = _left(data, clear)
+    means = [_window_means(left, clear, _samples(length, data)) for length in WINDOWS_S]
     outlying = np.zeros(len(left), bool)
     for length, mean in zip(WINDOWS_S, means, strict=True):
-        outlying |= _widened(np.abs(mean) > LEAST_SIGMAS, round(length / data.step_s))
+        outlying |= _widened(np.abs(mean) > LEAST_SIGMAS, _samples(length, data))
     found = _stretches(data.t, outlying, np.abs(means[0]) > EDGE_SIGMAS)
     inside = np.zeros(len(left), bool)
     for contact in found:
@@ -66,17 +71,21 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
 
 
-def _left(data: JointData) -> Float:
-    """Torque that inertia, friction, gravity and a constant leave, 0 where the joint does not move."""
+def _samples(length_s: float, data: JointData) -> int:
+    return round(length_s / data.step_s)
+
+
+def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
+    """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
     columns = np.column_stack(
         [data.ddq, np.sign(data.dq), data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))]
     )
-    kept = data.used.copy()
+    kept = clear
     left = data.torque
     for _ in range(3):  # what stands out must not bend the fit
         left = data.torque - columns @ np.linalg.lstsq(columns[kept], data.torque[kept])[0]
-        kept = data.used & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[data.used])))
-    return np.where(data.used, left, 0.0)
+        kept = clear & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[clear])))
+    return np.where(clear, left, 0.0)
 
 
 def _window_means(left: Float, used: NDArray[np.bool_], samples: int) -> Float:
