@@ -121,3 +121,14 @@ def test_the_corner_of_a_velocity_that_was_logged() -> None:
 
 def test_no_noise_of_inertia_leaves_the_corner_where_it_stands() -> None:
     assert corner_for(DATA, 0.0) == CORNER_HZ
+
+
+def test_links_that_were_taken_away_leave_the_noise_of_their_acceleration() -> None:
+    rng = np.random.default_rng(2)
+    t = np.arange(0, 60, 1e-3)
+    low_pass = low_pass_for(t)
+    sensed = low_pass.of(t, 0.05 * rng.standard_normal(len(t)))
+    dq, ddq = low_pass.with_slope(t, 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
+    links = 0.2 * ddq
+    noisy = replace(DATA, t=low_pass.t, dq=dq, ddq=ddq, torque=sensed - links, load=links, derived_from="dq")
+    assert corner_for(noisy, 0.0) == pytest.approx(15.0, rel=0.1)

@@ -87,11 +87,13 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     """Frequency above which the noise of inertia times acceleration is larger than that of the torque. [Hz]
 
     The position's noise, white, grows with the square of the frequency in its second derivative, the velocity's with
-    the frequency.
+    the frequency. Links' inertia that was taken away left the noise of all joints' accelerations in the torque.
     """
     order = 2 if data.derived_from == "q" else 1
-    torque = _noise_density(data.torque, data.step_s, 0)
-    inertial = inertia_kg_m2 * _noise_density(data.ddq, data.step_s, order)
+    load = np.zeros(len(data.t)) if data.load is None else data.load
+    torque = _noise_density(data.torque + load, data.step_s, 0)
+    own = inertia_kg_m2 * _noise_density(data.ddq, data.step_s, order)
+    inertial = float(np.hypot(own, _noise_density(load, data.step_s, order)))
     crossing = (torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
 
