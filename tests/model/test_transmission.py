@@ -142,3 +142,11 @@ def test_no_transmission_gives_energy(gap: float, stiffness: float, hertz: float
     work = np.sum(transmitted(motion, RUBBING, link) * motion.dq) * STEP_S
     at_the_start = 0.5 * RUBBING.inertia_kg_m2 * motion.dq[0] ** 2
     assert work + at_the_start > 0.0
+
+
+@pytest.mark.parametrize("inertia", [1e-3, 1e-6, 1e-12])
+@pytest.mark.parametrize("soft", [0.0, 1e-3])
+def test_a_far_side_of_hardly_any_inertia_does_not_run_away(inertia: float, soft: float) -> None:
+    far = FarSide(inertia_kg_m2=inertia, coulomb_nm=0.3, viscous_nms_per_rad=0.03)
+    spring = Transmission(stiffness_nm_per_rad=1e5, damping_ratio=0.05, soft_nm=soft)
+    assert np.abs(added_torque(sine(0.5, 0.7), far, spring)).max() < 2.0 * far.coulomb_nm + 0.01

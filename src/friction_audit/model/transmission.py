@@ -10,7 +10,7 @@ flanks that never pull. Time is integrated by drift, kick and drift; Coulomb fri
 far side where it can (V. Acary, B. Brogliato, Numerical methods for nonsmooth dynamical systems, 2008).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil, sqrt
 
 import numpy as np
@@ -23,6 +23,8 @@ from friction_audit.model.term import Motion
 PHASE = 0.2
 """Phase of the ringing per step of the integration: its frequency is right to a few thousandths. [rad]"""
 MOST_STEPS = 100
+MOST_PHASE = 1.0
+"""And twice that would run away. [rad]"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -88,8 +90,15 @@ def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Fl
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
     if far.inertia_kg_m2 == 0.0:
         return np.zeros(len(motion.t))
+    far = _slow_enough(far, transmission.stiffness_nm_per_rad, float(motion.t[1] - motion.t[0]))
     friction = far.coulomb_nm * np.sign(motion.dq) + far.viscous_nms_per_rad * motion.dq
     return transmitted(motion, far, transmission) - far.inertia_kg_m2 * motion.ddq - friction
+
+
+def _slow_enough(far: FarSide, stiffness_nm_per_rad: float, step_s: float) -> FarSide:
+    """The far side, so heavy that its ringing can be followed: kilohertz, where nobody sees a difference."""
+    least = stiffness_nm_per_rad * (step_s / (2 * MOST_STEPS * MOST_PHASE)) ** 2
+    return replace(far, inertia_kg_m2=max(far.inertia_kg_m2, least))
 
 
 def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
