@@ -21,14 +21,15 @@ def hum(t: Float, _q: Float, _dq: Float, rng: np.random.Generator) -> Float:
 def worn_patch(_t: Float, q: Float, dq: Float, rng: np.random.Generator) -> Float:
     """Viscous friction in one stretch of the range, drag in the rest."""
     middle = rng.uniform(np.quantile(q, 0.3), np.quantile(q, 0.7))
-    return np.asarray(dq * np.abs(dq) * np.exp(-(((q - middle) / (0.15 * np.ptp(q))) ** 2)), np.float64)
+    patch = np.exp(-(((q - middle) / (0.15 * np.ptp(q))) ** 2))
+    return np.asarray(dq * np.abs(dq) * patch, np.float64)
 
 
 def flips(t: Float, _q: Float, dq: Float, rng: np.random.Generator) -> Float:
     """A brake that rubs now and then: friction that switches at random moments."""
     every = rng.uniform(1.0, 4.0)
-    state = rng.integers(0, 2, int(t[-1] / every) + 2)
-    return np.tanh(dq / 0.01) * state[(t / every).astype(int)]
+    state = rng.integers(0, 2, int(t[-1] / every) + 2).astype(np.float64)
+    return np.asarray(np.tanh(dq / 0.01) * state[(t / every).astype(int)], np.float64)
 
 
 def acceleration_friction(_t: Float, _q: Float, dq: Float, rng: np.random.Generator) -> Float:
