@@ -147,7 +147,7 @@ def _read_through(model: JointModel, motion: Motion, drive: Float) -> _Reading:
     """Undo what is between the sensor and the side of friction."""
     between = {term.term.forward: term for term in model.terms if term.term.forward in BETWEEN}
     if "delay" in between:
-        drive = np.interp(motion.t + _delay(between["delay"], motion), motion.t, drive)
+        drive = _undelayed(between["delay"], motion, drive)
     ahead = np.zeros(len(drive))
     if "spring" in between:
         ahead = ahead + _twist(between["spring"], drive)
@@ -164,10 +164,16 @@ def _twist(term: FittedTerm, drive: Float) -> Float:
     return np.asarray(np.sign(drive) * twist)
 
 
+def _undelayed(term: FittedTerm, motion: Motion, drive: Float) -> Float:
+    """The torque at its time; of a load that is late too, what was taken away too early is given back."""
+    load = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(term, "delayed_load"))
+    return np.asarray(np.interp(motion.t + _delay(term, motion), motion.t, drive + load) - load)
+
+
 def _delay(term: FittedTerm, motion: Motion) -> float:
     """By how much the torque is late: what becomes of one that rises by 1 N m/s. [s]"""
     still = np.zeros(len(motion.t))
-    rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0])
+    rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0], load=None)
     return -float(np.median(term.torque(rising)))
 
 

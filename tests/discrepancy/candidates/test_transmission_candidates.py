@@ -1,5 +1,7 @@
 """Delay, elasticity, backlash and lag by hand: each explained by its own candidate, by no other as well."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -61,6 +63,15 @@ def test_a_dead_zone_is_a_backlash() -> None:
     own = share_explained(backlash.CANDIDATE, DATA, torque)
     assert own > 0.6
     assert best_rival(backlash.CANDIDATE, torque) < own - 0.1
+
+
+def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:
+    loaded = replace(DATA, load=10.0 * np.sin(DATA.q))
+    borne = baseline(DATA).torque + 10.0 * np.sin(DATA.q)
+    late = np.interp(loaded.t - 0.01, loaded.t, borne) - borne
+    assert share_explained(time_delay.CANDIDATE, loaded, late) > 0.95
+    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(loaded)} == {0.0, 1.0}
+    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(replace(DATA, load=None))} == {0.0}
 
 
 def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:

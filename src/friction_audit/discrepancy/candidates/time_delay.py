@@ -14,6 +14,17 @@ LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
 """Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it."""
 
 
+def shapes(data: JointData) -> tuple[Shape, ...]:
+    """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
+    loads = (0.0,) if data.load is None else (0.0, 1.0)
+    return tuple(
+        {"delay_step_s": float(sign * step), "delayed_load": load}
+        for load in loads
+        for sign in (1.0, -1.0)
+        for step in STEPS_S
+    )
+
+
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
     return reversals(data, baseline, FEWEST_REVERSALS)
@@ -29,7 +40,7 @@ def admissible(factors: Float, shape: Shape) -> bool:
 CANDIDATE = Candidate(
     name="time_delay",
     label="torque and velocity are not simultaneous",
-    shapes=tuple({"delay_step_s": float(sign * step)} for sign in (1.0, -1.0) for step in STEPS_S),
+    shapes=shapes,
     columns=columns_of(TERM),
     column_units=("s",),
     untestable=untestable,
