@@ -64,12 +64,18 @@ def test_a_declared_inertia_stays_and_declared_terms_keep_their_shape() -> None:
 
 
 def test_friction_below_zero_is_no_model_and_said() -> None:
-    wrong = replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.02)})
+    wrong = replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
     result = grow_models(Discrepancy(joints=(wrong,)), LOG, None)
     assert result.model.joints == (None, None, None)
     ((joint, lack),) = result.lacking
     assert joint == 1
     assert "viscous_nms_per_rad = -0.01; expected a number from 0" in lack
+
+
+def test_friction_below_zero_that_may_be_zero_is_zero() -> None:
+    joint = grown(replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.02)})).joints[0]
+    assert joint is not None
+    assert joint.values("viscous") == (0.0,)
 
 
 def test_a_term_that_was_declared_and_found_again_is_no_model() -> None:
