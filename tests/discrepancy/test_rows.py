@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.discrepancy.prepare import low_pass_for
-from friction_audit.discrepancy.rows import CORNER_HZ, LOWEST_CORNER_HZ, corner_for, filter_rows, make_rows
+from friction_audit.discrepancy.rows import CORNER_HZ, LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
 
@@ -92,13 +92,13 @@ def test_a_slow_grid_keeps_its_own_rate_and_a_quarter_as_corner() -> None:
 
 
 @pytest.mark.parametrize("crossing_hz", [5.0, 10.0, 16.0, 60.0])
-def test_the_corner_is_where_the_noise_of_inertia_outweighs_that_of_the_torque(crossing_hz: float) -> None:
+def test_the_corner_is_where_the_noise_of_inertia_is_half_of_that_of_the_torque(crossing_hz: float) -> None:
     rng = np.random.default_rng(0)
     t = np.arange(0, 60, 1e-3)
     low_pass = low_pass_for(t)
     inertia, torque_noise = 0.2, 0.05
-    # J (2 pi f)^2 sigma_q = sigma_torque at the crossing, both white at the same rate.
-    position_noise = torque_noise / (inertia * (2 * np.pi * crossing_hz) ** 2)
+    # J (2 pi f)^2 sigma_q = sigma_torque / 2 at the crossing, both white at the same rate.
+    position_noise = QUIET_SHARE * torque_noise / (inertia * (2 * np.pi * crossing_hz) ** 2)
     torque = low_pass.of(t, torque_noise * rng.standard_normal(len(t)))
     q, dq = low_pass.with_slope(t, position_noise * rng.standard_normal(len(t)))
     ddq = np.gradient(dq, low_pass.t)
@@ -112,9 +112,9 @@ def test_the_corner_of_a_velocity_that_was_logged() -> None:
     rng = np.random.default_rng(1)
     t = np.arange(0, 60, 1e-3)
     low_pass = low_pass_for(t)
-    # J 2 pi f sigma_dq = sigma_torque at 15 Hz.
+    # J 2 pi f sigma_dq = sigma_torque / 2 at 15 Hz.
     torque = low_pass.of(t, 0.05 * rng.standard_normal(len(t)))
-    dq, ddq = low_pass.with_slope(t, 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
+    dq, ddq = low_pass.with_slope(t, QUIET_SHARE * 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
     noisy = replace(DATA, t=low_pass.t, dq=dq, ddq=ddq, torque=torque, derived_from="dq")
     assert corner_for(noisy, 0.2) == pytest.approx(15.0, rel=0.1)
 
@@ -128,7 +128,7 @@ def test_links_that_were_taken_away_leave_the_noise_of_their_acceleration() -> N
     t = np.arange(0, 60, 1e-3)
     low_pass = low_pass_for(t)
     sensed = low_pass.of(t, 0.05 * rng.standard_normal(len(t)))
-    dq, ddq = low_pass.with_slope(t, 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
+    dq, ddq = low_pass.with_slope(t, QUIET_SHARE * 0.05 / (0.2 * 2 * np.pi * 15.0) * rng.standard_normal(len(t)))
     links = 0.2 * ddq
     noisy = replace(DATA, t=low_pass.t, dq=dq, ddq=ddq, torque=sensed - links, load=links, derived_from="dq")
     assert corner_for(noisy, 0.0) == pytest.approx(15.0, rel=0.1)

@@ -53,9 +53,15 @@ def effect(name: str, alternatives: tuple[str, ...] = ()) -> Effect:
     )
 
 
-def told(verdict: str, *effects: Effect, remaining: tuple[Profile, ...] = (), shaking: Vibration | None = None) -> str:
+def told(
+    verdict: str,
+    *effects: Effect,
+    remaining: tuple[Profile, ...] = (),
+    shaking: Vibration | None = None,
+    significant: bool = False,
+) -> str:
     untestable = {"a": "move faster", "b": "move faster", "c": "rest more"}
-    return message_of(verdict, effects, remaining, shaking, 0.00478, untestable)  # type: ignore[arg-type]
+    return message_of(verdict, effects, remaining, shaking, 0.00478, significant, untestable)  # type: ignore[arg-type]
 
 
 def test_the_message_of_each_verdict() -> None:
@@ -121,3 +127,8 @@ def test_evidence_is_the_effect_and_its_six_best_rivals() -> None:
     hump, _ = missing(0.2, 0.03)
     assert [one.name for one in hump.evidence] == ["bump", "r7", "r6", "r5", "r4", "r3", "r2"]
     assert hump.evidence[0].delta_bic == 0.0
+
+
+def test_a_rest_that_is_no_noise_and_too_small_for_a_name_is_told() -> None:
+    assert told("none").startswith("nothing is missing")
+    assert told("none", significant=True).startswith("nothing large enough for a name is missing")

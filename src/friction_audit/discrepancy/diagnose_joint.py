@@ -164,7 +164,9 @@ def _told(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message_of(verdict, effects, profiles[1], vibration, limit, names.library.untestable),
+        message=message_of(
+            verdict, effects, profiles[1], vibration, limit, tests[0].p_value <= alpha, names.library.untestable
+        ),
         effects=effects,
         declared=declared,
         grown=numbers.declared,

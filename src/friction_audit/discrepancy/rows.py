@@ -3,7 +3,7 @@
 A column is built on the fine grid, where the sign of the velocity is sharp, and then goes through the very filter
 that the torque goes through; what a reversal smears in one it smears in the other. The corner stands at 25 Hz, above
 what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the
-noise of the acceleration, times the inertia, would outweigh that of the torque: no model can be held against it there.
+noise of the acceleration, times the inertia, would come near that of the torque: there, it would pass for a spring.
 """
 
 from dataclasses import dataclass
@@ -16,6 +16,9 @@ from friction_audit.joint_log import Float
 
 CORNER_HZ = 25.0
 LOWEST_CORNER_HZ = 8.0
+QUIET_SHARE = 0.5
+"""Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, every clean
+log has a spring that is significant, if too small for a name."""
 ROW_HZ = 100.0
 STOPBAND_DB = 60.0
 MOST_UNCERTAIN = 0.02
@@ -84,7 +87,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
 
 
 def corner_for(data: JointData, inertia_kg_m2: float) -> float:
-    """Frequency above which the noise of inertia times acceleration is larger than that of the torque. [Hz]
+    """Frequency above which the noise of inertia times acceleration is more than half of that of the torque. [Hz]
 
     The position's noise, white, grows with the square of the frequency in its second derivative, the velocity's with
     the frequency. Links' inertia that was taken away left the noise of all joints' accelerations in the torque.
@@ -94,7 +97,7 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     torque = _noise_density(data.torque + load, data.step_s, 0)
     own = inertia_kg_m2 * _noise_density(data.ddq, data.step_s, order)
     inertial = float(np.hypot(own, _noise_density(load, data.step_s, order)))
-    crossing = (torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    crossing = (QUIET_SHARE * torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
     return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
 
 

@@ -124,10 +124,16 @@ def message_of(
     remaining: Sequence[Profile],
     vibration: Vibration | None,
     limit_nm: float,
+    significant: bool,
     untestable: Mapping[str, str],
 ) -> str:
     """One or two sentences."""
     named = " and ".join(f"{e.name} ({e.label})" for e in effects)
+    if verdict == "none" and significant:
+        return (
+            "nothing large enough for a name is missing: what is left is no pure noise, but no curve of the motion "
+            f"takes a hundredth of it; an effect of {limit_nm:.2g} N m rms would have been seen"
+        )
     if verdict == "none":
         return f"nothing is missing: an effect of {limit_nm:.2g} N m rms would have been seen"
     if verdict == "not_testable":
