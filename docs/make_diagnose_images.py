@@ -6,7 +6,7 @@ scenario, effects and seed.
 
 import io
 import sys
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from matplotlib.figure import Figure
@@ -34,16 +34,12 @@ class Case:
         scenario: Of the simulator.
         effects: Hidden in it, as the command line takes them.
         figures: Kinds that are drawn.
-        duration_s: None for the scenario's own. [s]
-        candidates: Effects that may be named; None for all.
     """
 
     name: str
     scenario: str
     effects: tuple[str, ...]
     figures: tuple[str, ...]
-    duration_s: float | None = None
-    candidates: tuple[str, ...] | None = None
 
 
 CASES = (
@@ -54,29 +50,18 @@ CASES = (
         figures=("simulation", "residual", "ladder", "effects", "evidence"),
     ),
     Case(name="ambiguous", scenario="joint-sine", effects=("torque_bias",), figures=("evidence",)),
-    # A catalogue without the effect that is there: what the log shows is all that can be told.
-    Case(
-        name="unexplained",
-        scenario="joint",
-        effects=("stribeck",),
-        figures=("residual",),
-        candidates=("torque_drift", "torque_ripple", "gravity_error"),
-    ),
-    Case(name="arm", scenario="panda-driven", effects=("stribeck",), figures=("verdicts",), duration_s=120.0),
 )
 
 
 def simulated(case: Case) -> JointLog:
     """Return the log of a case."""
     settings = next(scenario.settings for scenario in SCENARIOS if scenario.name == case.scenario)
-    if case.duration_s is not None:
-        settings = replace(settings, duration_s=case.duration_s)
     return simulate(hide(settings, case.effects), SEED).log
 
 
 def diagnosed(case: Case) -> Diagnosis:
-    """Return the diagnosis of a case, with the default settings but for the candidates."""
-    return diagnose_log(simulated(case), AuditSettings(), DiagnosisSettings(candidates=case.candidates))
+    """Return the diagnosis of a case, with the default settings."""
+    return diagnose_log(simulated(case), AuditSettings(), DiagnosisSettings())
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import binom
 from statsmodels.stats.multitest import multipletests
 
-from friction_audit.discrepancy.confirmation import confirm, holm
+from friction_audit.discrepancy.confirmation import confirm, holm, rms_gain
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
@@ -42,3 +42,8 @@ def test_what_is_turned_round_on_the_locked_cycles_is_not_confirmed() -> None:
 def test_noise_is_confirmed_no_more_often_than_allowed() -> None:
     p = [confirm(ground_of(np.zeros(1), seed), [WAVE], np.random.default_rng(seed))[0] for seed in range(40)]
     assert np.sum(np.array(p) <= 0.05) <= binom.ppf(0.999, 40, 0.05)
+
+
+def test_rms_gain_by_hand() -> None:
+    assert rms_gain(4.0, 1.0) == pytest.approx(0.5)
+    assert rms_gain(0.0, 0.0) == 0.0

@@ -11,6 +11,9 @@ from friction_audit.discrepancy.omnibus import omnibus_test
 from friction_audit.discrepancy.search import Group
 from friction_audit.joint_log import Float
 
+LEAST_GAIN = 0.005
+"""Smallest gain of the root mean square that is worth a name."""
+
 
 def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) -> Float:
     """Family-wise p-value of each effect, from cycles that no choice was made on.
@@ -56,3 +59,8 @@ def holm(p: Float) -> Float:
     adjusted = np.empty_like(stepped)
     adjusted[order] = np.minimum(stepped, 1.0)
     return adjusted
+
+
+def rms_gain(before: float, after: float) -> float:
+    """Share of the root mean square that an effect removes, from residual sums of squares before and after."""
+    return 1.0 - float(np.sqrt(after / before)) if before > 0 else 0.0

@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.acceptance import LEAST_GAIN, rms_gain
 from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.confirmation import confirm
+from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm, rms_gain
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine

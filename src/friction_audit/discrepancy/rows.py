@@ -17,8 +17,8 @@ from friction_audit.joint_log import Float
 CORNER_HZ = 25.0
 LOWEST_CORNER_HZ = 8.0
 QUIET_SHARE = 0.5
-"""Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, every clean
-log has a spring that is significant, if too small for a name."""
+"""Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the
+clean logs have a spring that is significant, if too small for a name."""
 ROW_HZ = 100.0
 STOPBAND_DB = 60.0
 MOST_UNCERTAIN = 0.02
