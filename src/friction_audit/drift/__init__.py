@@ -1,0 +1,1 @@
+"""Session summaries -> DriftReport: trends, change points, and how sure we are."""
