@@ -1,93 +1,142 @@
 """Simulate, diagnose, and hold the answer against the truth, over many seeds.
 
 python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--output FILE.csv]
+
+``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed) and the kinds of ``outside``. A file that is
+there is gone on with: what it holds is not run again.
 """
 
 import argparse
 import csv
+import json
 import os
-from concurrent.futures import ProcessPoolExecutor
-from functools import partial
+from collections.abc import Iterable
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from benchmarks.hidden_effects.draw import Case, draw_case, settings_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
+from benchmarks.hidden_effects.pairs import draw_pairs
+from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
 from friction_audit.audit import AuditSettings, diagnose_log
 from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
 from friction_audit.simulate.dispatch import simulate
+from friction_audit.simulate.effects import EFFECTS
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (
     "truth", "seed", "scenario", "noise", "form", "partial", "joint", "verdict", "named", "sets", "shrink",
-    "over_floor", "before_nm", "after_nm", "floor_nm", "omnibus_p", "remaining_p", "message",
+    "over_floor", "before_nm", "after_nm", "floor_nm", "motion_before", "motion_after", "omnibus_p", "remaining_p",
+    "numbers", "message",
 )  # fmt: skip
 
 
 def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[str, object]]:
-    """One log: one row per joint that moves."""
+    """One log: one row per joint that moves; a row without a verdict where the strength cannot be reached."""
     kinds = [kind for kind, _ in OUTSIDE]
     names = () if truth == "none" or truth in kinds else tuple(truth.split("+"))
-    size = SIZES[seed % len(SIZES)]
-    case = draw_case(seed, names, size, scenario)
+    case = draw_case(seed, names, SIZES[seed % len(SIZES)], scenario)
     try:
-        log = log_with(case, truth) if truth in kinds else _log_of(case)
-        if log is None:
-            return []
+        if truth in kinds:
+            log = log_with(case, truth)
+        else:
+            scales = scales_for(case)
+            if scales is None:
+                return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": ""}]
+            case = scaled(case, scales)
+            log = _log_of(case)
         found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed)).discrepancy
     except FrictionAuditError as error:
         return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
     return [_row(case, truth, joint) for joint in found.joints]
 
 
-def _log_of(case: Case) -> JointLog | None:
-    """The log of a case; None where the strength cannot be reached."""
-    scales = scales_for(case)
-    return None if scales is None else simulate(settings_of(case, scales), case.seed).log
+def scaled(case: Case, scales: Iterable[float]) -> Case:
+    """The case with the strength of its effects as it was found."""
+    groups = []
+    for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
+        strength = next(effect for effect in EFFECTS if effect.name == name).strength
+        groups.append(replace(group, **{strength: getattr(group, strength) * scale}))
+    return replace(case, groups=tuple(groups))
 
 
-def _row(case: Case, truth: str, joint: object) -> dict[str, object]:
-    gap = joint.gap  # type: ignore[attr-defined]
-    effects = joint.effects  # type: ignore[attr-defined]
+def _log_of(case: Case) -> JointLog:
+    return simulate(settings_of(case, (1.0,) * len(case.effects)), case.seed).log
+
+
+def _row(case: Case, truth: str, joint: JointDiscrepancy) -> dict[str, object]:
+    gap, motion = joint.gap, joint.simulation
     return {
         "truth": truth, "seed": case.seed, "scenario": case.scenario, "noise": case.noise,
         "form": "/".join(str(getattr(group, "form", "")) for group in case.groups),
-        "partial": case.partial, "joint": joint.joint, "verdict": joint.verdict,  # type: ignore[attr-defined]
-        "named": "+".join(e.name for e in effects),
-        "sets": ";".join("|".join((e.name, *e.alternatives)) for e in effects),
+        "partial": case.partial, "joint": joint.joint, "verdict": joint.verdict,
+        "named": "+".join(e.name for e in joint.effects),
+        "sets": ";".join("|".join((e.name, *e.alternatives)) for e in joint.effects),
         "shrink": gap and round(gap.shrink, 3), "over_floor": gap and round(gap.over_floor, 3),
         "before_nm": gap and round(gap.before, 4), "after_nm": gap and round(gap.after, 4),
-        "floor_nm": gap and round(gap.floor, 4), "omnibus_p": joint.omnibus_p,  # type: ignore[attr-defined]
-        "remaining_p": joint.remaining_p, "message": joint.message,  # type: ignore[attr-defined]
+        "floor_nm": gap and round(gap.floor, 4),
+        "motion_before": motion and round(motion.before, 6), "motion_after": motion and round(motion.after, 6),
+        "omnibus_p": joint.omnibus_p, "remaining_p": joint.remaining_p,
+        "numbers": json.dumps(_numbers(case, joint.effects)), "message": joint.message,
     }  # fmt: skip
 
 
+def _numbers(case: Case, found: Iterable[Effect]) -> list[dict[str, object]]:
+    """Numbers of the hidden effects that were named, beside the truth."""
+    hidden = dict(zip(case.effects, case.groups, strict=True))
+    return [
+        {"effect": e.name, **row}
+        for e in found
+        if e.name in hidden
+        for row in compared(
+            e.name, hidden[e.name], case, {k: (c.value, c.low, c.high) for k, c in e.parameters.items()}
+        )
+    ]
+
+
+def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
+    """Truth and seed of every log."""
+    names = [c.name for c in CANDIDATES] if effects == "all" else effects.split(",")
+    every = range(first, first + seeds)
+    return [
+        one for name in names for one in (draw_pairs(first, seeds) if name == "pairs" else [(name, s) for s in every])
+    ]
+
+
 def main() -> None:
-    """Run all cases and write one row per joint."""
+    """Run all cases that the file does not hold, and write one row per joint as they are done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--effects", default="all")
     parser.add_argument("--seeds", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--scenario")
+    parser.add_argument("--workers", type=int)
     parser.add_argument("--output", type=Path, default=Path("hidden_effects.csv"))
     asked = parser.parse_args()
-    names = [c.name for c in CANDIDATES] if asked.effects == "all" else asked.effects.split(",")
-    with asked.output.open("w", newline="") as file, ProcessPoolExecutor() as pool:
+    started = asked.output.exists()
+    there = list(csv.DictReader(asked.output.open())) if started else []
+    done = {(row["truth"], int(row["seed"])) for row in there}
+    wanted = [one for one in tasks(asked.effects, asked.first, asked.seeds) if one not in done]
+    with asked.output.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
         writer = csv.DictWriter(file, FIELDS)
-        writer.writeheader()
-        for name in names:
-            cases = range(asked.first, asked.first + asked.seeds)
-            rows = [
-                row for rows in pool.map(partial(run_case, truth=name, scenario=asked.scenario), cases) for row in rows
-            ]
-            writer.writerows(rows)
+        if not started:
+            writer.writeheader()
+        pending = {pool.submit(run_case, seed, truth, asked.scenario): truth for truth, seed in wanted}
+        found: dict[str, list[dict[str, object]]] = {}
+        for future in as_completed(pending):
+            writer.writerows(future.result())
             file.flush()
-            print(summary(name, rows), flush=True)
+            found.setdefault(pending[future], []).extend(future.result())
+    for name, rows in found.items():
+        print(summary(name, rows), flush=True)
 
 
 def summary(truth: str, rows: list[dict[str, object]]) -> str:

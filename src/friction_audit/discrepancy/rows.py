@@ -127,7 +127,7 @@ def filter_rows(columns: Float, kernel: Float, every: int) -> Float:
     parted = padded.reshape(*columns.shape[1:], blocks + 1, block)
     filtered = parted[..., :-1, :] @ here
     filtered += parted[..., 1:, :] @ next_one
-    return np.asarray(filtered.reshape(*columns.shape[1:], -1)[..., :rows].T)
+    return np.asarray(filtered.reshape(*columns.shape[1:], blocks * (block // every))[..., :rows].T)
 
 
 def _as_matrix(kernel: Float, every: int, block: int) -> tuple[Float, Float]:
