@@ -5,9 +5,11 @@ python -m benchmarks.hidden_effects.table FILE.csv... [--output docs/diagnosis.m
 
 import argparse
 import csv
+import json
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+import numpy as np
 from scipy.stats import binomtest
 
 from benchmarks.hidden_effects.outside import OUTSIDE
@@ -58,36 +60,53 @@ def table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
 
 
 def by_effect(rows: Sequence[Row]) -> str:
-    """One line per effect of the catalogue, pairs at the end."""
-    names = [candidate.name for candidate in CANDIDATES]
-    pairs = sorted({row["truth"] for row in rows if "+" in row["truth"]})
+    """One line per effect of the catalogue, on one joint, then on arms; all pairs together at the end."""
     head = ("hidden", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]", "in the answer at 0.2 [%]")
     lines = []
-    for name in [*names, *pairs]:
+    for name in (candidate.name for candidate in CANDIDATES):
         own = [row for row in rows if row["truth"] == name]
-        clear = [row for row in own if float(row["partial"]) >= CLEAR]
-        small = [row for row in own if float(row["partial"]) < CLEAR]
-        if own:
-            lines.append(
-                (
-                    name,
-                    str(len(own)),
-                    share(map(held, clear)),
-                    share(map(exact, clear)),
-                    share(map(wrong, clear)),
-                    share(map(held, small)),
-                )
-            )
+        lines += [_effect_line(label, part) for label, part in _by_place(name, own) if part]
+    pairs = [row for row in rows if "+" in row["truth"]]
+    lines += [_effect_line("two of them", pairs)] if pairs else []
     return table(head, lines)
+
+
+def _by_place(label: str, rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
+    """Rows of one joint, and those of arms."""
+    arm = [row for row in rows if row["scenario"].startswith("panda")]
+    return [(label, [row for row in rows if row not in arm]), (f"{label}, arm", arm)]
+
+
+def _effect_line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
+    clear = [row for row in rows if float(row["partial"]) >= CLEAR]
+    small = [row for row in rows if float(row["partial"]) < CLEAR]
+    shares = (map(held, clear), map(exact, clear), map(wrong, clear), map(held, small))
+    return (label, str(len(rows)), *(share(flags) for flags in shares))
+
+
+def numbers(rows: Sequence[Row]) -> str:
+    """How near the numbers of a named effect are to those that were hidden, where both sides mean the same."""
+    found: dict[tuple[str, str], list[dict[str, float | bool | None]]] = {}
+    for row in rows:
+        for one in json.loads(row["numbers"] or "[]"):
+            found.setdefault((one["effect"], one["parameter"]), []).append(one)
+    lines = []
+    for (effect, parameter), ones in sorted(found.items()):
+        off = [abs(float(one["estimate"] or 0) / float(one["truth"] or 0) - 1) for one in ones if one["truth"]]
+        held_by = [bool(one["holds"]) for one in ones if one["holds"] is not None]
+        lines.append((effect, parameter, str(len(off)), f"{100 * float(np.median(off)):.1f}", share(held_by)))
+    return table(("hidden", "number", "logs", "off, median [%]", "the interval holds it [%]"), lines)
 
 
 def without_effect(rows: Sequence[Row]) -> str:
     """Clean logs by noise colour, and torques that no catalogue holds."""
     head = ("log", "joints", "a name is given [%]", "verdict `unexplained` [%]")
     lines = []
-    for noise in sorted({row["noise"] for row in rows if row["truth"] == "none"}):
-        own = [row for row in rows if row["truth"] == "none" and row["noise"] == noise]
-        lines.append(_line(f"nothing hidden, noise {noise}", own))
+    clean = [row for row in rows if row["truth"] == "none"]
+    for noise in sorted({row["noise"] for row in clean}):
+        places = _by_place(f"nothing hidden, noise {noise}", [row for row in clean if row["noise"] == noise])
+        lines += [_line(label, own) for label, own in places if own]
+    lines += [_line("nothing hidden, all", clean)] if clean else []
     for kind, _ in OUTSIDE:
         own = [row for row in rows if row["truth"] == kind and float(row["partial"]) >= CLEAR]
         if own:
@@ -102,20 +121,26 @@ def _line(label: str, rows: Sequence[Row]) -> tuple[str, str, str, str]:
 
 def gaps(rows: Sequence[Row]) -> str:
     """How far the gap closes where the right effects were named, by strength."""
-    head = ("partial strength", "logs", "gap closed, median [%]", "left over the floor, median", "95 % of logs below")
+    head = (
+        "partial strength", "logs", "gap closed, median [%]", "left over the floor, median", "95 % of logs below",
+        "error of the simulated motion, after over before, median",
+    )  # fmt: skip
     lines = []
     for size in sorted({float(row["partial"]) for row in rows}):
         own = [row for row in rows if float(row["partial"]) == size and row["truth"] != "none" and held(row)]
         if own:
-            closed = sorted(float(row["shrink"]) for row in own)
+            closed = sorted(float(row["shrink"]) for row in own if row["shrink"] not in {"", "nan"})
             left = sorted(float(row["over_floor"]) for row in own)
+            moved = [row for row in own if row["motion_before"]]
+            motion = [float(row["motion_after"]) / float(row["motion_before"]) for row in moved]
             lines.append(
                 (
                     f"{size:g}",
                     str(len(own)),
-                    f"{100 * closed[len(own) // 2]:.0f}",
+                    f"{100 * closed[len(closed) // 2]:.0f}",
                     f"{left[len(own) // 2]:.3f}",
                     f"{left[int(0.95 * (len(own) - 1))]:.3f}",
+                    f"{float(np.median(motion)):.2f}" if motion else "-",
                 )
             )
     return table(head, lines)
@@ -128,7 +153,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     asked = parser.parse_args()
     rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
-    text = "\n\n".join((by_effect(rows), without_effect(rows), gaps(rows)))
+    text = "\n\n".join((by_effect(rows), without_effect(rows), gaps(rows), numbers(rows)))
     if asked.output is None:
         print(text)
         return
