@@ -1,0 +1,96 @@
+"""All joints at a glance: how much each coefficient changed, and how small a change would have been seen."""
+
+import math
+from typing import TYPE_CHECKING
+
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
+from friction_audit.report.drift_words import DRIFT, drift_verdict, total_text
+from friction_audit.report.estimate_table import NOTHING
+from friction_audit.report.figures.batch_look import (
+    COEFFICIENTS,
+    ESTIMATE,
+    LEFT_OUT,
+    OUTSIDE,
+    batch_style,
+    chosen_joints,
+    coefficient_title,
+    in_order,
+    joint_name,
+    of_coefficient,
+)
+from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
+from friction_audit.report.figures.style import COLUMN_IN, MUTED, SHEET_IN
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+HEAD_IN, ROW_IN, LEAST_IN = 0.85, 0.24, 0.6
+CHANGED, STEADY, UNSEEN = "changed", "no drift found", "too small to be seen, at 90 % power"
+LEGEND = (CHANGED, STEADY, UNSEEN)
+NARROWEST = 5.0
+"""Percent either side of no change that a panel shows at least."""
+ROOM = 1.15
+
+
+def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb beside viscous."""
+    with batch_style():
+        joints = chosen_joints(arm, joint)
+        height = HEAD_IN + max(ROW_IN * len(joints), LEAST_IN)
+        figure = new_figure(SHEET_IN if joint is None else COLUMN_IN, height)
+        panels = figure.subplots(1, 2, sharey=True, squeeze=False)[0]
+        handles: list[Artist] = []
+        for axes, coefficient in zip(panels, COEFFICIENTS, strict=True):
+            handles += _draw_panel(axes, joints, coefficient)
+        panels[0].set_yticks(range(len(joints)), [joint_name(one) for one in joints])
+        panels[0].set_ylim(len(joints) - 0.5, -0.5)
+        add_legend(figure, in_order(handles, LEGEND))
+        figure.supxlabel("Change from the reference to the last sessions [%]", fontsize=7.5)
+        return figure
+
+
+def _draw_panel(axes: "Axes", joints: tuple[JointDrift, ...], coefficient: str) -> "list[Artist]":
+    """Draw one coefficient of all joints; return the legend's entries."""
+    label_panel(axes, coefficient_title(coefficient))
+    axes.tick_params(axis="y", length=0)
+    axes.axvline(0.0, color=MUTED, lw=0.5, zorder=0)
+    handles: list[Artist] = []
+    reach = NARROWEST
+    for place, joint in enumerate(joints):
+        found = of_coefficient(joint, coefficient)
+        if found is None or math.isnan(found.total.value):
+            _say(axes, place, found)
+            continue
+        handles += _draw_row(axes, place, found)
+        ends = (found.total.low, found.total.high, found.total.value, found.smallest_drift)
+        reach = max(reach, *(100.0 * abs(end) for end in ends if math.isfinite(end)))
+    axes.set_xlim(-ROOM * reach, ROOM * reach)
+    return handles
+
+
+def _draw_row(axes: "Axes", place: int, found: CoefficientDrift) -> "list[Artist]":
+    """Draw the change with its interval over what could not have been seen."""
+    handles: list[Artist] = []
+    if math.isfinite(found.smallest_drift):
+        width = 200.0 * found.smallest_drift
+        bar = axes.barh(place, width, left=-width / 2, height=0.7, color=LEFT_OUT, alpha=0.18, lw=0, label=UNSEEN)
+        handles.append(bar.patches[0])
+        bar.patches[0].set_label(UNSEEN)
+    drifts = drift_verdict(found) == DRIFT
+    colour, label, marker = (OUTSIDE, CHANGED, "s") if drifts else (ESTIMATE, STEADY, "o")
+    axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
+    handles += axes.plot(
+        100.0 * found.total.value, place, color=colour, marker=marker, ms=3.8, mew=0.0, ls="none", label=label
+    )
+    return handles
+
+
+def _say(axes: "Axes", place: int, found: CoefficientDrift | None) -> None:
+    """Write into the line why there is no percentage."""
+    words = "not testable" if found is None else total_text(found)
+    text = drift_verdict(found) if found is not None and words == NOTHING else words
+    axes.annotate(
+        text, (0.02, place), xycoords=("axes fraction", "data"), va="center", ha="left", fontsize=6.5, color=MUTED
+    )

@@ -1,0 +1,153 @@
+"""What the figures of a batch share: their style, which joints, the axis of sessions, colours."""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
+from friction_audit.errors import UsageError
+from friction_audit.report.drift_words import (
+    DRIFT,
+    coefficient_name,
+    drift_verdict,
+    format_change,
+    format_date,
+    total_text,
+)
+from friction_audit.report.estimate_table import NOTHING, joint_label
+from friction_audit.report.figures.style import DISSIPATED, FILTERED, FITTED, MUTED, figure_style
+
+if TYPE_CHECKING:
+    from matplotlib.artist import Artist
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+ESTIMATE = FILTERED
+LEVEL = FITTED
+CHANGE = FITTED
+REFERENCE = "#009e73"
+LEFT_OUT = MUTED
+OUTSIDE = FITTED
+FIRST, LAST = DISSIPATED, FILTERED
+MOST_MARKED = 150
+"""Sessions in a panel above which markers would only be a blot; a line takes their place."""
+MOST_TICKS = 6
+COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
+LONGEST_NAME = 26
+"""Characters of a name that a panel has room for."""
+
+
+@contextmanager
+def batch_style() -> Iterator[None]:
+    """Use the figures' style inside the block; a dollar sign in a name is a dollar sign."""
+    from matplotlib import rc_context
+
+    with figure_style(), rc_context({"text.parse_math": False}):
+        yield
+
+
+def chosen_joints(arm: ArmDrift, joint: int | None) -> tuple[JointDrift, ...]:
+    """Return one joint, given by its number for people, or with None all of them.
+
+    Raises:
+        UsageError: If the arm does not have that joint.
+    """
+    chosen = tuple(one for one in arm.joints if joint in (None, one.joint))
+    if not chosen:
+        held = ", ".join(str(one.joint) for one in arm.joints)
+        raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
+    return chosen
+
+
+def joint_name(joint: JointDrift) -> str:
+    """Return what a panel calls a joint."""
+    return f"joint {shortened(printable(joint_label(joint.joint, joint.name)))}"
+
+
+def printable(name: str) -> str:
+    """Return a name without characters that no font can draw and no drawing can hold."""
+    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in name)
+
+
+def shortened(name: str) -> str:
+    """Return a name that fits above a panel."""
+    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
+
+
+def verdict_words(found: CoefficientDrift) -> str:
+    """Return the verdict on a coefficient in the few words that fit above a panel."""
+    word = drift_verdict(found)
+    if word != DRIFT:
+        return word
+    if len(found.change_points) == 1:
+        (change,) = found.change_points
+        return f"{format_change(change.relative, change.after, change.before)} at session {change.session + 1}"
+    return f"{total_text(found)} in all" if total_text(found) != NOTHING else DRIFT
+
+
+def of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | None:
+    """Return what became of a coefficient, or None if nothing is said of it."""
+    return next((found for found in joint.coefficients if found.coefficient == coefficient), None)
+
+
+def coefficient_title(coefficient: str) -> str:
+    """Return the name of a coefficient as a label begins."""
+    name = coefficient_name(coefficient)
+    return name[:1].upper() + name[1:]
+
+
+def number_sessions(axes: "Axes", arm: ArmDrift) -> None:
+    """Let an axis run over all sessions of an arm; ticks carry the number and, where known, the day."""
+    count = len(arm.sessions)
+    places = tick_places(count)
+    axes.set_xlim(0.2, count + 0.8)
+    axes.set_xticks(places, [_tick(arm, place) for place in places])
+
+
+def tick_places(count: int) -> list[int]:
+    """Return at most MOST_TICKS numbers from 1 to ``count``, evenly apart, the first among them."""
+    if count <= 0:
+        return []
+    step = max(1, -(-count // MOST_TICKS))
+    return list(range(1, count + 1, step))
+
+
+def _tick(arm: ArmDrift, place: int) -> str:
+    date = format_date(arm.sessions[place - 1].start_s)
+    # The year stands in the caption and in the table; a tick has no room for it.
+    return str(place) if date == NOTHING else f"{place}\n{date[5:]}"
+
+
+def session_label(arm: ArmDrift) -> str:
+    """Return the name of the axis of sessions."""
+    dated = any(format_date(session.start_s) != NOTHING for session in arm.sessions)
+    return "Session (month-day)" if dated else "Session"
+
+
+def name_axis(figure: "Figure", label: str) -> None:
+    """Write one name below all panels."""
+    figure.align_ylabels()
+    figure.supxlabel(label, fontsize=7.5)
+
+
+def shade_reference(axes: "Axes", places: Sequence[float]) -> None:
+    """Shade each run of neighbouring sessions of the reference along the axis."""
+    for low, high in runs(places):
+        axes.axvspan(low - 0.5, high + 0.5, facecolor=REFERENCE, alpha=0.12, lw=0, zorder=0)
+
+
+def in_order(handles: "Sequence[Artist]", labels: Sequence[str]) -> "list[Artist]":
+    """Return the entries of a legend, each label once, in the order of ``labels``."""
+    first = {str(handle.get_label()): handle for handle in reversed(handles)}
+    return [first[label] for label in labels if label in first]
+
+
+def runs(places: Sequence[float]) -> list[tuple[float, float]]:
+    """Return the first and last of each run of whole numbers without a gap."""
+    found: list[tuple[float, float]] = []
+    for place in sorted(places):
+        if found and place - found[-1][1] <= 1.0:
+            found[-1] = (found[-1][0], place)
+        else:
+            found.append((place, place))
+    return found
