@@ -117,15 +117,38 @@ def scaled(number: Coefficient, factor: float) -> Coefficient:
 
 def format_share(share: float) -> str:
     """Return a share as a percentage; a dash for NaN."""
-    return NOTHING if math.isnan(share) else f"{100 * share:.3g} %"
+    if math.isnan(share):
+        return NOTHING
+    return f"{100 * share:.2g} %" if share < SMALL else f"{100 * share:.0f} %"
 
 
 def format_slope(slope: Coefficient) -> str:
-    """Return a slope with its interval; a slope is small, so that digits follow its size."""
+    """Return a slope with its interval; slopes are small, so that the digits follow the interval's size."""
     if math.isnan(slope.value):
         return NOTHING
     half = 0.5 * (slope.high - slope.low)
-    return f"{slope.value:+.2g}" if math.isnan(half) else f"{slope.value:+.2g} ± {half:.1g}"
+    if not half > 0.0:
+        return f"{slope.value:+.2g}"
+    digits = max(0, 1 - math.floor(math.log10(half)))
+    return f"{slope.value:+.{digits}f} ± {half:.{digits}f}"
+
+
+def trend_text(found: CoefficientDrift) -> str:
+    """Return the trend per session: over the reference's level, or absolute near a level of zero."""
+    return _per(found, found.trend_per_session)
+
+
+def daily_text(found: CoefficientDrift) -> str:
+    """Return the trend per day, like ``trend_text``."""
+    return _per(found, found.trend_per_day)
+
+
+def _per(found: CoefficientDrift, slope: Coefficient) -> str:
+    if math.isnan(slope.value):
+        return NOTHING
+    if math.isnan(found.total.value) or not found.level.value > 0.0:
+        return f"{format_slope(slope)} {coefficient_unit(found.coefficient)}"
+    return format_percent(scaled(slope, 1.0 / found.level.value))
 
 
 def format_p(p_value: float) -> str:

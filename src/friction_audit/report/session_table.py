@@ -1,0 +1,194 @@
+"""BatchSummary -> a tidy table: one row per session, joint and coefficient."""
+
+import csv
+import io
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from friction_audit.drift.report import ArmDrift
+from friction_audit.drift.session import JointSummary, Session
+from friction_audit.friction.history import UNDETERMINED
+from friction_audit.report.batch_summary import BatchSummary
+from friction_audit.report.drift_words import UNITS, iso_start
+from friction_audit.report.history_table import csv_cell
+
+Row = dict[str, Any]
+COLUMNS: Mapping[str, type] = {
+    "robot": str,
+    "session": int,
+    "start": str,
+    "start_s": float,
+    "start_from": str,
+    "path": str,
+    "sha256": str,
+    "duration_s": float,
+    "rate_hz": float,
+    "drive": str,
+    "torque": str,
+    "gravity": str,
+    "inertia": str,
+    "payload": str,
+    "session_temperature_c": float,
+    "note": str,
+    "damaged": bool,
+    "compared": bool,
+    "reference": bool,
+    "left_out": str,
+    "joint": int,
+    "name": str,
+    "cycles": int,
+    "moving_s": float,
+    "speed_lower_quartile_rad_s": float,
+    "speed_median_rad_s": float,
+    "speed_upper_quartile_rad_s": float,
+    "temperature_c": float,
+    "reason": str,
+    "verdict": str,
+    "effects": str,
+    "coefficient": str,
+    "unit": str,
+    "value": float,
+    "ci95_low": float,
+    "ci95_high": float,
+    "relative_change_within_session": float,
+    "relative_change_within_session_low": float,
+    "relative_change_within_session_high": float,
+    "compared_value": float,
+    "compared_ci95_low": float,
+    "compared_ci95_high": float,
+    "relative_deviation": float,
+    "outside": bool,
+    "isolated": bool,
+}
+"""Columns and what is in them; text is empty where there is nothing to say, a number or a flag None."""
+
+
+def session_columns(summary: BatchSummary) -> dict[str, list[Any]]:
+    """Return the table by columns, those of COLUMNS, each as long as the table.
+
+    A coefficient is given twice: as the session has it, and as it was compared, at like temperature.
+    """
+    rows = list(_rows(summary))
+    return {name: [row[name] for row in rows] for name in COLUMNS}
+
+
+def session_csv(summary: BatchSummary) -> str:
+    """Return the table as CSV text; an empty cell where there is no number."""
+    columns = session_columns(summary)
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
+    return text.getvalue()
+
+
+def _cell(value: Any) -> str:  # noqa: ANN401 - any cell
+    match value:
+        case None:
+            return ""
+        case bool():
+            return str(int(value))
+        case float():
+            return csv_cell(value)
+    return str(value)
+
+
+def _rows(summary: BatchSummary) -> Iterator[Row]:
+    for arm in summary.arms:
+        compared = _compared_values(arm)
+        for index, session in enumerate(arm.sessions):
+            head = _session_cells(arm, index, session)
+            for joint in session.joints:
+                for coefficient in UNITS:
+                    own = compared.get((joint.joint, coefficient, index), {})
+                    yield head | _joint_cells(joint) | _coefficient_cells(joint, coefficient) | _compared_cells(own)
+
+
+def _session_cells(arm: ArmDrift, index: int, session: Session) -> Row:
+    conditions = session.conditions
+    return {
+        "robot": session.robot,
+        "session": index + 1,
+        "start": iso_start(session.start_s) or "",
+        "start_s": session.start_s,
+        "start_from": session.start_from,
+        "path": session.path,
+        "sha256": session.sha256,
+        "duration_s": session.duration_s,
+        "rate_hz": conditions.rate_hz,
+        "drive": conditions.drive,
+        "torque": conditions.torque,
+        "gravity": conditions.gravity,
+        "inertia": conditions.inertia,
+        "payload": conditions.payload,
+        "session_temperature_c": session.temperature_c,
+        "note": session.note,
+        "damaged": session.damaged,
+        "compared": index in arm.compared,
+        "reference": index in arm.reference,
+        "left_out": dict(arm.left_out).get(index, ""),
+    }
+
+
+def _joint_cells(joint: JointSummary) -> Row:
+    lower, median, upper = (_number(value) for value in joint.speed_rad_s)
+    return {
+        "joint": joint.joint,
+        "name": joint.name,
+        "cycles": joint.cycles,
+        "moving_s": _number(joint.moving_s),
+        "speed_lower_quartile_rad_s": lower,
+        "speed_median_rad_s": median,
+        "speed_upper_quartile_rad_s": upper,
+        "temperature_c": _number(joint.temperature_c),
+        "reason": joint.reason,
+        "verdict": joint.verdict or "",
+        "effects": " ".join(joint.effects),
+    }
+
+
+def _coefficient_cells(joint: JointSummary, coefficient: str) -> Row:
+    own = joint.coefficients.get(coefficient, UNDETERMINED)
+    within = joint.within.get(coefficient, UNDETERMINED)
+    return {
+        "coefficient": coefficient,
+        "unit": UNITS[coefficient],
+        "value": _number(own.value),
+        "ci95_low": _number(own.low),
+        "ci95_high": _number(own.high),
+        "relative_change_within_session": _number(within.value),
+        "relative_change_within_session_low": _number(within.low),
+        "relative_change_within_session_high": _number(within.high),
+    }
+
+
+def _compared_values(arm: ArmDrift) -> dict[tuple[int, str, int], Row]:
+    """Return what each session was compared as, by joint, coefficient and session."""
+    found: dict[tuple[int, str, int], Row] = {}
+    for joint in arm.joints:
+        for one in joint.coefficients:
+            for index, value in zip(one.sessions, one.values, strict=True):
+                key = (joint.joint, one.coefficient, index)
+                found[key] = {"value": value, "isolated": index in one.isolated}
+            for point in one.control:
+                key = (joint.joint, one.coefficient, point.session)
+                found.setdefault(key, {}).update(outside=point.outside, relative=point.relative.value)
+    return found
+
+
+def _compared_cells(own: Mapping[str, Any]) -> Row:
+    value = own.get("value", UNDETERMINED)
+    return {
+        "compared_value": _number(value.value),
+        "compared_ci95_low": _number(value.low),
+        "compared_ci95_high": _number(value.high),
+        "relative_deviation": _number(own.get("relative")),
+        "outside": own.get("outside"),
+        "isolated": own.get("isolated"),
+    }
+
+
+def _number(value: float | None) -> float | None:
+    """Return a number, or None where there is none."""
+    return None if value is None or not math.isfinite(value) else float(value)
