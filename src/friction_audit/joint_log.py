@@ -60,6 +60,7 @@ class Source:
         sha256: Content hash of the file (of all files, in sorted order, for a directory).
         format: Name of the reader that read it.
         robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, from joint names or message types.
+        serial: Serial number of the arm as the file states it, empty if it does not.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of the first sample, or None when the clock does not tell. [s]
         topic: Topic that was read, or None for tables.
@@ -71,6 +72,7 @@ class Source:
     sha256: str
     format: str
     robot: str = "unknown"
+    serial: str = ""
     clock: str = "column"
     start_s: float | None = None
     topic: str | None = None

@@ -4,6 +4,7 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.columns import map_columns, shorten
+from friction_audit.ingest.reader import SeveralArmsError
 
 
 def numbered(template: str, first: int, joints: int) -> list[str]:
@@ -74,7 +75,7 @@ def test_two_arms_are_refused_by_name() -> None:
         "time",
         *(f"{arm}_joint{i}/{c}" for arm in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2)),
     ]
-    with pytest.raises(InputError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q"):
+    with pytest.raises(SeveralArmsError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q"):
         map_columns(names, path="log", mapping={})
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 from friction_audit.errors import InputError
 from friction_audit.ingest.foreign_names import ALIASES, ForeignName, parse_name
 from friction_audit.ingest.joint_order import UNNAMED_ARM, arms_in, choose_arm, robot_of
+from friction_audit.ingest.reader import SeveralArmsError
 from friction_audit.ingest.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
@@ -87,7 +88,7 @@ def map_columns(
 
     Raises:
         InputError: If a column that is needed is missing; all of them are named at once.
-        UsageError: If the joint names beside the numbers are of several arms and the user named none.
+        SeveralArmsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
     refuse_absent(mapping, bare, path)
@@ -223,9 +224,11 @@ def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> N
         if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None
     }
     if len(arms) > 1:
-        choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
-        raise InputError(
-            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; choose one with {choices}"
+        topics = [f"#{arm}" for arm in arms]
+        choices = " or ".join(f"--topic '{topic}'" for topic in topics)
+        raise SeveralArmsError(
+            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; choose one with {choices}",
+            topics,
         )
 
 

@@ -3,7 +3,8 @@
 import re
 from collections.abc import Iterable, Sequence
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError
+from friction_audit.ingest.reader import SeveralArmsError
 
 ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
 """``panda_joint3``, ``left_fr3_joint1``, ``joint2``: the arm before the word, the joint's number after it."""
@@ -16,6 +17,8 @@ ROBOTS = (
     ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
 )
 """Robot -> how the prefix of its joints says so: ``panda1``, ``left_panda``, ``fer``, ``fr3v2``."""
+
+_MAKE = re.compile(r"panda|fer|fr3(?:v\d(?:_\d)?)?|franka", re.IGNORECASE)
 
 UNNAMED_ARM = "joint"
 """What an arm without prefix is called behind the ``#`` of ``--topic``."""
@@ -72,18 +75,24 @@ def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ..
 
     Raises:
         InputError: If there is no such arm.
-        UsageError: If there are several arms and the user named none.
+        SeveralArmsError: If there are several arms and the user named none.
     """
     arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
-    choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
+    topics = [f"#{arm}" for arm in arms]
+    choices = " or ".join(f"--topic '{topic}'" for topic in topics)
     if wanted and wanted not in arms:
         raise InputError(
             f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
             f"{f'choose with {choices}' if arms else 'leave --topic out'}"
         )
     if not wanted and len(arms) > 1:
-        raise UsageError(f"{path}: several arms in one log; choose one with {choices}")
+        raise SeveralArmsError(f"{path}: several arms in one log; choose one with {choices}", topics)
     return arms[wanted] if wanted else next(iter(arms.values()), ())
+
+
+def arm_name(prefix: str) -> str:
+    """Return what the prefix of joints calls their arm, or nothing where it is the make of the robot alone."""
+    return "" if _MAKE.fullmatch(prefix) else prefix
 
 
 def robot_of(names: Iterable[str]) -> str:

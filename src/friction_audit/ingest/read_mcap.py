@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -21,12 +22,13 @@ from friction_audit.ingest.message_stream import (
 )
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.stated_serial import serial_in
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Message, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
-SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE = 3, 4, 5, 6
+SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE, METADATA_OPCODE = 3, 4, 5, 6, 12
 PARSED_OPCODES = (SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE)
 BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
 """What the mcap library raises on a record that is not what its opcode says."""
@@ -44,6 +46,8 @@ LOOSE_MESSAGES_PER_BLOCK = 8192
 class McapStream:
     """The messages in one MCAP file.
 
+    ``notes`` holds the metadata records by name, once the messages have been read.
+
     The records are walked one after another, which needs neither an index nor a footer; the messages within a chunk
     are found here too, and not by the mcap library, since that is where the time would go.
     """
@@ -58,6 +62,7 @@ class McapStream:
         self._damage: dict[int, Damage] = {}
         self._channels: dict[int, Channel] = {}
         self._schemas: dict[int, Schema] = {}
+        self.notes: dict[str, str] = {}
         with open_log(path) as file:
             self._bytes = file.seek(0, 2)
             file.seek(0)
@@ -120,11 +125,13 @@ class McapStream:
                     return None
                 if offset + _RECORD_START.size + length > self._bytes:
                     return self._note(offset, "a record is cut off")
-                if opcode in PARSED_OPCODES:
-                    try:
+                try:
+                    if opcode in PARSED_OPCODES:
                         yield opcode, offset, _parse(opcode, file.read(length))
-                    except BROKEN as error:
-                        self._note(offset, f"a record is broken: {error}")
+                    elif opcode == METADATA_OPCODE:
+                        self.notes |= _parse(opcode, file.read(length)).metadata
+                except BROKEN as error:
+                    self._note(offset, f"a record is broken: {error}")
                 offset += _RECORD_START.size + length
 
     def _note(self, offset: int, reason: str) -> None:
@@ -203,10 +210,15 @@ class McapStream:
 def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
     from mcap.data_stream import ReadDataStream
     from mcap.exceptions import EndOfFile
-    from mcap.records import Channel, Chunk, Message, Schema
+    from mcap.records import Channel, Chunk, Message, Metadata, Schema
 
     stream = ReadDataStream(BytesIO(content))
-    kinds: dict[int, Any] = {CHUNK_OPCODE: Chunk, SCHEMA_OPCODE: Schema, CHANNEL_OPCODE: Channel}
+    kinds: dict[int, Any] = {
+        CHUNK_OPCODE: Chunk,
+        SCHEMA_OPCODE: Schema,
+        CHANNEL_OPCODE: Channel,
+        METADATA_OPCODE: Metadata,
+    }
     try:
         return Message.read(stream, len(content)) if opcode == MESSAGE_OPCODE else kinds[opcode].read(stream)
     except EndOfFile as error:
@@ -297,7 +309,9 @@ def _recognises(path: Path) -> bool:
 
 
 def _read(path: Path, options: ReadOptions) -> Recording:
-    return read_messages(path, McapStream(path), options)
+    stream = McapStream(path)
+    recording = read_messages(path, stream, options)
+    return replace(recording, serial=serial_in(stream.notes))
 
 
 def _topics(path: Path) -> tuple[Topic, ...]:

@@ -4,7 +4,7 @@ import json
 import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +17,7 @@ from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.stated_serial import serial_in
 from friction_audit.ingest.time_column import TimeColumn, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 from friction_audit.joint_log import Float
@@ -137,7 +138,13 @@ def _read_wide(
     time = _read_numbers(file, path, cells, columns.time, aims)
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
     recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
-    return recording if is_named else name_joints(recording, *_stated_joints(file.schema_arrow.metadata or {}))
+    metadata = file.schema_arrow.metadata or {}
+    recording = replace(recording, serial=serial_in(_as_text(metadata)))
+    return recording if is_named else name_joints(recording, *_stated_joints(metadata))
+
+
+def _as_text(metadata: Mapping[bytes, bytes]) -> dict[str, str]:
+    return {key.decode(errors="replace"): value.decode(errors="replace") for key, value in metadata.items()}
 
 
 def _stated_joints(metadata: Mapping[bytes, bytes]) -> tuple[list[str], str]:

@@ -21,6 +21,7 @@ from friction_audit.ingest.message_stream import (
 from friction_audit.ingest.read_mcap import MAGIC, McapStream
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.stated_serial import serial_in
 
 SQLITE_MAGIC = b"SQLite format 3\x00"
 ZSTD_MAGIC = b"\x28\xb5\x2f\xfd"
@@ -31,6 +32,8 @@ STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _NUMBER = re.compile(r"_\d+$")
 _MOST_SHOWN = 8
+METADATA = "metadata.yaml"
+_NOTE = re.compile(r"""^\s+['"]?([\w -]+)['"]?:\s*['"]?([^'"\n]+)""", re.MULTILINE)
 _LISTED_FILE = re.compile(r"^\s*-\s*['\"]?(?:.*/)?([^/'\"\s]+\.(?:db3|mcap)(?:\.zstd?)?)['\"]?\s*$", re.MULTILINE)
 
 
@@ -192,7 +195,7 @@ def _storage_files(path: Path) -> list[Path]:
         return [path]
     try:
         names = sorted((entry.name for entry in path.iterdir() if _is_storage(entry)), key=_by_number)
-        metadata = path / "metadata.yaml"
+        metadata = path / METADATA
         listed = _LISTED_FILE.findall(metadata.read_text(encoding="utf-8")) if metadata.is_file() else []
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; check its permissions") from error
@@ -277,7 +280,16 @@ def _recognises(path: Path) -> bool:
 
 def _read(path: Path, options: ReadOptions) -> Recording:
     with ExitStack() as stack:
-        return read_messages(path, _open(path, stack), options)
+        recording = read_messages(path, _open(path, stack), options)
+    return replace(recording, serial=serial_in(_custom_data(path / METADATA)))
+
+
+def _custom_data(metadata: Path) -> dict[str, str]:
+    """Return the notes that metadata.yaml carries of its own (``ros2 bag record --custom-data``)."""
+    if not metadata.is_file():
+        return {}
+    _, _, below = metadata.read_text(encoding="utf-8").partition("custom_data:")
+    return dict(_NOTE.findall(below))
 
 
 def _topics(path: Path) -> tuple[Topic, ...]:

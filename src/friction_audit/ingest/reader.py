@@ -1,6 +1,6 @@
 """What a reader is: one record per container format."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import inf
@@ -11,6 +11,22 @@ from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
 
 MAPPABLE = ("t", *JOINT_CHANNELS)
 """What ``--map`` may name."""
+
+
+class SeveralArmsError(UsageError):
+    """A log holds several arms, and the user named none.
+
+    Attributes:
+        topics: What ``--topic`` may say, once for each arm.
+    """
+
+    def __init__(self, message: str, topics: Sequence[str]) -> None:
+        super().__init__(message, tuple(topics))
+        self.topics = tuple(topics)
+
+    def __str__(self) -> str:
+        """Return the message."""
+        return str(self.args[0])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,6 +79,7 @@ class Recording:
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of t = 0, or None when the clock does not tell. [s]
         robot: Robot told by joint names or message types, or ``"unknown"``.
+        serial: Serial number of the arm as the file states it, empty if it does not.
         topic: Topic read, or None.
         mapping: Channel -> name in the file, with ``{i}``.
         findings: What the reader itself noticed (a truncated file, a topic without content).
@@ -74,6 +91,7 @@ class Recording:
     clock: str = "column"
     start_s: float | None = None
     robot: str = "unknown"
+    serial: str = ""
     topic: str | None = None
     mapping: Mapping[str, str] = field(default_factory=dict)
     findings: tuple[Finding, ...] = ()

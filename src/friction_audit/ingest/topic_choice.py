@@ -6,12 +6,12 @@ from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError
 from friction_audit.ingest.decoded_row import Row
 from friction_audit.ingest.joint_messages import MessageKind
-from friction_audit.ingest.joint_order import UNNAMED_ARM, arms_in
+from friction_audit.ingest.joint_order import UNNAMED_ARM, arm_name, arms_in
 from friction_audit.ingest.message_decoder import MessageDecoder
-from friction_audit.ingest.reader import Topic
+from friction_audit.ingest.reader import SeveralArmsError, Topic
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
 DRIVER_NODES = frozenset(
@@ -84,7 +84,7 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
 
     Raises:
         InputError: If there is nothing to read, or the topic wanted is not there.
-        UsageError: If the file holds several arms and the user named none.
+        SeveralArmsError: If the file holds several arms and the user named none.
     """
     if wanted is not None:
         name, _, arm = wanted.partition("#")
@@ -94,7 +94,8 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
     if not measured:
         raise InputError(_nothing_to_read(path, candidates, topics))
     if _several_arms(measured):
-        raise UsageError(f"{path}: several arms in one log; choose one with {_choices(measured)}")
+        message = f"{path}: several arms in one log; choose one with {_choices(measured)}"
+        raise SeveralArmsError(message, _best_of_each_arm(measured))
     best = min(measured, key=_preference)
     return Choice(best, _arm_joints(path, best, ""), _chosen_finding(best, measured))
 
@@ -106,23 +107,34 @@ def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
 
 
 def _several_arms(candidates: Sequence[Candidate]) -> bool:
-    namespaces = {_namespace(candidate.topic) for candidate in candidates} - {""}
+    namespaces = {namespace(candidate.topic) for candidate in candidates} - {""}
     prefixes = {arm for candidate in candidates for arm in candidate.arms} - {""}
     return len(namespaces) > 1 or len(prefixes) > 1
 
 
-def _namespace(topic: str) -> str:
+def namespace(topic: str) -> str:
+    """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
     return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+
+
+def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
+    """Return the best topic for each arm, arms told apart by the names of their joints, else by namespace."""
+    found: dict[str, str] = {}
+    for candidate in sorted(candidates, key=_preference):
+        for arm in candidate.arms:
+            found.setdefault(arm_name(arm) or namespace(candidate.topic), _topic(candidate, arm))
+    return [found[arm] for arm in sorted(found)]
+
+
+def _topic(candidate: Candidate, arm: str) -> str:
+    return f"{candidate.topic}#{arm or UNNAMED_ARM}" if len(candidate.arms) > 1 else candidate.topic
 
 
 def _choices(candidates: Sequence[Candidate]) -> str:
     lines = []
     for candidate in candidates:
         count = "" if candidate.messages is None else f" ({candidate.messages} messages)"
-        several = len(candidate.arms) > 1
-        lines += [
-            f"--topic '{candidate.topic}{f'#{arm or UNNAMED_ARM}' if several else ''}'{count}" for arm in candidate.arms
-        ]
+        lines += [f"--topic '{_topic(candidate, arm)}'{count}" for arm in candidate.arms]
     return " or ".join(lines)
 
 
@@ -138,7 +150,8 @@ def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...
             f"choose with {_choices([candidate])}"
         )
     if len(arms) > 1:
-        raise UsageError(f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}")
+        message = f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}"
+        raise SeveralArmsError(message, _best_of_each_arm([candidate]))
     return next(iter(arms.values()))
 
 

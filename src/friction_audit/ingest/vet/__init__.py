@@ -45,6 +45,7 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         sha256=sha256,
         format=format,
         robot=recording.robot,
+        serial=recording.serial,
         clock=recording.clock,
         start_s=None if recording.start_s is None else recording.start_s + first,
         topic=recording.topic,
