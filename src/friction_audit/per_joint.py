@@ -4,8 +4,10 @@ It pays where the work is in NumPy or in a compiled loop, which give the interpr
 """
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TypeVar
 
 Result = TypeVar("Result")
@@ -13,8 +15,22 @@ Result = TypeVar("Result")
 WORKERS = min(4, os.cpu_count() or 1)
 """Each one needs working memory for a joint of its own."""
 
+_ALONE = ContextVar("_ALONE", default=False)
+
+
+@contextmanager
+def one_joint_at_a_time() -> Iterator[None]:
+    """Work through joints one after the other in a block: where logs run side by side, joints need not."""
+    token = _ALONE.set(True)
+    try:
+        yield
+    finally:
+        _ALONE.reset(token)
+
 
 def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
     """Return the result of the work for each joint (0-based), in order."""
+    if _ALONE.get():
+        return [work(joint) for joint in range(joints)]
     with ThreadPoolExecutor(max_workers=WORKERS, thread_name_prefix="joint") as pool:
         return list(pool.map(work, range(joints)))
