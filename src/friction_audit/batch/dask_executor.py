@@ -1,0 +1,134 @@
+"""Executor on a Dask cluster: the same work, named by paths that the workers see."""
+
+import platform
+import warnings
+from collections.abc import Generator, Iterable, Iterator
+from dataclasses import dataclass
+from importlib import import_module
+from itertools import islice
+from typing import Any
+
+from friction_audit import __version__
+from friction_audit.batch.executor import Lost, Work
+from friction_audit.batch.recorded import Worked
+from friction_audit.batch.work import Task
+from friction_audit.errors import UsageError
+
+PATIENCE_S = 15.0
+"""For the scheduler's first answer."""
+PER_THREAD = 2
+"""Tasks under way for every thread of the cluster: one is worked on, one is at hand."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DaskExecutor:
+    """A Dask cluster.
+
+    Attributes:
+        address: Of its scheduler, ``tcp://host:port``.
+    """
+
+    address: str
+
+    def run(self, work: Work, tasks: Iterable[Task]) -> Generator[tuple[Task, Worked | Lost]]:
+        """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others.
+
+        Raises:
+            UsageError: If there is no scheduler or worker, or they run another version.
+        """
+        client = _connect(self.address)
+        pending: dict[Any, Task] = {}
+        try:
+            _check_workers(client, self.address)
+            yield from _run(client, work, iter(tasks), pending)
+        finally:
+            client.cancel(list(pending))
+            client.close()
+
+
+def _run(
+    client: Any,  # noqa: ANN401 - distributed has no types
+    work: Work,
+    waiting: Iterator[Task],
+    pending: dict[Any, Task],
+) -> Generator[tuple[Task, Worked | Lost]]:
+    done = _distributed().as_completed([])
+    while True:
+        room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
+        for task in islice(waiting, max(room, 0)):
+            future = client.submit(work, task, pure=False)
+            pending[future] = task
+            done.add(future)
+        if not pending:
+            return
+        future = next(done)
+        task = pending.pop(future)
+        yield task, _outcome(future, task)
+
+
+def _outcome(future: Any, task: Task) -> Worked | Lost:  # noqa: ANN401
+    error = future.exception()
+    if error is None:
+        outcome: Worked = future.result()
+        return outcome
+    said = " ".join(str(error).split())
+    return Lost(f"{task.path}: lost on the cluster: {type(error).__name__}: {said}")
+
+
+def _connect(address: str) -> Any:  # noqa: ANN401
+    try:
+        distributed = _distributed()
+    except ImportError as error:
+        raise UsageError(
+            f"--scheduler {address}: needs dask.distributed, which is not installed; install friction-audit[cluster]"
+        ) from error
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # versions are compared below, those that matter
+            return distributed.Client(address, timeout=PATIENCE_S, set_as_default=False)
+    except (OSError, ValueError, TimeoutError) as error:
+        said = " ".join(str(error).split()) or type(error).__name__
+        raise UsageError(
+            f"--scheduler {address}: no scheduler answers ({said}); expected an address such as tcp://host:8786; check "
+            "that it runs and can be reached"
+        ) from error
+
+
+def _distributed() -> Any:  # noqa: ANN401
+    return import_module("distributed")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions that have to be the same on all machines for the numbers to be the same."""
+    import numpy as np
+    import scipy
+
+    return {
+        "friction-audit": __version__,
+        "Python": ".".join(platform.python_version_tuple()[:2]),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }
+
+
+def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
+    ours = versions()
+    theirs = client.run(versions, on_error="return")
+    if not theirs:
+        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
+    for worker, found in theirs.items():
+        if isinstance(found, Exception):
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} cannot run friction-audit ({type(found).__name__}: {found}); "
+                f"install friction-audit {__version__} there"
+            )
+        unlike = [
+            f"{name} {found.get(name)} there, {version} here"
+            for name, version in ours.items()
+            if found.get(name) != version
+        ]
+        if unlike:
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} runs other versions: {', '.join(unlike)}; expected the same, "
+                "so that the numbers are; install the same on all machines"
+            )

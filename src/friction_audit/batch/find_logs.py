@@ -1,0 +1,142 @@
+"""Files, folders, globs and URLs -> the logs among them, each once, in the order of their names."""
+
+import glob
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path, PurePath
+
+from friction_audit.batch import remote
+from friction_audit.batch.log_file import LogFile, ManifestRow
+from friction_audit.batch.natural_order import natural_key
+from friction_audit.errors import InputError
+from friction_audit.ingest import READERS
+from friction_audit.ingest.fingerprint import stamp_of
+
+LEDGER = "ledger.sqlite"
+"""A folder that holds one holds results, not logs."""
+
+BAG_METADATA = "metadata.yaml"
+STORAGE_SUFFIXES = (".db3", ".mcap")
+COMPRESSED = (".zstd", ".zst")
+NEEDS_A_NAME = (".txt", ".dat", *COMPRESSED)
+"""Suffixes of too much that is no log: read where the user names the file, left alone in a folder."""
+
+SUFFIXES = tuple(
+    sorted({suffix for reader in READERS for suffix in reader.suffixes if suffix not in NEEDS_A_NAME})
+    + [storage + packed for storage in STORAGE_SUFFIXES for packed in COMPRESSED]
+)
+"""Endings of what is taken for a log in a folder."""
+
+
+def find_logs(
+    names: Sequence[str], rows: Mapping[str, ManifestRow], *, leave_out: Iterable[Path] = ()
+) -> list[LogFile]:
+    """Find the logs that a user names; those of a manifest are among them.
+
+    Args:
+        names: Files, folders (searched to the bottom), globs and URLs.
+        rows: Rows of the manifest by the place of their log.
+        leave_out: Files and folders that are no logs: the manifest itself, the folder of the results.
+
+    Raises:
+        InputError: If a name leads nowhere, or there is no log at all.
+    """
+    closed = {os.path.realpath(path) for path in leave_out}
+    found: dict[str, LogFile] = {}
+    lost: list[str] = []
+    for name in (*names, *rows):
+        logs = [log for log in _logs_of(name, closed) if os.path.realpath(log.place) not in closed]
+        if not logs:
+            lost.append(_nothing(name))
+        for log in logs:
+            key = log.place if log.is_remote else os.path.realpath(log.place)
+            found.setdefault(key, replace(log, row=rows.get(log.place)))
+    if lost:
+        raise InputError("; ".join(lost))
+    if not found:
+        raise InputError("no log was named; give files, folders, globs or URLs, or a manifest that names some")
+    return sorted(found.values(), key=lambda log: natural_key(log.path))
+
+
+def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
+    if "://" in name:
+        return remote.find(name, SUFFIXES, bag_folders)
+    path = Path(name)
+    if path.is_dir():
+        return [] if os.path.realpath(path) in closed else list(_logs_in(path, closed))
+    if path.exists():
+        return [_local(path, ())]
+    if not glob.has_magic(name):
+        return []
+    matches = sorted(glob.glob(name, recursive=True), key=natural_key)  # noqa: PTH207 - Path knows no absolute patterns
+    return [log for match in matches for log in _logs_of(match, closed)]
+
+
+def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
+    """Walk through a folder; a folder that is a bag is one log, and results of this program are none."""
+    for folder, folders, files in os.walk(top):
+        here = Path(folder)
+        if LEDGER in files or os.path.realpath(here) in closed:
+            folders.clear()
+            continue
+        folders[:] = sorted((name for name in folders if not name.startswith(".")), key=natural_key)
+        around = _folders_around(top, here)
+        if is_bag(here.resolve().name, files):
+            folders.clear()
+            yield _local(here, around[1:])
+            continue
+        for file in sorted(files, key=natural_key):
+            if is_log_name(file):
+                yield _local(here / file, around)
+
+
+def _folders_around(top: Path, here: Path) -> tuple[str, ...]:
+    """Return the names of the folders from here up to the one that the user named."""
+    inner = here.relative_to(top).parts
+    return (*reversed(inner), top.resolve().name)
+
+
+def is_log_name(file: str) -> bool:
+    """Return True if a file in a folder is taken for a log."""
+    return not file.startswith(".") and file.lower().endswith(SUFFIXES)
+
+
+def is_bag(folder: str, files: Sequence[str]) -> bool:
+    """Return True if a folder is one ROS 2 bag: it says so, or its storage files are called as it is."""
+    storage = [name for name in files if name.lower().endswith(tuple(s for s in SUFFIXES if _is_storage(s)))]
+    named = [PurePath(name.removesuffix(".zstd").removesuffix(".zst")).stem for name in storage]
+    parts = [stem.rpartition("_") for stem in named]
+    return bool(storage) and (
+        BAG_METADATA in files or all(head == folder and tail.isdecimal() for head, _, tail in parts)
+    )
+
+
+def bag_folders(listing: Mapping[str, Sequence[str]]) -> set[str]:
+    """Return the folders of a listing (folder -> its files) that are bags."""
+    return {folder for folder, files in listing.items() if is_bag(folder.rstrip("/").rpartition("/")[2], files)}
+
+
+def _is_storage(suffix: str) -> bool:
+    return suffix.startswith(STORAGE_SUFFIXES)
+
+
+def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
+    place = path.absolute()
+    try:
+        stamp = stamp_of(path)
+    except OSError as error:
+        raise InputError(f"{path}: cannot be looked at: {error.strerror}; check its permissions") from error
+    around = folders or (place.parent.name,)
+    return LogFile(path=str(path), place=str(place), folders=around, size=stamp.size, changed=str(stamp.changed_ns))
+
+
+def _nothing(name: str) -> str:
+    kinds = " ".join(SUFFIXES)
+    if "://" in name:
+        return f"{name}: no log there; expected files that end in {kinds}, or the folder of a ROS 2 bag"
+    if Path(name).is_dir():
+        return f"{name}: no log in this folder or below; expected files that end in {kinds}, or folders of ROS 2 bags"
+    if glob.has_magic(name):
+        return f"{name}: no file matches; check the path and the pattern"
+    return f"{name}: no such file or directory; check the path"

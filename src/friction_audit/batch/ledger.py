@@ -1,0 +1,282 @@
+"""Ledger: an SQLite file that keeps what came of every log, for ever, by its content and the settings.
+
+Every log is one transaction, so that a run that is killed at any moment loses nothing that was finished, and runs side
+by side on one ledger only find each other's work done.
+"""
+
+import sqlite3
+from collections import defaultdict
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import Self
+
+from friction_audit.batch import ledger_rows as rows
+from friction_audit.batch.ledger_schema import APPLICATION_ID, SCHEMA_VERSION, TABLES
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.recorded import Fault, Recorded, Worked
+from friction_audit.batch.settings import BatchSettings
+from friction_audit.drift.session import Session
+from friction_audit.errors import InputError
+
+BUSY_S = 60.0
+"""How long to wait while another run writes."""
+BESIDE = ("", "-wal", "-shm")
+"""Endings of the files that a ledger is made of while it is open."""
+AT_ONCE = 500
+"""Keys per question: SQLite takes no more than a thousand."""
+
+
+class Ledger:
+    """The sessions that are known.
+
+    Args:
+        path: The file, made if it is not there.
+
+    Raises:
+        InputError: If it is no ledger, or of a version that this program does not know, or it cannot be written to.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            self._database = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
+        except (OSError, sqlite3.Error) as error:
+            raise InputError(f"{path}: cannot be made or opened: {error}; choose another folder with -o") from error
+        self._database.row_factory = sqlite3.Row
+        try:
+            with self._told():
+                self._set_up()
+        except BaseException:
+            self._database.close()
+            raise
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Close the file; nothing is written here that was not safe before."""
+        self._database.close()
+
+    def known_hash(self, log: LogFile) -> str | None:
+        """Return the hash of a log's content if the log has not changed since it was last looked at."""
+        query = "SELECT sha256 FROM files WHERE place = ? AND size = ? AND changed = ?"
+        row = self._ask(query, (log.place, log.size, log.changed)).fetchone()
+        return None if row is None else str(row["sha256"])
+
+    def known_sizes(self) -> set[int]:
+        """Return the sizes of all logs that were looked at; content of another size is new."""
+        return {row["size"] for row in self._ask("SELECT DISTINCT size FROM files")}
+
+    def remember(self, log: LogFile, sha256: str) -> None:
+        """Keep the hash of a log's content."""
+        with self._transaction():
+            self._remember(log, sha256)
+
+    def is_done(self, sha256: str, settings: str) -> bool:
+        """Return True if nothing new would come of a log."""
+        where = "WHERE sha256 = :sha256 AND settings = :settings"
+        query = f"""SELECT
+            (EXISTS (SELECT 1 FROM sessions {where}) OR EXISTS (SELECT 1 FROM failed {where} AND lasting))
+            AND NOT EXISTS (SELECT 1 FROM failed {where} AND NOT lasting)"""  # noqa: S608
+        return bool(self._ask(query, {"sha256": sha256, "settings": settings}).fetchone()[0])
+
+    def save(self, log: LogFile, settings: BatchSettings, worked: Worked) -> None:
+        """Keep what came of a log, all of it or nothing."""
+        key = settings.key()
+        with self._transaction():
+            self._database.execute("INSERT OR IGNORE INTO settings VALUES (?, ?)", (key, settings.text()))
+            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, log.place))
+            if worked.sha256:
+                self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
+                self._remember(log, worked.sha256)
+            for recorded in worked.recorded:
+                self._save_session(recorded, key)
+            for fault in worked.faults:
+                self._save_fault(log, key, worked.sha256, fault)
+
+    def recorded(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Recorded, ...]]:
+        """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
+        found: dict[str, tuple[Recorded, ...]] = {}
+        for some in _in_lots(dict.fromkeys(hashes)):
+            chosen = f"FROM sessions WHERE settings = ? AND sha256 IN ({_marks(some)})"
+            joints = self._by_session("joints", chosen, settings, some)
+            coefficients = self._by_session("coefficients", chosen, settings, some)
+            for row in self._ask(f"SELECT * {chosen} ORDER BY topic", (settings, *some)):
+                of_joint: dict[int, list[sqlite3.Row]] = defaultdict(list)
+                for one in coefficients[row["id"]]:
+                    of_joint[one["joint"]].append(one)
+                recorded = rows.recorded_from(row, joints[row["id"]], of_joint)
+                found[row["sha256"]] = (*found.get(row["sha256"], ()), recorded)
+        return found
+
+    def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
+        """Return what is lastingly wrong with logs, by the hash of their content."""
+        found: dict[str, dict[str, Fault]] = defaultdict(dict)
+        for some in _in_lots(dict.fromkeys(hashes)):
+            query = f"SELECT * FROM failed WHERE settings = ? AND sha256 IN ({_marks(some)}) AND lasting ORDER BY topic"  # noqa: S608
+            for row in self._ask(query, (settings, *some)):
+                found[row["sha256"]][row["topic"]] = Fault(
+                    message=row["message"].removeprefix(f"{row['path']}: "), topic=row["topic"]
+                )
+        return {sha256: tuple(faults.values()) for sha256, faults in found.items()}
+
+    def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:
+        """Write which arm sessions are of, and when they were, beside their numbers; each with its topic."""
+        query = """UPDATE sessions SET path = :path, robot = :robot, start_s = :start_s, start_from = :start_from,
+            payload = :payload, temperature_c = :temperature_c, note = :note
+            WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic AND (path, robot, start_s, start_from,
+            payload, temperature_c, note)
+            IS NOT (:path, :robot, :start_s, :start_from, :payload, :temperature_c, :note)"""
+        values = [
+            {
+                "path": session.path,
+                "robot": session.robot,
+                "start_s": session.start_s,
+                "start_from": session.start_from,
+                "payload": session.conditions.payload,
+                "temperature_c": session.temperature_c,
+                "note": session.note,
+                "sha256": session.sha256,
+                "settings": settings,
+                "topic": topic,
+            }
+            for session, topic in named
+        ]
+        with self._transaction():
+            self._database.executemany(query, values)
+
+    def note(self, key: str) -> str | None:
+        """Return a note about the ledger as a whole."""
+        row = self._ask("SELECT value FROM meta WHERE key = ?", (key,)).fetchone()
+        return None if row is None else str(row["value"])
+
+    def write_note(self, key: str, value: str) -> None:
+        """Keep a note about the ledger as a whole."""
+        with self._transaction():
+            self._database.execute("INSERT OR REPLACE INTO meta VALUES (?, ?)", (key, value))
+
+    def _set_up(self) -> None:
+        """Make the tables of an empty file; refuse a file that is something else."""
+        version = self._pragma("user_version")
+        holds_tables = self._ask("SELECT 1 FROM sqlite_master LIMIT 1").fetchone() is not None
+        if holds_tables and self._pragma("application_id") != APPLICATION_ID:
+            raise InputError(f"{self.path}: an SQLite database, but no ledger; {_MOVE_ON}")
+        if version > SCHEMA_VERSION:
+            raise InputError(
+                f"{self.path}: a ledger of schema {version}; this friction-audit knows {SCHEMA_VERSION}; use the newer "
+                "one that made it, or --rebuild to move it aside and compute anew"
+            )
+        self._database.execute("PRAGMA journal_mode = WAL")
+        self._database.execute("PRAGMA synchronous = NORMAL")
+        if version == SCHEMA_VERSION:
+            return
+        with self._transaction():
+            for table in TABLES:
+                self._database.execute(table)
+            self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
+            self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+
+    def _pragma(self, name: str) -> int:
+        return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
+
+    def _save_session(self, recorded: Recorded, settings: str) -> None:
+        statement = rows.insert("sessions", rows.SESSION_COLUMNS)
+        cursor = self._database.execute(statement, rows.session_row(recorded, settings))
+        if cursor.rowcount == 0:
+            return  # another run was faster
+        key, joints = cursor.lastrowid, recorded.session.joints
+        assert key is not None
+        self._database.executemany(rows.insert("joints", rows.JOINT_COLUMNS), rows.joint_rows(key, joints))
+        statement = rows.insert("coefficients", rows.COEFFICIENT_COLUMNS)
+        self._database.executemany(statement, rows.coefficient_rows(key, joints))
+
+    def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
+        values = (log.place, settings, fault.topic, sha256, log.path, fault.message, fault.lasting, fault.detail)
+        self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
+
+    def _remember(self, log: LogFile, sha256: str) -> None:
+        values = (log.place, log.size, log.changed, sha256)
+        self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
+
+    def _by_session(
+        self, table: str, chosen: str, settings: str, hashes: tuple[str, ...]
+    ) -> Mapping[int, list[sqlite3.Row]]:
+        found: dict[int, list[sqlite3.Row]] = defaultdict(list)
+        query = f"SELECT * FROM {table} WHERE session IN (SELECT id {chosen}) ORDER BY session, joint"  # noqa: S608
+        for row in self._ask(query, (settings, *hashes)):
+            found[row["session"]].append(row)
+        return found
+
+    def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> sqlite3.Cursor:
+        with self._told():
+            return self._database.execute(query, values)
+
+    @contextmanager
+    def _transaction(self) -> Iterator[None]:
+        with self._told():
+            self._database.execute("BEGIN IMMEDIATE")
+            try:
+                yield
+            except BaseException:
+                self._database.rollback()
+                raise
+            self._database.commit()
+
+    @contextmanager
+    def _told(self) -> Iterator[None]:
+        """Turn what SQLite says into words for people."""
+        try:
+            yield
+        except sqlite3.DatabaseError as error:
+            if getattr(error, "sqlite_errorname", "") == "SQLITE_NOTADB":
+                raise InputError(f"{self.path}: no SQLite database, and so no ledger; {_MOVE_ON}") from error
+            raise InputError(
+                f"{self.path}: {error}; check that its folder can be written to, is not full and lies on a disk of "
+                f"this machine; if the file is broken, {_MOVE_ON}"
+            ) from error
+
+
+_MOVE_ON = "choose another folder with -o, or --rebuild to move it aside and compute anew"
+
+
+def move_aside(path: Path) -> Path | None:
+    """Give a ledger another name, so that a new one can be begun; return that name, or None if there was none.
+
+    Raises:
+        InputError: If it cannot be renamed.
+    """
+    if not path.exists():
+        return None
+    number = next(n for n in range(1, 1_000_000) if not _aside(path, n).exists())
+    target = _aside(path, number)
+    try:
+        for ending in BESIDE:  # what has not been copied from the log of changes yet goes with it
+            part = path.with_name(path.name + ending)
+            if part.exists():
+                part.rename(target.with_name(target.name + ending))
+    except OSError as error:
+        raise InputError(f"{path}: cannot be moved aside: {error.strerror}; check the folder's permissions") from error
+    return target
+
+
+def _aside(path: Path, number: int) -> Path:
+    return path.with_name(f"{path.stem}-{number}{path.suffix}")
+
+
+def _marks(keys: tuple[str, ...]) -> str:
+    """Return a placeholder for each key: values never become part of a question."""
+    return ", ".join("?" * len(keys))
+
+
+def _in_lots(keys: Iterable[str]) -> Iterator[tuple[str, ...]]:
+    every = tuple(keys)
+    for first in range(0, len(every), AT_ONCE):
+        yield every[first : first + AT_ONCE]

@@ -1,0 +1,144 @@
+"""Recorded <-> rows of the ledger's tables; NaN is NULL there, lists are JSON."""
+
+import json
+import math
+import sqlite3
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import Any
+
+from friction_audit.batch.recorded import Recorded
+from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+
+Row = tuple[Any, ...]
+NAN = float("nan")
+
+SESSION_COLUMNS = (
+    "sha256", "settings", "topic", "path", "robot", "start_s", "start_from", "duration_s", "drive", "torque", "gravity",
+    "inertia", "payload", "rate_hz", "temperature_c", "note", "kind", "told_robot", "told_by_serial", "told_start_s",
+    "damaged", "warnings",
+)  # fmt: skip
+JOINT_COLUMNS = (
+    "session", "joint", "name", "cycles", "moving_s", "speed_low_rad_s", "speed_median_rad_s", "speed_high_rad_s",
+    "temperature_c", "reason", "verdict", "effects", "curve",
+)  # fmt: skip
+COEFFICIENT_COLUMNS = (
+    "session", "joint", "coefficient", "value", "low", "high", "within_value", "within_low", "within_high",
+)  # fmt: skip
+
+
+def insert(table: str, columns: Sequence[str]) -> str:
+    """Return the statement that inserts a row, unless it is there already."""
+    marks = ", ".join("?" * len(columns))
+    return f"INSERT OR IGNORE INTO {table} ({', '.join(columns)}) VALUES ({marks})"  # noqa: S608 - names of this module
+
+
+def session_row(recorded: Recorded, settings: str) -> Row:
+    """Return the row of a session, its name and start as the log tells them."""
+    session, conditions = recorded.session, recorded.session.conditions
+    return (
+        session.sha256, settings, recorded.topic, session.path, session.robot, session.start_s, session.start_from,
+        session.duration_s, conditions.drive, conditions.torque, conditions.gravity, conditions.inertia,
+        conditions.payload, conditions.rate_hz, session.temperature_c, session.note, recorded.kind, session.robot,
+        recorded.named_by_serial, session.start_s, session.damaged, _list_text(session.warnings),
+    )  # fmt: skip
+
+
+def joint_rows(key: int, joints: Iterable[JointSummary]) -> Iterator[Row]:
+    """Yield a row for each joint of a session."""
+    for joint in joints:
+        speeds = tuple(map(_number, joint.speed_rad_s))
+        temperature = None if joint.temperature_c is None else _number(joint.temperature_c)
+        yield (
+            key, joint.joint, joint.name, joint.cycles, joint.moving_s, *speeds, temperature, joint.reason,
+            joint.verdict, _list_text(joint.effects), _curve_text(joint.curve),
+        )  # fmt: skip
+
+
+def coefficient_rows(key: int, joints: Iterable[JointSummary]) -> Iterator[Row]:
+    """Yield a row for each coefficient of each joint of a session."""
+    for joint in joints:
+        for name, estimate in joint.coefficients.items():
+            within = joint.within.get(name, UNDETERMINED)
+            numbers = (estimate.value, estimate.low, estimate.high, within.value, within.low, within.high)
+            yield (key, joint.joint, name, *map(_number, numbers))
+
+
+def recorded_from(
+    row: sqlite3.Row, joints: Iterable[sqlite3.Row], coefficients: Mapping[int, Sequence[sqlite3.Row]]
+) -> Recorded:
+    """Return what the rows of a session say, as the log tells it."""
+    session = Session(
+        path=row["path"],
+        sha256=row["sha256"],
+        robot=row["told_robot"],
+        start_s=row["told_start_s"],
+        start_from="nothing" if row["told_start_s"] is None else "log",
+        duration_s=row["duration_s"],
+        conditions=Conditions(
+            drive=row["drive"],
+            torque=row["torque"],
+            gravity=row["gravity"],
+            inertia=row["inertia"],
+            rate_hz=row["rate_hz"],
+        ),
+        joints=tuple(_joint_from(joint, coefficients.get(joint["joint"], ())) for joint in joints),
+        warnings=tuple(json.loads(row["warnings"])),
+        damaged=bool(row["damaged"]),
+    )
+    return Recorded(session=session, topic=row["topic"], kind=row["kind"], named_by_serial=bool(row["told_by_serial"]))
+
+
+def _joint_from(row: sqlite3.Row, coefficients: Sequence[sqlite3.Row]) -> JointSummary:
+    return JointSummary(
+        joint=row["joint"],
+        name=row["name"],
+        coefficients={one["coefficient"]: _coefficient(one, "") for one in coefficients},
+        cycles=row["cycles"],
+        moving_s=row["moving_s"],
+        speed_rad_s=(
+            _or_nan(row["speed_low_rad_s"]),
+            _or_nan(row["speed_median_rad_s"]),
+            _or_nan(row["speed_high_rad_s"]),
+        ),
+        temperature_c=row["temperature_c"],
+        within={one["coefficient"]: _coefficient(one, "within_") for one in coefficients},
+        curve=_curve_from(row["curve"]),
+        reason=row["reason"],
+        verdict=row["verdict"],
+        effects=tuple(json.loads(row["effects"])),
+    )
+
+
+def _coefficient(row: sqlite3.Row, prefix: str) -> Coefficient:
+    if prefix:
+        value, low, high = row["within_value"], row["within_low"], row["within_high"]
+    else:
+        value, low, high = row["value"], row["low"], row["high"]
+    return Coefficient(value=_or_nan(value), low=_or_nan(low), high=_or_nan(high))
+
+
+def _number(value: float) -> float | None:
+    return None if math.isnan(value) else value
+
+
+def _or_nan(value: float | None) -> float:
+    return NAN if value is None else value
+
+
+def _list_text(items: Sequence[str]) -> str:
+    return json.dumps(list(items), ensure_ascii=False)
+
+
+def _curve_text(curve: SpeedCurve) -> str:
+    columns = {"speed_rad_s": curve.speed_rad_s, "torque_nm": curve.torque_nm, "spread_nm": curve.spread_nm}
+    return json.dumps(columns, separators=(",", ":"))
+
+
+def _curve_from(text: str) -> SpeedCurve:
+    columns = json.loads(text)
+    return SpeedCurve(
+        speed_rad_s=tuple(columns["speed_rad_s"]),
+        torque_nm=tuple(columns["torque_nm"]),
+        spread_nm=tuple(columns["spread_nm"]),
+    )

@@ -1,0 +1,52 @@
+"""LogFile: one log of a batch, before anybody has opened it."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ManifestRow:
+    """What a manifest says of a log; None or empty where it says nothing.
+
+    Attributes:
+        line: Line of the manifest, for messages.
+        path: The log.
+        start_s: Unix time of the start. [s]
+        robot: Which arm.
+        temperature_c: Temperature of the session. [degC]
+        payload: What the arm carried.
+        note: For people.
+    """
+
+    line: int
+    path: str
+    start_s: float | None = None
+    robot: str = ""
+    temperature_c: float | None = None
+    payload: str = ""
+    note: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LogFile:
+    """One log: a file, the directory of a ROS 2 bag, or the URL of either.
+
+    Attributes:
+        path: As found, for people.
+        place: Where a worker finds it: an absolute path, or a URL.
+        folders: Names of the folders that it lies in, the innermost first, no further than what the user named.
+        size: Bytes, of all files of a bag; -1 where nobody tells.
+        changed: When it was last changed, in the words of its file system; empty where nobody tells.
+        row: What the manifest says of it, or None.
+    """
+
+    path: str
+    place: str
+    folders: tuple[str, ...]
+    size: int
+    changed: str
+    row: ManifestRow | None = None
+
+    @property
+    def is_remote(self) -> bool:
+        """True if it is named by a URL."""
+        return "://" in self.place

@@ -1,0 +1,128 @@
+"""Logs named by URLs: found and fetched with fsspec."""
+
+import tempfile
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.natural_order import natural_key
+from friction_audit.errors import InputError, UsageError
+
+VERSION_KEYS = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "updated", "created")
+"""Where file systems tell whether a file has changed, the surest first."""
+
+BagFolders = Callable[[Mapping[str, Sequence[str]]], set[str]]
+
+
+def find(url: str, suffixes: Sequence[str], bag_folders: BagFolders) -> list[LogFile]:
+    """Return the logs at a URL: the file itself, or those in a folder or that match a glob.
+
+    Raises:
+        InputError: If the place cannot be reached.
+        UsageError: If what it takes to reach it is not installed.
+    """
+    system, path = _open(url)
+    try:
+        if any(mark in path for mark in "*["):
+            return [log for match in sorted(system.glob(path), key=natural_key) for log in _at(system, match, ())]
+        if path.lower().endswith(tuple(suffixes)) and not system.isdir(path):
+            return _at(system, path, ()) if system.exists(path) else []
+        return list(_below(system, path, suffixes, bag_folders))
+    except _UNREACHABLE as error:
+        raise _unreachable(url, error) from error
+
+
+@contextmanager
+def fetched(place: str) -> Iterator[Path]:
+    """Yield a local copy of a log, under its own name; it is gone after the block.
+
+    Raises:
+        InputError: If it cannot be fetched.
+        UsageError: If what it takes is not installed.
+    """
+    system, path = _open(place)
+    with tempfile.TemporaryDirectory(prefix="friction-audit-") as folder:
+        copy = Path(folder) / path.rstrip("/").rpartition("/")[2]
+        try:
+            if system.isdir(path):
+                copy.mkdir()
+                for file in system.find(path):
+                    system.get_file(file, str(copy / file.rpartition("/")[2]))
+            else:
+                system.get_file(path, str(copy))
+        except _UNREACHABLE as error:
+            raise _unreachable(place, error) from error
+        yield copy
+
+
+def _open(url: str) -> tuple[Any, str]:
+    """Return the file system of a URL and the path on it."""
+    try:
+        from fsspec.core import url_to_fs
+    except ImportError as error:
+        raise UsageError(
+            f"{url}: URLs are read with fsspec, which is not installed; install friction-audit[remote]"
+        ) from error
+    try:
+        system, path = url_to_fs(url)
+    except ImportError as error:
+        raise UsageError(f"{url}: {error}") from error
+    except ValueError as error:
+        raise UsageError(f"{url}: {error}; check the part before ://") from error
+    return system, str(path)
+
+
+def _below(system: Any, top: str, suffixes: Sequence[str], bag_folders: BagFolders) -> Iterator[LogFile]:  # noqa: ANN401
+    listing = {folder: files for folder, files in _walk(system, top) if "ledger.sqlite" not in files}
+    bags = bag_folders(listing)
+    for folder in sorted(listing, key=natural_key):
+        around = _around(top, folder)
+        if folder in bags:
+            yield from _at(system, folder, around[1:])
+            continue
+        if any(folder.startswith(f"{bag.rstrip('/')}/") for bag in bags):
+            continue
+        for file in sorted(listing[folder], key=natural_key):
+            if not file.startswith(".") and file.lower().endswith(tuple(suffixes)):
+                yield from _at(system, f"{folder.rstrip('/')}/{file}", around)
+
+
+def _walk(system: Any, top: str) -> Iterator[tuple[str, list[str]]]:  # noqa: ANN401 - fsspec has no types
+    for folder, _, files in system.walk(top):
+        yield folder, list(files)
+
+
+def _around(top: str, folder: str) -> tuple[str, ...]:
+    inner = [part for part in folder.removeprefix(top.rstrip("/")).split("/") if part]
+    return (*reversed(inner), top.rstrip("/").rpartition("/")[2])
+
+
+def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # noqa: ANN401
+    url = system.unstrip_protocol(path)
+    infos = [system.info(file) for file in (system.find(path) if system.isdir(path) else [path])]
+    sizes = [info.get("size") for info in infos]
+    around = folders or (path.rstrip("/").rpartition("/")[0].rpartition("/")[2],)
+    return [
+        LogFile(
+            path=url,
+            place=url,
+            folders=around,
+            size=-1 if None in sizes else sum(sizes),
+            changed="" if not all(map(_version, infos)) else " ".join(map(_version, infos)),
+        )
+    ]
+
+
+def _version(info: Mapping[str, Any]) -> str:
+    return next((str(info[key]) for key in VERSION_KEYS if info.get(key)), "")
+
+
+_UNREACHABLE = (OSError, RuntimeError, ValueError)
+"""What file systems of fsspec raise where a place cannot be reached or nobody may look at it."""
+
+
+def _unreachable(url: str, error: Exception) -> InputError:
+    said = " ".join(str(error).split()) or type(error).__name__
+    return InputError(f"{url}: cannot be read: {said}; check the address and your access to it")

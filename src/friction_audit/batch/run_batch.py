@@ -1,0 +1,198 @@
+"""The whole way of a batch: what is known is taken from the ledger, what is new goes to the workers, each log once."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from friction_audit.batch.executor import Executor, Lost
+from friction_audit.batch.identity import identify, name_of
+from friction_audit.batch.ledger import Ledger
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.recorded import Fault, Recorded, Worked
+from friction_audit.batch.settings import BatchSettings
+from friction_audit.batch.work import Task, task_of, work_on
+from friction_audit.drift.session import Session
+from friction_audit.ingest.fingerprint import sha256_of
+
+
+@dataclass(frozen=True, slots=True)
+class Failed:
+    """A log, or an arm of one, without a session."""
+
+    path: str
+    message: str
+
+
+@dataclass(frozen=True, slots=True)
+class Progress:
+    """How far a batch has come: logs that are finished, of those that were new, and how many of them failed."""
+
+    done: int
+    total: int
+    failed: int
+
+
+Watch = Callable[[Progress], None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatchResult:
+    """What came of a batch.
+
+    Attributes:
+        sessions: By robot, in order.
+        failed: Logs without a session, in the order of their names.
+        new: How many logs were worked on in this run.
+        known: How many were known before.
+        warnings: What was noticed about the logs as a whole, one sentence each.
+    """
+
+    sessions: tuple[Session, ...]
+    failed: tuple[Failed, ...]
+    new: int
+    known: int
+    warnings: tuple[str, ...]
+
+
+def run_batch(
+    logs: Sequence[LogFile],
+    settings: BatchSettings,
+    ledger: Ledger,
+    executor: Executor,
+    watch: Watch,
+    *,
+    backwards: bool = False,
+) -> BatchResult:
+    """Work through logs and return the session of each.
+
+    Args:
+        logs: The logs, in the order of their names.
+        settings: What is done with each.
+        ledger: What is known, and where it is kept.
+        executor: What runs the work.
+        watch: Told how far it is, at the beginning and after every log.
+        backwards: Begin with the last one: beside another run, so that the two meet halfway.
+    """
+    key = settings.key()
+    hashes = _hashes(logs, ledger)
+    first, copies = _first_of_each(logs, hashes)
+    new = [log for log in first if log.place not in hashes or not ledger.is_done(hashes[log.place], key)]
+    passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
+    hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
+    first, late_copies = _first_of_each(first, hashes)
+    pairs, failed = _gather(first, hashes, ledger, key, passing)
+    named = identify(pairs)
+    _name_sessions(pairs, named.sessions, ledger, key)
+    return BatchResult(
+        sessions=named.sessions,
+        failed=tuple(failed),
+        new=len(new),
+        known=len(logs) - len(new) - len(copies),
+        warnings=(*copies, *late_copies, *named.warnings),
+    )
+
+
+def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
+    """Return the hash of every log whose content may have been seen before, by its place.
+
+    Where a log is not known by its size and its time, content of a size that nobody has seen is new: it is hashed when
+    it is read. Of other logs the hash is taken here.
+    """
+    known = {log.place: sha256 for log in logs if (sha256 := ledger.known_hash(log)) is not None}
+    strange = [log for log in logs if log.place not in known and not log.is_remote]
+    count = Counter(log.size for log in strange)
+    seen = ledger.known_sizes()
+    familiar = [log for log in strange if log.size in seen or count[log.size] > 1]
+    with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
+        for log, sha256 in zip(familiar, pool.map(_hash, familiar), strict=True):
+            if sha256 is not None:
+                known[log.place] = sha256
+                ledger.remember(log, sha256)
+    return known
+
+
+def _hash(log: LogFile) -> str | None:
+    """Return the hash of a log, or None where it cannot be read: the worker will say why."""
+    try:
+        return sha256_of(Path(log.place))
+    except OSError:
+        return None
+
+
+def _first_of_each(logs: Sequence[LogFile], hashes: dict[str, str]) -> tuple[list[LogFile], list[str]]:
+    """Return the logs without further copies of the same content, and a warning for each of those."""
+    first: dict[str, LogFile] = {}
+    warnings = []
+    for log in logs:
+        content = hashes.get(log.place, log.place)
+        other = first.setdefault(content, log)
+        if other is not log:
+            warnings.append(f"{log.path}: the same recording as {other.path}, byte for byte; it counts once")
+    return list(first.values()), warnings
+
+
+def _work_through(
+    new: Sequence[LogFile], settings: BatchSettings, ledger: Ledger, executor: Executor, watch: Watch
+) -> dict[str, tuple[Fault, ...]]:
+    """Work on new logs and save what comes of each at once; return what went wrong without being the log's fault."""
+    by_place = {log.place: log for log in new}
+    key = settings.key()
+    done = failed = 0
+    passing: dict[str, tuple[Fault, ...]] = {}
+    watch(Progress(0, len(new), 0))
+
+    def tasks() -> Iterator[Task]:
+        nonlocal done
+        for log in new:
+            sha256 = ledger.known_hash(log)
+            if sha256 is None or not ledger.is_done(sha256, key):
+                yield task_of(log)
+            else:  # by another run
+                done += 1
+
+    with closing(executor.run(partial(work_on, settings), tasks())) as outcomes:
+        for task, outcome in outcomes:
+            worked = _as_worked(outcome)
+            log = by_place[task.place]
+            ledger.save(log, settings, worked)
+            passing[log.place] = tuple(fault for fault in worked.faults if not fault.lasting)
+            done, failed = done + 1, failed + bool(worked.faults)
+            watch(Progress(done, len(new), failed))
+    return passing
+
+
+def _as_worked(outcome: Worked | Lost) -> Worked:
+    if isinstance(outcome, Lost):
+        return Worked(sha256="", faults=(Fault(message=outcome.message, lasting=False),))
+    return outcome
+
+
+def _gather(
+    logs: Sequence[LogFile],
+    hashes: dict[str, str],
+    ledger: Ledger,
+    key: str,
+    passing: dict[str, tuple[Fault, ...]],
+) -> tuple[list[tuple[LogFile, Recorded]], list[Failed]]:
+    """Return every session with its log, and every log without one."""
+    recorded, faults = ledger.recorded(hashes.values(), key), ledger.faults(hashes.values(), key)
+    pairs: list[tuple[LogFile, Recorded]] = []
+    failed: list[Failed] = []
+    for log in logs:
+        sha256 = hashes.get(log.place, "")
+        pairs += [(log, one) for one in recorded.get(sha256, ())]
+        failed += [Failed(name_of(log, one.topic), f"{log.path}: {one.message}") for one in faults.get(sha256, ())]
+        failed += [Failed(name_of(log, one.topic), one.message) for one in passing.get(log.place, ())]
+    return pairs, failed
+
+
+def _name_sessions(
+    pairs: Sequence[tuple[LogFile, Recorded]], sessions: Sequence[Session], ledger: Ledger, key: str
+) -> None:
+    """Write names and starts beside the numbers, for whoever reads the ledger."""
+    topics = {name_of(log, one.topic): one.topic for log, one in pairs}
+    ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)

@@ -1,0 +1,153 @@
+"""What a worker does with one log: read it, run the chain, keep the summary.
+
+A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled.
+"""
+
+import socket
+import traceback
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from friction_audit.audit import Estimate, diagnose_estimate, estimate_log
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.recorded import Fault, Recorded, Worked
+from friction_audit.batch.remote import fetched
+from friction_audit.batch.settings import BatchSettings
+from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.drift.session import Session
+from friction_audit.drift.summarise import conditions_of, summarise_joints
+from friction_audit.errors import FrictionAuditError, InputError
+from friction_audit.ingest import SeveralArmsError, arm_told_by, read_log
+from friction_audit.ingest.fingerprint import sha256_of
+from friction_audit.per_joint import one_joint_at_a_time
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Task:
+    """A log to be worked on: what people call it, and where a worker finds it."""
+
+    path: str
+    place: str
+
+
+def task_of(log: LogFile) -> Task:
+    """Return the task that a log is."""
+    return Task(path=log.path, place=log.place)
+
+
+def work_on(settings: BatchSettings, task: Task) -> Worked:
+    """Estimate every arm of a log; whatever is wrong with the log, or with the program, is part of the result."""
+    try:
+        with _at_hand(task) as path, one_joint_at_a_time():
+            # Names that only the worker knows are no help to anybody.
+            return _renamed(_work_on(settings, path), str(path), task.path)
+    except FrictionAuditError as error:
+        return Worked(sha256="", faults=(Fault(message=str(error), lasting=False),))
+
+
+@contextmanager
+def _at_hand(task: Task) -> Iterator[Path]:
+    """Yield the log as a file of this machine.
+
+    Raises:
+        InputError: If it is not to be seen from here.
+    """
+    if "://" in task.place:
+        with fetched(task.place) as path:
+            yield path
+        return
+    path = Path(task.place)
+    if not path.exists():
+        raise InputError(
+            f"{path}: not to be found on {socket.gethostname()}, where it should be read; give a path that every "
+            "worker sees"
+        )
+    yield path
+
+
+def _work_on(settings: BatchSettings, path: Path) -> Worked:
+    try:
+        return _arm(settings, path, "")
+    except SeveralArmsError as several:
+        arms = [_arm(settings, path, topic) for topic in several.topics]
+        return Worked(
+            sha256=arms[0].sha256,
+            recorded=tuple(one for arm in arms for one in arm.recorded),
+            faults=tuple(one for arm in arms for one in arm.faults),
+        )
+
+
+def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
+    """Estimate one arm of a log, or the only one if the topic is empty."""
+    try:
+        options = replace(settings.reading, topic=topic) if topic else settings.reading
+        recorded = _record(settings, path, topic, options.topic)
+        return Worked(sha256=recorded.session.sha256, recorded=(recorded,))
+    except SeveralArmsError:
+        raise
+    except FrictionAuditError as error:
+        sha256 = _hash(path)
+        return Worked(sha256=sha256, faults=(Fault(message=str(error), topic=topic, lasting=bool(sha256)),))
+    except MemoryError:
+        fault = Fault(message=f"{path}: not enough memory to work on it; use fewer workers", topic=topic, lasting=False)
+        return Worked(sha256=_hash(path), faults=(fault,))
+    except Exception as error:  # noqa: BLE001 - a bug that one log shows must not cost the others
+        message = f"{path}: a bug of friction-audit, please report it: {type(error).__name__}: {error}"
+        fault = Fault(message=message, topic=topic, lasting=False, detail=traceback.format_exc())
+        return Worked(sha256=_hash(path), faults=(fault,))
+
+
+def _record(settings: BatchSettings, path: Path, topic: str, read_topic: str | None) -> Recorded:
+    log = read_log(path, replace(settings.reading, topic=read_topic))
+    estimate = estimate_log(log, settings.audit)
+    discrepancy = None if settings.diagnosis is None else diagnose_estimate(estimate, settings.diagnosis).discrepancy
+    return Recorded(
+        session=_summary(estimate, discrepancy),
+        topic=topic,
+        kind=log.source.robot,
+        named_by_serial=bool(log.source.serial),
+    )
+
+
+def _summary(estimate: Estimate, discrepancy: Discrepancy | None) -> Session:
+    log, interaction = estimate.log, estimate.interaction
+    source = log.source
+    return Session(
+        path=source.path,
+        sha256=source.sha256,
+        robot=arm_told_by(source, log.joint_names),
+        start_s=source.start_s,
+        start_from="nothing" if source.start_s is None else "log",
+        duration_s=log.duration_s,
+        conditions=conditions_of(log, interaction),
+        joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
+        warnings=_warnings(estimate),
+        damaged=any(finding.damaged for finding in source.findings),
+    )
+
+
+def _warnings(estimate: Estimate) -> tuple[str, ...]:
+    """Return what was noticed about the log and its torque, one sentence each; joints keep their own reasons."""
+    findings = [(one.joint, one.message) for one in estimate.log.source.findings]
+    cautions = [(one.joint, one.message) for one in estimate.interaction.warnings]
+    said = [message if joint is None else f"joint {joint}: {message}" for joint, message in findings + cautions]
+    return tuple(dict.fromkeys(said))
+
+
+def _hash(path: Path) -> str:
+    """Return the hash of a log that could not be used, or nothing where it cannot even be read."""
+    try:
+        return sha256_of(path)
+    except OSError:
+        return ""
+
+
+def _renamed(worked: Worked, here: str, name: str) -> Worked:
+    """Call the log what the user calls it, and say of every message which log it is about."""
+    recorded = tuple(replace(one, session=replace(one.session, path=name)) for one in worked.recorded)
+    told = [one.message.replace(here, name) for one in worked.faults]
+    messages = [message if message.startswith(name) else f"{name}: {message}" for message in told]
+    faults = tuple(replace(one, message=text) for one, text in zip(worked.faults, messages, strict=True))
+    return replace(worked, recorded=recorded, faults=faults)

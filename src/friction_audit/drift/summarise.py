@@ -1,0 +1,158 @@
+"""Parts of an estimate -> what a session keeps of them: a few numbers per joint instead of a million samples."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.cycles.energy_cycles import KEPT, EnergyCycles
+from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.drift.session import Conditions, JointSummary, SpeedCurve
+from friction_audit.friction.equations import set_up
+from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
+from friction_audit.friction.settings import FEWEST_CYCLES
+from friction_audit.friction.weighted import Fit, fit_windows
+from friction_audit.interaction.interaction import Interaction
+from friction_audit.joint_log import Float, JointLog
+
+COULOMB, VISCOUS = "coulomb_nm", "viscous_nms_per_rad"
+COEFFICIENTS = (COULOMB, VISCOUS)
+"""Keys of the coefficients, in their order everywhere."""
+
+BINS = 40
+"""Of speed, in the curve; both directions of motion together."""
+FEWEST_SAMPLES = 20
+"""A mean of fewer samples is no point of the curve."""
+OUTERMOST = 0.002
+"""Share of the samples beyond each end of the curve: single glitches of the velocity would stretch it."""
+THIRD = 3
+
+
+def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
+    """Return under what a session was recorded and read.
+
+    Args:
+        log: The log.
+        interaction: Its torque.
+        payload: What is known of the payload from elsewhere.
+    """
+    choice = interaction.choice
+    return Conditions(
+        drive=choice.drive,
+        torque=choice.source,
+        gravity=choice.gravity,
+        inertia=choice.inertia,
+        payload=payload,
+        rate_hz=log.rate_hz,
+    )
+
+
+def summarise_joints(
+    log: JointLog,
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: FrictionHistory,
+    discrepancy: Discrepancy | None = None,
+) -> tuple[JointSummary, ...]:
+    """Return the summary of every joint that was estimated.
+
+    Args:
+        log: The log, all its joints.
+        interaction: Motion and torque of the joints selected.
+        cycles: Their cycles.
+        friction: Their coefficients.
+        discrepancy: What a diagnosis says of them, or None if it was not asked.
+    """
+    said = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
+    found = []
+    for column, joint in enumerate(friction.joints):
+        moving = np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column]
+        diagnosed = said.get(joint.joint)
+        found.append(
+            JointSummary(
+                joint=joint.joint,
+                name=joint.name,
+                coefficients=dict(zip(COEFFICIENTS, (joint.coulomb, joint.viscous), strict=True)),
+                cycles=joint.cycles,
+                moving_s=joint.moving_s,
+                speed_rad_s=_quartiles(np.abs(interaction.dq[moving, column])),
+                temperature_c=_mean_temperature(log, joint.joint - 1),
+                within=_change_within(cycles.of_joint(column), joint),
+                curve=bin_torque(interaction.dq[moving, column], _port_torque(interaction, column)[moving]),
+                reason=joint.reason,
+                verdict=None if diagnosed is None else diagnosed.verdict,
+                effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
+            )
+        )
+    return tuple(found)
+
+
+def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
+    """Return mean and spread of the torque in bins of the velocity, equally wide.
+
+    Args:
+        velocity: While the joint moves, shape (n,). [rad/s]
+        torque: Beside it, shape (n,). [N m]
+    """
+    if len(velocity) < FEWEST_SAMPLES:
+        return SpeedCurve()
+    low, high = np.quantile(velocity, (OUTERMOST, 1.0 - OUTERMOST))
+    inside = (velocity >= low) & (velocity <= high)
+    velocity, torque = velocity[inside], torque[inside]
+    width = max(float(high - low), np.finfo(np.float64).tiny)
+    place = np.minimum(((velocity - low) / width * BINS).astype(np.int64), BINS - 1)
+    count = np.bincount(place, minlength=BINS)
+    kept = count >= FEWEST_SAMPLES
+    mean = _mean_in_bins(place, torque, count)
+    spread = np.sqrt(_mean_in_bins(place, (torque - mean[place]) ** 2, count))
+    speed = _mean_in_bins(place, velocity, count)
+    return SpeedCurve(
+        speed_rad_s=tuple(speed[kept].tolist()),
+        torque_nm=tuple(mean[kept].tolist()),
+        spread_nm=tuple(spread[kept].tolist()),
+    )
+
+
+def _mean_in_bins(place: NDArray[np.int64], values: Float, count: NDArray[np.int64]) -> Float:
+    total = np.bincount(place, weights=values, minlength=BINS)
+    return np.asarray(total / np.maximum(count, 1), np.float64)
+
+
+def _port_torque(interaction: Interaction, column: int) -> Float:
+    """Return F_m + u: what moves the joint and its friction, a logged compensator's help included. [N m]"""
+    torque = interaction.torque[:, column]
+    return torque if interaction.compensation is None else torque + interaction.compensation[:, column]
+
+
+def _quartiles(speed: Float) -> tuple[float, float, float]:
+    if len(speed) == 0:
+        return (float("nan"),) * 3
+    low, median, high = np.quantile(speed, (0.25, 0.5, 0.75))
+    return float(low), float(median), float(high)
+
+
+def _mean_temperature(log: JointLog, column: int) -> float | None:
+    return None if log.temperature is None else float(log.temperature[:, column].mean())
+
+
+def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
+    """Return the relative change of each coefficient from the first third of the cycles to the last one.
+
+    The thirds are fitted apart: points of the history share cycles, and their difference would look surer than it is.
+    """
+    kept = own.rows(own.reason == KEPT)
+    third = len(kept.joint) // THIRD
+    if joint.reason or third < FEWEST_CYCLES:
+        return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
+    equations = set_up(kept, joint.model)
+    fit = fit_windows(equations, third)
+    names = zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
+    return {key: _relative_change(fit, name) for key, name in names}
+
+
+def _relative_change(fit: Fit, name: str) -> Coefficient:
+    """Return (last - first) / first with its interval by the delta method; undetermined where the first may be zero."""
+    first, last = fit.coefficient(name, 0), fit.coefficient(name, -1)
+    if not first.low > 0.0:
+        return UNDETERMINED
+    ratio = last.value / first.value
+    half = float(np.hypot(last.high - last.value, ratio * (first.high - first.value)) / first.value)
+    return Coefficient(value=ratio - 1.0, low=ratio - 1.0 - half, high=ratio - 1.0 + half)
