@@ -13,6 +13,7 @@ from friction_audit.discrepancy.declared import coefficients, declare, least_squ
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.rows import make_rows
+from friction_audit.errors import AnalysisError
 from friction_audit.ingest.read import read_log
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.model.joint_model import FittedTerm, JointModel
@@ -48,7 +49,24 @@ def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None
     assert declared.y == pytest.approx(ROWS.y - ROWS.of(0.1 * EXACT.ddq))
     baseline = declared.baseline(np.array([0.3, 0.07]))
     assert baseline.inertia_kg_m2 == 0.1
-    assert "inertia_kg_m2" in baseline.declared
+    assert baseline.declared == {"inertia_kg_m2"}
+
+
+def test_a_term_that_is_held_is_stated_and_no_column() -> None:
+    held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
+    declared = declare(EXACT, ROWS, held)
+    assert declared.names == ("viscous_nms_per_rad",)
+    assert declared.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * np.sign(EXACT.dq))
+    baseline = declared.baseline(np.array([0.07]))
+    assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad) == (0.4, 0.07)
+    assert baseline.torque == pytest.approx(EXACT.torque + (0.4 - COULOMB_NM) * np.sign(EXACT.dq))
+    assert baseline.declared == {"inertia_kg_m2", "coulomb_nm"}
+
+
+def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
+    held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=SIMPLE, held=("coulomb", "viscous"))
+    with pytest.raises(AnalysisError, match="both held"):
+        declare(EXACT, ROWS, held)
 
 
 def test_terms_of_a_model_file_are_columns_with_their_stated_shape() -> None:

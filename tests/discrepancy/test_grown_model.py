@@ -63,6 +63,15 @@ def test_a_declared_inertia_stays_and_declared_terms_keep_their_shape() -> None:
     assert joint.values("stribeck") == (0.25, 0.05, 1.0)
 
 
+def test_what_is_held_stays_as_it_was_and_held() -> None:
+    fitted = {"viscous_nms_per_rad": coefficient(0.09, 0.1)}
+    arm = declared_arm()
+    held = replace(arm, joints=tuple(joint and replace(joint, held=("coulomb",)) for joint in arm.joints))
+    joint = grown(replace(NONE, joint=1, grown=fitted), declared=held).joints[0]
+    assert joint is not None
+    assert (joint.values("coulomb"), joint.values("viscous"), joint.held) == ((0.4,), (0.09,), ("coulomb",))
+
+
 def test_friction_below_zero_is_no_model_and_said() -> None:
     wrong = replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
     result = grow_models(Discrepancy(joints=(wrong,)), LOG, None)

@@ -40,7 +40,15 @@ origin = st.builds(Provenance, method=text, log=text, sha256=text, cycles=st.int
 terms = st.sets(st.sampled_from(TERMS[1:])).flatmap(
     lambda chosen: st.tuples(*(values_of(term) for term in sorted(chosen, key=lambda term: term.name)))
 )
-joint = st.builds(JointModel, inertia_kg_m2=st.floats(-1e300, 1e300), terms=terms, provenance=origin)
+joint = terms.flatmap(
+    lambda chosen: st.builds(
+        JointModel,
+        inertia_kg_m2=st.floats(-1e300, 1e300),
+        terms=st.just(chosen),
+        provenance=origin,
+        held=st.sets(st.sampled_from([term.name for term in chosen])).map(sorted).map(tuple) if chosen else st.just(()),
+    )
+)
 arm = st.lists(st.tuples(text, st.none() | joint), min_size=1, max_size=3).map(
     lambda pairs: ArmModel(names=tuple(name for name, _ in pairs), joints=tuple(joint for _, joint in pairs))
 )
@@ -64,6 +72,27 @@ def test_the_file_as_people_see_it(tmp_path: Path) -> None:
     assert "[joint.terms.coulomb]  # Coulomb friction" in lines
     assert "coulomb_nm = 0.4  # N m, friction at any speed" in lines
     assert lines[-2:] == ["[[joint]]", 'name = "joint2"']
+
+
+def test_what_is_held_stands_beside_the_inertia(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    save_model(ArmModel(names=("joint1",), joints=(replace(JOINT, held=("coulomb",)),)), path)
+    assert 'held = ["coulomb"]' in path.read_text().splitlines()[6]
+
+
+@pytest.mark.parametrize(
+    ("held", "complaint"),
+    [
+        ("1", "held is no list of names"),
+        ("[1]", "held is no list of names"),
+        ('["stribeck"]', "held: stribeck; expected some of the joint's terms: coulomb"),
+    ],
+)
+def test_what_cannot_be_held_is_named(tmp_path: Path, held: str, complaint: str) -> None:
+    path = tmp_path / "model.toml"
+    path.write_text(f"{HEAD}{JOINT_TEXT}held = {held}\n[joint.terms.coulomb]\ncoulomb_nm = 0.4\n")
+    with pytest.raises(InputError, match=re.escape(complaint)):
+        load_model(path)
 
 
 def test_an_existing_file_is_kept_unless_told_otherwise(tmp_path: Path) -> None:

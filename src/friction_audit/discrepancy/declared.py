@@ -15,12 +15,14 @@ from numpy.typing import NDArray
 from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.rows import Rows
+from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
 
 CONFIDENCE = 0.95
-SIMPLE = ("coulomb_nm", "viscous_nms_per_rad", "inertia_kg_m2")
+FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
+"""Terms that candidates lean on, with the name of their one number."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -29,7 +31,7 @@ class Declared:
 
     Attributes:
         names: Names of the factors, unit behind: Coulomb and viscous friction, inertia unless it is stated, then the
-            linear parameters of other terms of a model file.
+            linear parameters of other terms of a model file; without those of terms that the file holds.
         fine: Their columns on the fine grid, shape (n, b).
         columns: The same on the rows, shape (m, b).
         stated: Torque of numbers that are stated and not fitted, on the fine grid, shape (n,). [N m]
@@ -46,30 +48,41 @@ class Declared:
 
     def baseline(self, factors: Float) -> Baseline:
         """What candidates lean on, for the factors of a fit, shape (b,)."""
-        value = dict(zip(self.names, factors.tolist(), strict=True))
-        inertia = value["inertia_kg_m2"] if self.model is None else self.model.inertia_kg_m2
+        stated = {} if self.model is None else _stated(self.model)
+        value = stated | dict(zip(self.names, factors.tolist(), strict=True))
         return Baseline(
-            inertia_kg_m2=inertia,
+            inertia_kg_m2=value["inertia_kg_m2"],
             coulomb_nm=value["coulomb_nm"],
             viscous_nms_per_rad=value["viscous_nms_per_rad"],
             torque=self.fine @ factors + self.stated,
-            declared=frozenset() if self.model is None else frozenset(SIMPLE),
+            declared=frozenset(stated),
         )
 
 
 def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
-    """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated."""
+    """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated.
+
+    Terms that the file holds are stated as well.
+
+    Raises:
+        AnalysisError: If everything is stated, so that nothing is left to fit.
+    """
     fine = {"coulomb_nm": np.sign(data.dq), "viscous_nms_per_rad": data.dq}
     stated = np.zeros(len(data.t))
     if model is None:
         fine["inertia_kg_m2"] = data.ddq
     else:
+        rest = model.rest(data.motion())
         stated = model.inertia_kg_m2 * data.ddq
-        simple = sum(
-            (term.torque(data.motion()) for term in model.terms if term.name in ("coulomb", "viscous")), stated
-        )
         for term in model.terms:
-            fine |= _columns(term, data, simple)
+            columns = _columns(term, data, rest)
+            if term.name in model.held:
+                stated = stated + term.torque(data.motion(rest))
+                fine = {name: column for name, column in fine.items() if name not in columns}
+            else:
+                fine |= columns
+    if not fine:
+        raise AnalysisError("model: Coulomb and viscous friction are both held; leave one out of held to be fitted")
     stacked = np.column_stack(list(fine.values()))
     return Declared(
         names=tuple(fine),
@@ -79,6 +92,12 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
         y=rows.y - rows.of(stated),
         model=model,
     )
+
+
+def _stated(model: JointModel) -> dict[str, float]:
+    """What of inertia, Coulomb and viscous friction is stated, by name."""
+    held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
+    return {"inertia_kg_m2": model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
 
 
 def _columns(term: FittedTerm, data: JointData, rest: Float) -> dict[str, Float]:

@@ -68,6 +68,8 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
         for term in TERMS
         if term.name != "inertia" and all(p.name in fitted for p in term.linear)
     ]
+    held = () if declared is None else declared.held
+    terms += [] if declared is None else [term for term in declared.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in joint.effects}
     terms += [
         FittedTerm(term.name, tuple(found[term.name].get(p.name, ABSENT).value for p in term.parameters))
@@ -75,7 +77,7 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
         if term.name in found
     ]
     inertia = fitted["inertia_kg_m2"] if declared is None else declared.inertia_kg_m2
-    return JointModel(inertia_kg_m2=inertia, terms=tuple(terms), provenance=origin)
+    return JointModel(inertia_kg_m2=inertia, terms=tuple(terms), provenance=origin, held=held)
 
 
 def _allowed(number: Coefficient) -> float:

@@ -76,14 +76,16 @@ class JointModel:
             inertia out already, what is left to be paid: about zero, and below it where the model took too much.
         terms: The other terms, each at most once.
         provenance: Where it comes from.
+        held: Names of the terms whose numbers are known from elsewhere, so that a diagnosis does not fit them again.
 
     Raises:
-        AnalysisError: If the inertia is no number, or a term stands twice.
+        AnalysisError: If the inertia is no number, a term stands twice, or one is held that is not there.
     """
 
     inertia_kg_m2: float
     terms: tuple[FittedTerm, ...] = ()
     provenance: Provenance = field(default_factory=Provenance)
+    held: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not isfinite(self.inertia_kg_m2):
@@ -94,6 +96,9 @@ class JointModel:
         twice = sorted({name for name in names if names.count(name) > 1})
         if twice:
             raise AnalysisError(f"term {', '.join(twice)} stands twice; expected each term once")
+        absent = [name for name in self.held if name not in names]
+        if absent:
+            raise AnalysisError(f"held: {', '.join(absent)}; expected some of the joint's terms: {', '.join(names)}")
 
     def values(self, name: str) -> tuple[float, ...] | None:
         """Return the values of a term, or None where the model does not have it."""

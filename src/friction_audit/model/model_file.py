@@ -61,6 +61,8 @@ def _lines(model: ArmModel) -> Iterator[str]:
 def _joint_lines(joint: JointModel) -> Iterator[str]:
     """Yield the lines of one joint below its name."""
     yield f"inertia_kg_m2 = {float(joint.inertia_kg_m2)!r}"
+    if joint.held:
+        yield f"held = [{', '.join(_text(name) for name in joint.held)}]"
     origin = joint.provenance
     yield from ("", "[joint.provenance]")
     yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
@@ -90,14 +92,16 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
     """Yield what is wrong with the table of one joint: keys missing, strange, or of the wrong type."""
-    yield from _strangers(table, ("name", "inertia_kg_m2", "provenance", "terms"), where)
+    yield from _strangers(table, ("name", "inertia_kg_m2", "held", "provenance", "terms"), where)
     if not isinstance(table.get("name"), str):
         yield f"{where}: name is missing or no text"
     known = "inertia_kg_m2" in table
-    terms, origin = table.get("terms", {}), table.get("provenance", {})
+    terms, origin, held = table.get("terms", {}), table.get("provenance", {}), table.get("held", [])
     if known and not _is_number(table["inertia_kg_m2"]):
         yield f"{where}: inertia_kg_m2 is no number"
-    if not known and (terms or origin):
+    if not isinstance(held, list) or not all(isinstance(name, str) for name in held):
+        yield f"{where}: held is no list of names of terms"
+    if not known and (terms or origin or held):
         yield f"{where}: inertia_kg_m2 is missing"
     if isinstance(terms, dict):
         for name, values in terms.items():
@@ -155,7 +159,8 @@ def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | No
     try:
         terms = tuple(_term(name, values) for name, values in table.get("terms", {}).items())
         origin = Provenance(**table.get("provenance", {}))
-        return JointModel(inertia_kg_m2=float(table["inertia_kg_m2"]), terms=terms, provenance=origin)
+        held = tuple(table.get("held", ()))
+        return JointModel(inertia_kg_m2=float(table["inertia_kg_m2"]), terms=terms, provenance=origin, held=held)
     except AnalysisError as error:
         raise InputError(f"{path}: joint {number}: {error}; correct the file") from error
 

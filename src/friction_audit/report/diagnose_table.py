@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.friction.history import Coefficient
+from friction_audit.model.joint_model import ArmModel
 from friction_audit.model.terms import TERMS
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
 from friction_audit.report.plain_table import plain_lines
@@ -57,19 +58,21 @@ def _alike(joints: Sequence[JointDiscrepancy], *, together: bool) -> list[list[J
 
 
 def _head(found: Diagnosis) -> tuple[str, ...]:
-    log, settings = found.estimate.log, found.settings
+    log = found.estimate.log
     samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
-    declared = (
-        "inertia, Coulomb and viscous friction, fitted"
-        if settings.model is None
-        else "as given, its friction fitted again"
-    )
     return (
         f"{log.source.path}: {log.source.format}, {samples}",
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"declared model: {declared}",
+        f"declared model: {_declared(found.settings.model)}",
         f"gaps are rms torques on cycles that no choice was made on{_locked(found)}; intervals are 95 %",
     )
+
+
+def _declared(model: ArmModel | None) -> str:
+    if model is None:
+        return "inertia, Coulomb and viscous friction, fitted"
+    held = dict.fromkeys(name for joint in model.joints if joint is not None for name in joint.held)
+    return "as given, its friction fitted again" + (f" except {', '.join(held)}, which it holds" if held else "")
 
 
 def _locked(found: Diagnosis) -> str:

@@ -67,7 +67,10 @@ def test_joints_at_the_ends_of_an_arm_try_the_neighbour_that_there_is() -> None:
 
 def test_what_needs_stated_numbers_names_them() -> None:
     assert "inertia_kg_m2" in str(inertia_error.CANDIDATE.untestable(PLAIN, baseline(PLAIN)))
-    assert "coulomb and viscous" in str(unlogged_compensation.CANDIDATE.untestable(PLAIN, baseline(PLAIN)))
+    assert 'held = ["coulomb"]' in str(unlogged_compensation.CANDIDATE.untestable(PLAIN, baseline(PLAIN)))
+    held = replace(baseline(PLAIN), declared=frozenset({"inertia_kg_m2", "coulomb_nm"}))
+    assert inertia_error.CANDIDATE.untestable(PLAIN, held) is None
+    assert unlogged_compensation.CANDIDATE.untestable(PLAIN, held) is None
 
 
 def test_a_compensator_helps_and_what_resists_is_none() -> None:
