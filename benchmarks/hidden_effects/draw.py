@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.model.joint_model import ArmModel, simple_model
 from friction_audit.simulate.effects import EFFECTS
 from friction_audit.simulate.effects.effect import Effect
 from friction_audit.simulate.scenarios import SCENARIOS
@@ -22,10 +23,15 @@ MOTIONS: dict[str, tuple[str, ...]] = {
     "joint_elasticity": ("joint-driven", "joint-sine", "joint"),
     "unlogged_compensation": ("joint", "joint-sine", "joint-slow", "joint-loaded"),
     "torque_crosstalk": ("panda-driven", "panda"),
-    "inertial_coupling": ("panda-driven",),
+    "inertial_coupling": ("panda",),
     "inertia_error": ("joint-driven", "joint-sine", "joint"),
 }
-"""Scenarios in which an effect can be seen; all of one joint for those that are not here."""
+"""Scenarios in which an effect can be seen; all of one joint for those that are not here.
+
+Rotors are on the motors' side of the sensors, so that only a hand that guides the arm makes their coupling felt.
+"""
+STATED = ("inertia_error", "unlogged_compensation")
+"""Effects that can be seen beside a stated model only."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -39,6 +45,7 @@ class Case:
         effects: Names of the hidden effects.
         groups: Their numbers, strengths not yet scaled.
         joint: The joint, of a scenario of one.
+        number: Number of the joint in which it is hidden, one of an arm's, 1 of one.
         duration_s: Length of the log. [s]
         partial: Strength asked for: rms of what the effect adds, free of the declared model, over the noise's rms.
     """
@@ -51,6 +58,12 @@ class Case:
     joint: JointParameters
     duration_s: float
     partial: float
+    number: int = 1
+
+    @property
+    def felt_in(self) -> tuple[int, ...]:
+        """Numbers of the joints whose torque the effects change: a coupling that of the joint before, too."""
+        return (self.number - 1, self.number) if "inertial_coupling" in self.effects else (self.number,)
 
 
 def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | None = None) -> Case:
@@ -75,7 +88,13 @@ def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | N
         joint=joint,
         duration_s=longer * float(rng.uniform(60.0, 120.0)),
         partial=partial,
+        number=_draw_number(seed) if place.startswith("panda") else 1,
     )
+
+
+def _draw_number(seed: int) -> int:
+    """A joint of an arm with a neighbour on either side."""
+    return int(np.random.default_rng([seed, 20261122]).integers(2, 7))
 
 
 def _draw_group(effect: Effect, rng: np.random.Generator) -> Any:  # noqa: ANN401 - every effect has its own
@@ -96,13 +115,28 @@ def settings_of(case: Case, scales: Sequence[float], *, ideal: bool = False) -> 
     for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
         strength = next(effect for effect in EFFECTS if effect.name == name).strength
         scaled = replace(group, **{strength: getattr(group, strength) * scale})
-        hidden = [replace(one, **{name: scaled}) for one in hidden]
+        hidden[case.number - 1] = replace(hidden[case.number - 1], **{name: scaled})
     changes: dict[str, Any] = {"duration_s": case.duration_s, "hidden": tuple(hidden)}
     sensors = PANDA_SENSORS if several else PANDA_SENSORS[:1]
     changes["sensors"] = tuple(Sensors() if ideal else coloured(one, case.noise) for one in sensors)
     if not several:
         changes["joints"] = (case.joint,)
     return replace(settings, **changes)
+
+
+def model_of(case: Case) -> ArmModel | None:
+    """What somebody would state to have the effects seen: the joints without them, Coulomb friction held if needed."""
+    if not set(case.effects) & set(STATED):
+        return None
+    held = ("coulomb",) if "unlogged_compensation" in case.effects else ()
+    simple = (
+        simple_model(
+            inertia_kg_m2=one.inertia_kg_m2, coulomb_nm=one.coulomb_nm, viscous_nms_per_rad=one.viscous_nms_per_rad
+        )
+        for one in settings_of(case, (0.0,) * len(case.effects)).joints
+    )
+    joints = tuple(replace(one, held=held) for one in simple)
+    return ArmModel(names=tuple(f"joint{k}" for k in range(1, len(joints) + 1)), joints=joints)
 
 
 def coloured(sensors: Sensors, noise: str) -> Sensors:

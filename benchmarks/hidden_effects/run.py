@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.hidden_effects.draw import Case, draw_case, settings_of
+from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
@@ -33,9 +33,9 @@ from friction_audit.simulate.effects import EFFECTS
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (
-    "truth", "seed", "scenario", "noise", "form", "partial", "joint", "verdict", "named", "sets", "shrink",
-    "over_floor", "before_nm", "after_nm", "floor_nm", "motion_before", "motion_after", "omnibus_p", "remaining_p",
-    "numbers", "message",
+    "truth", "seed", "scenario", "noise", "form", "partial", "joint", "hidden_here", "verdict", "named", "sets",
+    "shrink", "over_floor", "before_nm", "after_nm", "floor_nm", "motion_before", "motion_after", "omnibus_p",
+    "remaining_p", "numbers", "message",
 )  # fmt: skip
 
 
@@ -53,7 +53,7 @@ def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[st
                 return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": ""}]
             case = scaled(case, scales)
             log = _log_of(case)
-        found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed)).discrepancy
+        found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case))).discrepancy
     except FrictionAuditError as error:
         return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
     return [_row(case, truth, joint) for joint in found.joints]
@@ -77,7 +77,8 @@ def _row(case: Case, truth: str, joint: JointDiscrepancy) -> dict[str, object]:
     return {
         "truth": truth, "seed": case.seed, "scenario": case.scenario, "noise": case.noise,
         "form": "/".join(str(getattr(group, "form", "")) for group in case.groups),
-        "partial": case.partial, "joint": joint.joint, "verdict": joint.verdict,
+        "partial": case.partial, "joint": joint.joint, "hidden_here": not case.effects or joint.joint in case.felt_in,
+        "verdict": joint.verdict,
         "named": "+".join(e.name for e in joint.effects),
         "sets": ";".join("|".join((e.name, *e.alternatives)) for e in joint.effects),
         "shrink": gap and round(gap.shrink, 3), "over_floor": gap and round(gap.over_floor, 3),
@@ -143,7 +144,7 @@ def summary(truth: str, rows: list[dict[str, object]]) -> str:
     """One line: how often the set holds the truth, how often it is the only name, how often another name is given."""
     wanted = set() if truth == "none" else set(truth.split("+"))
     held = exact = wrong = found = 0
-    for row in rows:
+    for row in (row for row in rows if row.get("hidden_here", True)):
         sets = [set(one.split("|")) for one in str(row.get("sets") or "").split(";") if one]
         names = set().union(*sets)
         held += wanted <= names

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from benchmarks.hidden_effects.draw import Case, settings_of
+from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from friction_audit.cycles import segment_cycles
 from friction_audit.cycles.settings import CycleSettings
 from friction_audit.discrepancy.declared import least_squares
@@ -14,6 +14,7 @@ from friction_audit.errors import FrictionAuditError
 from friction_audit.interaction import extract_interaction
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
+from friction_audit.model.joint_model import ArmModel
 from friction_audit.simulate.dispatch import simulate
 
 ROUNDS = 5
@@ -21,31 +22,36 @@ CLOSE = 0.1
 LARGEST_SCALE = 30.0
 
 
-def left_over(log: JointLog, joint: int) -> float:
+def left_over(log: JointLog, joint: int, model: ArmModel | None = None) -> float:
     """What the declared model leaves of one joint's torque, root mean square. [N m]"""
     interaction = extract_interaction(log, TorqueSettings())
     data = prepare(interaction, segment_cycles(interaction, CycleSettings()), log)[joint]
-    ground = make_ground(data, None, 0)
+    ground = make_ground(data, None if model is None else model.joints[joint], 0)
     left = ground.y - ground.base @ least_squares(ground.base, ground.y)
     return float(np.sqrt(np.mean(left**2)))
 
 
-def scales_for(case: Case, joint: int = 0) -> tuple[float, ...] | None:
+def scales_for(case: Case) -> tuple[float, ...] | None:
     """Scale of each effect's strength, each on its own, on ideal sensors; None where it cannot be reached."""
-    noise = left_over(simulate(settings_of(case, (0.0,) * len(case.effects)), case.seed).log, joint)
-    ideal = left_over(simulate(settings_of(case, (0.0,) * len(case.effects), ideal=True), case.seed).log, joint)
-    found = [_scale(case, k, noise * case.partial, ideal, joint) for k in range(len(case.effects))]
+    nothing = (0.0,) * len(case.effects)
+    noise, ideal = (_left(case, nothing, ideal=ideal) for ideal in (False, True))
+    found = [_scale(case, k, noise * case.partial, ideal) for k in range(len(case.effects))]
     scales = [scale for scale in found if scale is not None]
     return tuple(scales) if len(scales) == len(found) else None
 
 
-def _scale(case: Case, which: int, wanted: float, ideal: float, joint: int) -> float | None:
+def _left(case: Case, scales: Sequence[float], *, ideal: bool) -> float:
+    log = simulate(settings_of(case, scales, ideal=ideal), case.seed).log
+    return left_over(log, case.number - 1, model_of(case))
+
+
+def _scale(case: Case, which: int, wanted: float, ideal: float) -> float | None:
     """Secant steps in the logarithm, for the rest of a model grows nearly in proportion to what it misses."""
     scale = 1.0
     for _ in range(ROUNDS):
         alone: Sequence[float] = [scale if k == which else 0.0 for k in range(len(case.effects))]
         try:
-            total = left_over(simulate(settings_of(case, alone, ideal=True), case.seed).log, joint)
+            total = _left(case, alone, ideal=True)
         except FrictionAuditError:
             scale *= 0.5  # so strong that the joint hardly moves, or beyond what the effect allows
             continue

@@ -59,6 +59,11 @@ def table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
     return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
+def hidden_here(row: Row) -> bool:
+    """Whether the effect is in this joint of an arm, and not in another one."""
+    return row.get("hidden_here") != "False"
+
+
 def by_effect(rows: Sequence[Row]) -> str:
     """One line per effect of the catalogue, on one joint, then on arms; all pairs together at the end."""
     head = ("hidden", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]", "in the answer at 0.2 [%]")
@@ -107,6 +112,8 @@ def without_effect(rows: Sequence[Row]) -> str:
         places = _by_place(f"nothing hidden, noise {noise}", [row for row in clean if row["noise"] == noise])
         lines += [_line(label, own) for label, own in places if own]
     lines += [_line("nothing hidden, all", clean)] if clean else []
+    beside = [row for row in rows if not hidden_here(row)]
+    lines += [_line("nothing hidden, an effect in another joint of the arm", beside)] if beside else []
     for kind, _ in OUTSIDE:
         own = [row for row in rows if row["truth"] == kind and float(row["partial"]) >= CLEAR]
         if own:
@@ -153,7 +160,8 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     asked = parser.parse_args()
     rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
-    text = "\n\n".join((by_effect(rows), without_effect(rows), gaps(rows), numbers(rows)))
+    here = [row for row in rows if hidden_here(row)]
+    text = "\n\n".join((by_effect(here), without_effect(rows), gaps(here), numbers(here)))
     if asked.output is None:
         print(text)
         return
