@@ -12,7 +12,14 @@ from numpy.testing import assert_allclose
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion
-from friction_audit.model.transmission import FarSide, Transmission, added_torque, far_side, transmitted
+from friction_audit.model.transmission import (
+    HIGHEST_HZ,
+    FarSide,
+    Transmission,
+    added_torque,
+    far_side,
+    transmitted,
+)
 
 STEP_S = 0.0025
 PLAIN = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
@@ -150,3 +157,37 @@ def test_a_far_side_of_hardly_any_inertia_does_not_run_away(inertia: float, soft
     far = FarSide(inertia_kg_m2=inertia, coulomb_nm=0.3, viscous_nms_per_rad=0.03)
     spring = Transmission(stiffness_nm_per_rad=1e5, damping_ratio=0.05, soft_nm=soft)
     assert np.abs(added_torque(sine(0.5, 0.7), far, spring)).max() < 2.0 * far.coulomb_nm + 0.01
+
+
+def seen(torque: Float) -> Float:
+    """Low-passed, half of the amplitude at 25 Hz, ends left out."""
+    window = np.hanning(17)
+    return np.asarray(np.convolve(torque, window / window.sum(), mode="same")[200:-200])
+
+
+def correlation(one: Float, other: Float) -> float:
+    return float(one @ other / np.sqrt((one @ one) * (other @ other)))
+
+
+@pytest.mark.parametrize("times", [1.0, 2.0])
+def test_a_light_far_side_that_rings_faster_than_is_followed_looks_the_same(times: float) -> None:
+    far, motion = replace(RUBBING, inertia_kg_m2=2e-3), sine(0.5, 0.7)
+    stiffness = far.inertia_kg_m2 * (2 * np.pi * times * HIGHEST_HZ) ** 2
+    spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=0.05)
+    exact = seen(transmitted(motion, far, spring) - rigid(motion, far))
+    followed = seen(added_torque(motion, far, spring))
+    assert correlation(exact, followed) > 0.97
+    assert np.sqrt(np.mean(followed**2)) == pytest.approx(np.sqrt(np.mean(exact**2)), rel=0.2)
+
+
+@pytest.mark.parametrize("gap", [3e-4, 3e-3])
+def test_flanks_that_give_way_a_little_more_look_the_same(gap: float) -> None:
+    motion = sine(0.5, 0.7)
+    flanks = [
+        Transmission(
+            stiffness_nm_per_rad=RUBBING.inertia_kg_m2 * (2 * np.pi * hertz) ** 2, damping_ratio=0.2, gap_rad=gap
+        )
+        for hertz in (HIGHEST_HZ, 3.0 * HIGHEST_HZ)
+    ]
+    soft, hard = (seen(transmitted(motion, RUBBING, link) - rigid(motion, RUBBING)) for link in flanks)
+    assert correlation(soft, hard) > 0.95

@@ -11,7 +11,7 @@ far side where it can (V. Acary, B. Brogliato, Numerical methods for nonsmooth d
 """
 
 from dataclasses import dataclass, replace
-from math import ceil, sqrt
+from math import ceil, pi, sqrt
 
 import numpy as np
 
@@ -20,11 +20,15 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion
 
-PHASE = 0.2
-"""Phase of the ringing per step of the integration: its frequency is right to a few thousandths. [rad]"""
+PHASE = 0.6
+"""Most phase of the ringing per step of the integration: its frequency is right to phase^2 / 24, slower motion to far
+less. [rad]"""
 MOST_STEPS = 100
-MOST_PHASE = 1.0
-"""And twice that would run away. [rad]"""
+HIGHEST_HZ = 150.0
+"""Ringing that is followed. Nobody looks above 40 Hz; there, what rings faster looks as if it rang so fast: behind a
+spring with more inertia, behind flanks that give way more."""
+MANY_SAMPLES = 4096
+"""So many, spread evenly, tell inertia and friction."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,9 +71,11 @@ def far_side(motion: Motion) -> FarSide:
     Raises:
         AnalysisError: If the motion says nothing of the simple model's torque.
     """
-    columns = np.stack([motion.ddq, np.sign(motion.dq), motion.dq])
+    every = max(len(motion.t) // MANY_SAMPLES, 1)
+    dq, torque = motion.dq[::every], simple_torque(motion)[::every]
+    columns = np.stack([motion.ddq[::every], np.sign(dq), dq])
     gram = np.linalg.pinv(columns @ columns.T, rcond=1e-12, hermitian=True)
-    numbers = np.maximum(gram @ (columns @ simple_torque(motion)), 0.0).tolist()
+    numbers = np.maximum(gram @ (columns @ torque), 0.0).tolist()
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
 
 
@@ -90,15 +96,17 @@ def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Fl
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
     if far.inertia_kg_m2 == 0.0:
         return np.zeros(len(motion.t))
-    far = _slow_enough(far, transmission.stiffness_nm_per_rad, float(motion.t[1] - motion.t[0]))
-    friction = far.coulomb_nm * np.sign(motion.dq) + far.viscous_nms_per_rad * motion.dq
-    return transmitted(motion, far, transmission) - far.inertia_kg_m2 * motion.ddq - friction
+    far = slow_enough(far, transmission.stiffness_nm_per_rad)
+    added = transmitted(motion, far, transmission)
+    added -= far.inertia_kg_m2 * motion.ddq
+    added -= far.coulomb_nm * np.sign(motion.dq)
+    added -= far.viscous_nms_per_rad * motion.dq
+    return added
 
 
-def _slow_enough(far: FarSide, stiffness_nm_per_rad: float, step_s: float) -> FarSide:
-    """The far side, so heavy that its ringing can be followed: kilohertz, where nobody sees a difference."""
-    least = stiffness_nm_per_rad * (step_s / (2 * MOST_STEPS * MOST_PHASE)) ** 2
-    return replace(far, inertia_kg_m2=max(far.inertia_kg_m2, least))
+def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
+    """Return the far side, so heavy that its ringing can be followed."""
+    return replace(far, inertia_kg_m2=max(far.inertia_kg_m2, stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2))
 
 
 def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
@@ -120,11 +128,20 @@ def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Flo
             np.ascontiguousarray(motion.q, dtype=np.float64),
             np.ascontiguousarray(motion.dq, dtype=np.float64),
             step,
-            steps,
+            _between_samples(step, steps),
             (far.inertia_kg_m2, far.coulomb_nm, far.viscous_nms_per_rad),
             (transmission.stiffness_nm_per_rad, damping, 0.5 * transmission.gap_rad, transmission.soft_nm),
         )
     )
+
+
+def _between_samples(step: float, steps: int) -> Float:
+    """Weights of the rise and of both slopes in Hermite's cubic and its slope, amid every step, shape (steps, 6)."""
+    x = (np.arange(steps) + 0.5) / steps
+    rest = 1.0 - x
+    place = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
+    speed = (6.0 * x * rest / step, rest * (1.0 - 3.0 * x), x * (3.0 * x - 2.0))
+    return np.stack([*place, *speed], axis=1)
 
 
 @compiled()
@@ -132,45 +149,55 @@ def _follow(
     q: Float,
     dq: Float,
     step: float,
-    steps: int,
+    between: Float,
     far: tuple[float, float, float],
     link: tuple[float, float, float, float],
 ) -> Float:
     """Integrate the far side; the measured side moves along the cubic through its samples and their slopes."""
-    inertia, coulomb, viscous = far
-    h = step / steps
+    steps = len(between)
+    h, damping = step / steps, link[1]
+    touching, flying = _pace(far, damping, h), _pace(far, 0.0, h)
     torque = np.zeros(len(q))
-    share = np.full(len(q), 1.0 * steps)
-    share[0] = share[-1] = 0.5 * steps
     theta, omega = q[0], dq[0]
     for k in range(len(q) - 1):
+        rise = q[k + 1] - q[k]
         for i in range(steps):
-            x = (i + 0.5) / steps
-            # Hermite's cubic and its slope at the middle of the step.
-            rise = q[k + 1] - q[k]
-            bend0, bend1 = step * dq[k] - rise, rise - step * dq[k + 1]
-            place = q[k] + x * (rise + (1.0 - x) * ((1.0 - x) * bend0 + x * bend1))
-            speed = (rise + (1.0 - x) * (1.0 - 3.0 * x) * bend0 + x * (2.0 - 3.0 * x) * bend1) / step
+            w = between[i]
+            speed = w[3] * rise + w[4] * dq[k] + w[5] * dq[k + 1]
             theta += 0.5 * h * omega
-            push, drag = _push(place - theta, speed - omega, link)
+            twist = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1] - theta
+            push, drag = _push(twist, speed - omega, link)
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
-            loss, before = 0.5 * h * (drag + viscous), omega
-            free = ((inertia - loss) * omega + h * (push + drag * speed)) / (inertia + loss)
-            held = h * coulomb / (inertia + loss)
-            omega = max(free - held, 0.0) if free > 0.0 else min(free + held, 0.0)
+            keep, gain, held = touching if drag > 0.0 else flying
+            before, free = omega, keep * omega + gain * (push + drag * speed)
+            omega = free - min(max(free, -held), held)
             theta += 0.5 * h * omega
-            near = k if 2 * i < steps else k + 1
-            torque[near] += (push + drag * (speed - 0.5 * (before + omega))) / share[near]
+            torque[k if 2 * i < steps else k + 1] += push + drag * (speed - 0.5 * (before + omega))
+    torque /= steps
+    torque[0] *= 2.0
+    torque[-1] *= 2.0
     return torque
+
+
+@compiled()
+def _pace(far: tuple[float, float, float], drag: float, h: float) -> tuple[float, float, float]:
+    """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
+    inertia, coulomb, viscous = far
+    loss = 0.5 * h * (drag + viscous)
+    gain = h / (inertia + loss)
+    return (inertia - loss) / (inertia + loss), gain, gain * coulomb
 
 
 @compiled()
 def _push(twist: float, closing: float, link: tuple[float, float, float, float]) -> tuple[float, float]:
     """Return the torque of the spring and the damping, both zero within the play and where flanks would pull."""
     stiffness, damping, half, soft = link
-    engaged = max(abs(twist) - half, 0.0)
-    sign = 1.0 if twist > 0.0 else -1.0
-    push = sign * max(stiffness * engaged - soft, 0.5 * stiffness * engaged)
-    if half > 0.0 and (engaged == 0.0 or (push + damping * closing) * sign < 0.0):
+    if half == 0.0:
+        straight = stiffness * twist
+        return straight - min(max(0.5 * straight, -soft), soft), damping
+    engaged = twist - min(max(twist, -half), half)
+    straight = stiffness * engaged
+    push = straight - min(max(0.5 * straight, -soft), soft)
+    if engaged * (push + damping * closing) <= 0.0:
         return 0.0, 0.0
     return push, damping

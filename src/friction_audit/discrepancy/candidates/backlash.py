@@ -4,13 +4,14 @@ import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import reversals
+from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.backlash import TERM
 
-SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
-"""Widths of the play as shares of the span of the motion, close to each other: they set when the flanks strike."""
-CONTACTS_HZ = (18.0, 28.0, 45.0)
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 24)
+"""Widths of the play as shares of the span of the motion: they set when the flanks strike."""
+CONTACTS_HZ = (20.0, 35.0, 63.0)
 """Flanks that ring about as fast as a regression sees, and hard ones."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
@@ -25,7 +26,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline, FEWEST_REVERSALS)
+    return reversals(data, baseline, FEWEST_REVERSALS) or inertia_behind(baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:

@@ -4,12 +4,19 @@ import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import reversals
+from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.joint_elasticity import TERM
+from friction_audit.model.transmission import HIGHEST_HZ, far_side
 
-STIFFNESSES_NM_PER_RAD = np.geomspace(10.0, 1e5, 25)
-"""From a rubber band to a steel shaft."""
+RINGING_HZ = np.geomspace(2.0, HIGHEST_HZ, 29)
+"""From a spring that a hand feels to one that nobody sees; a tenth of the frequency, twice the damping ratio, is the
+width of the ringing, so that the grid must be about as fine."""
+SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
+"""A rubber band, a steel shaft."""
+USUAL_INERTIA_KG_M2 = 0.3
+"""Of an arm's drive, where the torque tells none."""
 SOFT_SHARES = (1e-3, 0.3, 1.0, 3.0)
 """Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring."""
 LARGEST_SHARE = 1.6
@@ -21,22 +28,31 @@ LEAST_SHARE = 0.5
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Linear springs of all stiffnesses, and of every other one springs that are soft at first."""
     usual = float(np.sqrt(np.mean(data.torque**2))) or 1.0
+    stiffnesses = _stiffnesses(data)
     return tuple(
         {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual}
         for k, share in enumerate(SOFT_SHARES)
-        for stiffness in STIFFNESSES_NM_PER_RAD[:: 2 if k else 1]
+        for stiffness in stiffnesses[:: 2 if k else 1]
     )
+
+
+def _stiffnesses(data: JointData) -> Float:
+    """Stiffnesses on which the inertia that the torque tells rings slowly to fast, and the stiffest. [N m/rad]"""
+    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
+    ringing = inertia * (2.0 * np.pi * RINGING_HZ) ** 2
+    between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
+    return np.append(STIFFEST_NM_PER_RAD, between[::-1])
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
-    return reversals(data, baseline, FEWEST_REVERSALS)
+    return reversals(data, baseline, FEWEST_REVERSALS) or inertia_behind(baseline)
 
 
 def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
     share = factors[0] * shape["spring_nm_per_rad"]
-    least = 0.0 if shape["spring_nm_per_rad"] >= STIFFNESSES_NM_PER_RAD[-1] else LEAST_SHARE
+    least = 0.0 if shape["spring_nm_per_rad"] >= STIFFEST_NM_PER_RAD else LEAST_SHARE
     return bool(least < share <= LARGEST_SHARE)
 
 

@@ -5,13 +5,11 @@ play and strikes it on the other flank.
 """
 
 from collections.abc import Sequence
-from math import pi
-
-import numpy as np
+from math import pi, sqrt
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import Transmission, added_torque, far_side, simple_torque
+from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torque, far_side, simple_torque
 
 CONTACT_DAMPING_RATIO = 0.2
 """Of metal on lubricated metal: half of the speed is left after an impact."""
@@ -22,8 +20,9 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     gap, contact_hz = shape
     far = far_side(motion)
     # Flanks that gave way by more than the play would be a spring, and that has its own name.
-    hard = float(np.sqrt(np.mean(simple_torque(motion) ** 2))) / gap
-    stiffness = max(far.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2, hard)
+    torque = simple_torque(motion)
+    hard = sqrt(torque @ torque / len(torque)) / gap
+    stiffness = max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, hard)
     flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
     return added_torque(motion, far, flanks)[:, None]
 
