@@ -257,3 +257,9 @@ def hostile() -> BatchSummary:
         settings={HOSTILE: {HOSTILE: [HOSTILE]}},
         command=f"friction-audit batch-report {HOSTILE}",
     )
+
+
+def empty() -> BatchSummary:
+    """Return a batch in which no file could be read."""
+    failed = (FailedLog(path="a.csv", message="a.csv: no column for dq"),)
+    return BatchSummary(report=DriftReport(arms=()), failed=failed, settings=SETTINGS)

@@ -1,0 +1,191 @@
+"""The page of a batch, in a browser: whole, quiet, readable at any width, by any means."""
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from friction_audit.report.figures.batch import BATCH_FIGURES
+from friction_audit.report.html.batch_page import write_page
+from tests.report import batch_by_hand as by_hand
+from tests.report.html.conftest import Open, Opened
+
+WIDTHS = (360, 768, 1280)
+PAPER_PX = 688
+"""Width of A4 between margins of 14 mm, at 96 dots to the inch."""
+SCHEMES = ("light", "dark")
+CASES = ("plain", "hostile", "one joint", "forty joints", "nothing")
+
+
+@cache
+def page_of(case: str) -> str:
+    match case:
+        case "hostile":
+            return write_page(by_hand.hostile())
+        case "one joint":
+            return write_page(by_hand.batch(by_hand.arm(3, 1, dated=False)))
+        case "forty joints":
+            return write_page(by_hand.batch(by_hand.arm(4, 40)))
+        case "nothing":
+            return write_page(by_hand.empty())
+    return write_page(by_hand.batch())
+
+
+def overflow(opened: Opened) -> int:
+    """Return by how many pixels the page is wider than its window."""
+    wider: int = opened.evaluate("document.documentElement.scrollWidth - window.innerWidth")
+    return wider
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_nothing_is_asked_for_and_nothing_complains(open_page: Open, case: str) -> None:
+    opened = open_page(page_of(case))
+    opened.page.mouse.wheel(0, 3000)
+    assert [address for address in opened.requests if not address.startswith("data:")] == opened.requests[:1]
+    assert opened.requests[0].startswith("file:")
+    assert opened.complaints == []
+
+
+@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("width", WIDTHS)
+def test_no_width_overflows(open_page: Open, case: str, width: int) -> None:
+    opened = open_page(page_of(case), width=width)
+    assert overflow(opened) <= 0
+    opened.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    assert overflow(opened) <= 0
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_paper_holds_everything(open_page: Open, case: str) -> None:
+    opened = open_page(page_of(case), width=PAPER_PX, scheme="dark")
+    opened.page.emulate_media(media="print")
+    opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
+    assert overflow(opened) <= 0
+    wide = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.checkVisibility())
+        .filter((one) => one.getBoundingClientRect().right > window.innerWidth + 1).map((one) => one.outerHTML)"""
+    assert opened.evaluate(wide) == []
+    assert opened.evaluate("[...document.querySelectorAll('details')].every((one) => one.open)")
+    assert opened.evaluate("getComputedStyle(document.body).color") == "rgb(22, 25, 29)"
+    assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_figure_is_there(open_page: Open, scheme: str) -> None:
+    opened = open_page(page_of("plain"), scheme=scheme)
+    boxes = opened.page.locator("figure svg")
+    assert boxes.count() == len(BATCH_FIGURES)
+    for k in range(boxes.count()):
+        box = boxes.nth(k).bounding_box()
+        assert box is not None
+        assert box["width"] > 500
+        assert box["height"] > 100
+    names = opened.evaluate("[...document.querySelectorAll('figure svg title')].map((one) => one.textContent)")
+    assert all("joint 2" in name for name in names)
+    words = opened.page.locator("figure svg").nth(1).text_content() or ""
+    assert "+15.0 ± 1.5 % at session 13" in words
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_colours_of_figures_are_the_page_s(open_page: Open, scheme: str) -> None:
+    opened = open_page(page_of("plain"), scheme=scheme)
+    ink = opened.evaluate("getComputedStyle(document.querySelector('figure svg text')).fill")
+    assert ink == {"light": "rgb(0, 0, 0)", "dark": "rgb(235, 235, 235)"}[scheme]
+
+
+def column(opened: Opened, number: int) -> list[str]:
+    cells: list[str] = opened.evaluate(
+        "(k) => [...document.querySelector('table.sortable').tBodies[0].rows].map((row) => row.cells[k].textContent)",
+        number,
+    )
+    return cells
+
+
+def test_a_table_is_sorted_by_mouse_and_by_keys(open_page: Open) -> None:
+    opened = open_page(page_of("plain"))
+    table = opened.page.locator("table.sortable").first
+    change = table.get_by_role("button", name="change")
+    change.click()
+    head = table.locator("th[aria-sort]")
+    assert head.get_attribute("aria-sort") == "ascending"
+    assert column(opened, 3)[-4:] == ["+15.0 ± 1.5 %", "+23.0 ± 1.5 %", "-", "-"]
+    change.focus()
+    opened.page.keyboard.press("Enter")
+    assert head.get_attribute("aria-sort") == "descending"
+    assert column(opened, 3)[:2] == ["+23.0 ± 1.5 %", "+15.0 ± 1.5 %"]
+    assert column(opened, 3)[-2:] == ["-", "-"]
+    assert opened.page.locator("#said").text_content() == "Sorted by change, descending."
+    table.get_by_role("button", name="verdict").click()
+    assert column(opened, 2)[:2] == ["drift", "drift"]
+    assert table.locator("th[aria-sort]").count() == 1
+
+
+def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None:
+    opened = open_page(page_of("plain"))
+    button = opened.page.get_by_role("button", name="Enlarge: Coefficients over the sessions")
+    whole = opened.evaluate("document.querySelectorAll('figure svg')[1].getAttribute('viewBox')")
+    button.click()
+    dialog = opened.page.get_by_role("dialog")
+    assert dialog.get_by_role("img").is_visible()
+    dialog.get_by_role("button", name="Zoom in").click()
+    inside = "document.querySelector('dialog svg').getAttribute('viewBox').split(' ').map(Number)"
+    width = float(whole.split()[2])
+    left, _, zoomed, _ = opened.evaluate(inside)
+    assert zoomed == pytest.approx(0.8 * width)
+    opened.page.locator(".stage").focus()
+    opened.page.keyboard.press("ArrowRight")
+    assert opened.evaluate(inside)[0] == pytest.approx(left + 0.1 * zoomed)
+    opened.page.mouse.move(640, 500)
+    opened.page.mouse.wheel(0, -100)
+    opened.page.wait_for_function(f"{inside}[2] < {zoomed}")
+    before = opened.evaluate(inside)[0]
+    opened.page.mouse.down()
+    opened.page.mouse.move(740, 500)
+    opened.page.mouse.up()
+    assert opened.evaluate(inside)[0] < before
+    opened.page.keyboard.press("Escape")
+    assert opened.evaluate("document.querySelectorAll('figure svg').length") == len(BATCH_FIGURES)
+    assert opened.evaluate("document.querySelectorAll('figure svg')[1].getAttribute('viewBox')") == whole
+    assert opened.evaluate("document.activeElement.getAttribute('aria-label')").startswith("Enlarge: Coefficients")
+    assert opened.complaints == []
+
+
+def test_markup_in_names_is_text(open_page: Open) -> None:
+    opened = open_page(page_of("hostile"))
+    assert opened.evaluate("document.querySelectorAll('script').length") == 1
+    assert opened.evaluate("document.querySelectorAll('alert, x').length") == 0
+    shown = opened.page.locator("main").text_content() or ""
+    assert by_hand.HOSTILE in shown
+    assert by_hand.HOSTILE in (opened.page.locator("figure svg title").first.text_content() or "")
+    assert opened.complaints == []
+
+
+def test_the_page_can_be_read_without_scripts(open_page: Open) -> None:
+    opened = open_page(page_of("plain"), scripts=False)
+    assert opened.page.locator("table.sortable button, figure button").count() == 0
+    assert opened.page.locator("figure svg").count() == len(BATCH_FIGURES)
+    assert opened.page.locator("dialog").is_visible() is False
+
+
+def test_the_contents_lead_to_every_section(open_page: Open) -> None:
+    opened = open_page(page_of("plain"))
+    targets = opened.evaluate("[...document.querySelectorAll('.contents a')].map((one) => one.hash.slice(1))")
+    assert targets == opened.evaluate("[...document.querySelectorAll('main section')].map((one) => one.id)")
+    ids = opened.evaluate("[...document.querySelectorAll('[id]')].map((one) => one.id)")
+    assert len(ids) == len(set(ids))
+    opened.page.keyboard.press("Tab")
+    assert opened.evaluate("document.activeElement.className") == "skip"
+    opened.page.keyboard.press("Enter")
+    assert opened.evaluate("location.hash") == "#main"
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("case", ["plain", "hostile"])
+def test_no_barrier_is_found(open_page: Open, case: str, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
+    source = (Path(axe.__file__).parent / "axe.min.js").read_text(encoding="utf-8")
+    opened = open_page(page_of(case), scheme=scheme)
+    opened.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+    opened.evaluate(source)
+    found: list[dict[str, Any]] = opened.evaluate("async () => (await axe.run()).violations")
+    assert [(one["id"], [node["html"][:200] for node in one["nodes"][:3]]) for one in found] == []
