@@ -63,16 +63,16 @@ def _run(
             return
         future = next(done)
         task = pending.pop(future)
-        yield task, _outcome(future, task)
+        yield task, _outcome(future)
 
 
-def _outcome(future: Any, task: Task) -> Worked | Lost:  # noqa: ANN401
+def _outcome(future: Any) -> Worked | Lost:  # noqa: ANN401
     error = future.exception()
     if error is None:
         outcome: Worked = future.result()
         return outcome
     said = " ".join(str(error).split())
-    return Lost(f"{task.path}: lost on the cluster: {type(error).__name__}: {said}")
+    return Lost(f"lost on the cluster: {type(error).__name__}: {said}")
 
 
 def _connect(address: str) -> Any:  # noqa: ANN401

@@ -10,7 +10,7 @@ from friction_audit.batch.work import Task
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Work that nobody finished: why, as people are told."""
+    """Work that nobody finished: why, as people are told beside the name of the log."""
 
     message: str
 

@@ -7,14 +7,11 @@ from dataclasses import replace
 from pathlib import Path, PurePath
 
 from friction_audit.batch import remote
-from friction_audit.batch.log_file import LogFile, ManifestRow
-from friction_audit.batch.natural_order import natural_key
+from friction_audit.batch.log_file import LEDGER, LogFile, ManifestRow
+from friction_audit.drift.order import natural
 from friction_audit.errors import InputError
 from friction_audit.ingest import READERS
 from friction_audit.ingest.fingerprint import stamp_of
-
-LEDGER = "ledger.sqlite"
-"""A folder that holds one holds results, not logs."""
 
 BAG_METADATA = "metadata.yaml"
 STORAGE_SUFFIXES = (".db3", ".mcap")
@@ -56,7 +53,7 @@ def find_logs(
         raise InputError("; ".join(lost))
     if not found:
         raise InputError("no log was named; give files, folders, globs or URLs, or a manifest that names some")
-    return sorted(found.values(), key=lambda log: natural_key(log.path))
+    return sorted(found.values(), key=lambda log: natural(log.path))
 
 
 def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
@@ -69,7 +66,7 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
         return [_local(path, ())]
     if not glob.has_magic(name):
         return []
-    matches = sorted(glob.glob(name, recursive=True), key=natural_key)  # noqa: PTH207 - Path knows no absolute patterns
+    matches = sorted(glob.glob(name, recursive=True), key=natural)  # noqa: PTH207 - Path knows no absolute patterns
     return [log for match in matches for log in _logs_of(match, closed)]
 
 
@@ -80,13 +77,13 @@ def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
         if LEDGER in files or os.path.realpath(here) in closed:
             folders.clear()
             continue
-        folders[:] = sorted((name for name in folders if not name.startswith(".")), key=natural_key)
+        folders[:] = sorted((name for name in folders if not name.startswith(".")), key=natural)
         around = _folders_around(top, here)
         if is_bag(here.resolve().name, files):
             folders.clear()
             yield _local(here, around[1:])
             continue
-        for file in sorted(files, key=natural_key):
+        for file in sorted(files, key=natural):
             if is_log_name(file):
                 yield _local(here / file, around)
 

@@ -4,9 +4,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from friction_audit.batch.log_file import LogFile, ManifestRow
-from friction_audit.batch.natural_order import natural_key
 from friction_audit.batch.recorded import Recorded
 from friction_audit.batch.start_time import holds_a_time, time_in_name
+from friction_audit.drift.order import Order, natural, put_in_order
 from friction_audit.drift.session import Session
 
 NOTHING_SAID = ManifestRow(line=0, path="")
@@ -31,7 +31,7 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
     named = [(recorded, _session(file, recorded)) for file, recorded in found]
     sessions: list[Session] = []
     warnings = list(_shared_names(found))
-    for robot in sorted({session.robot for _, session in named}, key=natural_key):
+    for robot in sorted({session.robot for _, session in named}, key=natural):
         own = [(recorded, session) for recorded, session in named if session.robot == robot]
         groups = _alike(own)
         if len(groups) > 1:
@@ -41,8 +41,9 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
             )
         for kind, group in groups.items():
             name = f"{robot} ({kind})" if len(groups) > 1 else robot
-            sessions += _in_order([replace(session, robot=name) for session in group])
-            warnings += _without_start(name, group)
+            order = put_in_order([replace(session, robot=name) for session in group])
+            sessions += order.sessions
+            warnings += _without_start(name, order)
     return Identified(sessions=tuple(sessions), warnings=tuple(warnings))
 
 
@@ -106,23 +107,13 @@ def _alike(own: Iterable[tuple[Recorded, Session]]) -> dict[str, list[Session]]:
     return dict(sorted(groups.items()))
 
 
-def _in_order(sessions: Sequence[Session]) -> list[Session]:
-    by_name = sorted(sessions, key=lambda session: natural_key(session.path))
-    starts = {session.path: session.start_s for session in by_name if session.start_s is not None}
-    if len(starts) < len(by_name):
-        return by_name
-    return sorted(by_name, key=lambda session: starts[session.path])
-
-
-def _without_start(robot: str, sessions: Sequence[Session]) -> list[str]:
-    lacking = [session.path for session in sessions if session.start_s is None]
-    if not lacking or len(sessions) == 1:
+def _without_start(robot: str, order: Order) -> list[str]:
+    """Return a warning where the names of the sessions have to tell their order."""
+    lacking = [session.path for session in order.sessions if session.start_s is None]
+    every = len(order.sessions)
+    if order.by == "start" or every == 1:
         return []
-    who = (
-        "no session tells"
-        if len(lacking) == len(sessions)
-        else f"{len(lacking)} of {len(sessions)} sessions do not tell"
-    )
+    who = "no session tells" if len(lacking) == every else f"{len(lacking)} of {every} sessions do not tell"
     message = (
         f"robot {robot}: {who} when it started, neither by its clock nor by its name (the first is {lacking[0]}); its "
         "sessions are in the order of their names; give their starts in a manifest"
@@ -137,7 +128,7 @@ def _shared_names(found: Sequence[tuple[LogFile, Recorded]]) -> list[str]:
         if recorded.session.robot and not (file.row and file.row.robot) and not recorded.named_by_serial:
             places.setdefault(recorded.session.robot, set()).add(robot_folder(file.folders))
     return [
-        f"robot {name}: logs in {len(folders)} folders ({', '.join(sorted(folders, key=natural_key))}) call their arm "
+        f"robot {name}: logs in {len(folders)} folders ({', '.join(sorted(folders, key=natural))}) call their arm "
         "so and are taken for the same arm; if they are not, name the robots in a manifest"
         for name, folders in sorted(places.items())
         if len(folders) > 1

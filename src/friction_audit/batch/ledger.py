@@ -123,9 +123,7 @@ class Ledger:
         for some in _in_lots(dict.fromkeys(hashes)):
             query = f"SELECT * FROM failed WHERE settings = ? AND sha256 IN ({_marks(some)}) AND lasting ORDER BY topic"  # noqa: S608
             for row in self._ask(query, (settings, *some)):
-                found[row["sha256"]][row["topic"]] = Fault(
-                    message=row["message"].removeprefix(f"{row['path']}: "), topic=row["topic"]
-                )
+                found[row["sha256"]][row["topic"]] = Fault(message=row["message"], topic=row["topic"])
         return {sha256: tuple(faults.values()) for sha256, faults in found.items()}
 
     def name_sessions(self, named: Iterable[tuple[Session, str]], settings: str) -> None:

@@ -76,7 +76,7 @@ class _Worker:
             outcome: Worked = self.pipe.recv()
         except (EOFError, OSError):
             self.process.join()
-            return Lost(_how_it_ended(self.task, self.process.exitcode))
+            return Lost(_how_it_ended(self.process.exitcode))
         return outcome
 
     def dismiss(self) -> None:
@@ -141,15 +141,11 @@ def _labour(pipe: Connection, work: Work) -> None:
             return
 
 
-def _how_it_ended(task: Task | None, code: int | None) -> str:
-    where = "" if task is None else f"{task.path}: "
+def _how_it_ended(code: int | None) -> str:
     if code is not None and code < 0:
         name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
         return (
-            f"{where}the process that worked on it was ended by {name} twice, the second time with nothing beside it; "
+            f"the process that worked on it was ended by {name} twice, the second time with nothing beside it; "
             "expected it to finish; if memory was short, cut the log or use a machine with more"
         )
-    return (
-        f"{where}the process that worked on it ended with code {code} twice; expected it to finish; report it with "
-        "the log"
-    )
+    return f"the process that worked on it ended with code {code} twice; expected it to finish; report it with the log"

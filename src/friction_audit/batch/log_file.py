@@ -2,6 +2,9 @@
 
 from dataclasses import dataclass
 
+LEDGER = "ledger.sqlite"
+"""Name of a ledger; a folder that holds one holds results, not logs."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ManifestRow:

@@ -28,7 +28,7 @@ class Fault:
     """One arm of a log, or the whole of it, that no summary could be made of.
 
     Attributes:
-        message: Why, as people are told.
+        message: Why, as people are told beside the name of the log.
         topic: Which arm, as in ``Recorded``.
         lasting: True if the log itself is to blame: the same log with the same settings will fail again.
         detail: Where in the program it happened, if the program is to blame.

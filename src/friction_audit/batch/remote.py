@@ -6,8 +6,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from friction_audit.batch.log_file import LogFile
-from friction_audit.batch.natural_order import natural_key
+from friction_audit.batch.log_file import LEDGER, LogFile
+from friction_audit.drift.order import natural
 from friction_audit.errors import InputError, UsageError
 
 VERSION_KEYS = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "updated", "created")
@@ -26,7 +26,7 @@ def find(url: str, suffixes: Sequence[str], bag_folders: BagFolders) -> list[Log
     system, path = _open(url)
     try:
         if any(mark in path for mark in "*["):
-            return [log for match in sorted(system.glob(path), key=natural_key) for log in _at(system, match, ())]
+            return [log for match in sorted(system.glob(path), key=natural) for log in _at(system, match, ())]
         if path.lower().endswith(tuple(suffixes)) and not system.isdir(path):
             return _at(system, path, ()) if system.exists(path) else []
         return list(_below(system, path, suffixes, bag_folders))
@@ -75,23 +75,24 @@ def _open(url: str) -> tuple[Any, str]:
 
 
 def _below(system: Any, top: str, suffixes: Sequence[str], bag_folders: BagFolders) -> Iterator[LogFile]:  # noqa: ANN401
-    listing = {folder: files for folder, files in _walk(system, top) if "ledger.sqlite" not in files}
+    listing = {folder: files for folder, files in _walk(system, top) if LEDGER not in files}
     bags = bag_folders(listing)
-    for folder in sorted(listing, key=natural_key):
+    for folder in sorted(listing, key=natural):
         around = _around(top, folder)
         if folder in bags:
             yield from _at(system, folder, around[1:])
             continue
         if any(folder.startswith(f"{bag.rstrip('/')}/") for bag in bags):
             continue
-        for file in sorted(listing[folder], key=natural_key):
+        for file in sorted(listing[folder], key=natural):
             if not file.startswith(".") and file.lower().endswith(tuple(suffixes)):
                 yield from _at(system, f"{folder.rstrip('/')}/{file}", around)
 
 
 def _walk(system: Any, top: str) -> Iterator[tuple[str, list[str]]]:  # noqa: ANN401 - fsspec has no types
     for folder, _, files in system.walk(top):
-        yield folder, list(files)
+        if not any(part.startswith(".") for part in _around(top, folder)[:-1]):
+            yield folder, list(files)
 
 
 def _around(top: str, folder: str) -> tuple[str, ...]:

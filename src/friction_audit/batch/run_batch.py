@@ -185,7 +185,7 @@ def _gather(
     for log in logs:
         sha256 = hashes.get(log.place, "")
         pairs += [(log, one) for one in recorded.get(sha256, ())]
-        failed += [Failed(name_of(log, one.topic), f"{log.path}: {one.message}") for one in faults.get(sha256, ())]
+        failed += [Failed(name_of(log, one.topic), one.message) for one in faults.get(sha256, ())]
         failed += [Failed(name_of(log, one.topic), one.message) for one in passing.get(log.place, ())]
     return pairs, failed
 

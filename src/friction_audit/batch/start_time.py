@@ -49,7 +49,7 @@ def holds_a_time(name: str) -> bool:
 def _seconds(found: re.Match[str]) -> float:
     whole, finer, decimals = found.groups()
     if finer:
-        return int(whole) + int(finer) / 10 ** len(finer)
+        return int(whole) + int(finer) / 10.0 ** len(finer)
     return float(f"{whole}.{decimals or 0}")
 
 
@@ -61,5 +61,4 @@ def _unix_time(found: re.Match[str]) -> float | None:
         moment = datetime.fromisoformat(f"{date}T{clock}{zone}").astimezone(UTC)
     except ValueError:  # 30 February
         return None
-    seconds: float = moment.timestamp()
-    return seconds + float(f"0.{found['part'] or 0}")
+    return moment.timestamp() + float(f"0.{found['part'] or 0}")

@@ -44,7 +44,7 @@ def work_on(settings: BatchSettings, task: Task) -> Worked:
             # Names that only the worker knows are no help to anybody.
             return _renamed(_work_on(settings, path), str(path), task.path)
     except FrictionAuditError as error:
-        return Worked(sha256="", faults=(Fault(message=str(error), lasting=False),))
+        return Worked(sha256="", faults=(Fault(message=str(error).removeprefix(f"{task.path}: "), lasting=False),))
 
 
 @contextmanager
@@ -91,10 +91,10 @@ def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
         sha256 = _hash(path)
         return Worked(sha256=sha256, faults=(Fault(message=str(error), topic=topic, lasting=bool(sha256)),))
     except MemoryError:
-        fault = Fault(message=f"{path}: not enough memory to work on it; use fewer workers", topic=topic, lasting=False)
+        fault = Fault(message="not enough memory to work on it; use fewer workers", topic=topic, lasting=False)
         return Worked(sha256=_hash(path), faults=(fault,))
     except Exception as error:  # noqa: BLE001 - a bug that one log shows must not cost the others
-        message = f"{path}: a bug of friction-audit, please report it: {type(error).__name__}: {error}"
+        message = f"a bug of friction-audit, please report it: {type(error).__name__}: {error}"
         fault = Fault(message=message, topic=topic, lasting=False, detail=traceback.format_exc())
         return Worked(sha256=_hash(path), faults=(fault,))
 
@@ -145,9 +145,9 @@ def _hash(path: Path) -> str:
 
 
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
-    """Call the log what the user calls it, and say of every message which log it is about."""
+    """Call the log what the user calls it; messages stand beside its name, and need not begin with it."""
     recorded = tuple(replace(one, session=replace(one.session, path=name)) for one in worked.recorded)
-    told = [one.message.replace(here, name) for one in worked.faults]
-    messages = [message if message.startswith(name) else f"{name}: {message}" for message in told]
-    faults = tuple(replace(one, message=text) for one, text in zip(worked.faults, messages, strict=True))
+    faults = tuple(
+        replace(one, message=one.message.replace(here, name).removeprefix(f"{name}: ")) for one in worked.faults
+    )
     return replace(worked, recorded=recorded, faults=faults)

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 Report = Callable[[float], None]
 """Takes the share of the work that is done, 0 to 1."""
 
+Count = Callable[[int, int, int], None]
+"""Takes how many pieces of work are done, how many there are, and how many of them failed."""
+
 PATIENCE_S = 1.0
 """Work shorter than this shows no progress."""
 DAMAGED = 6
@@ -52,6 +55,12 @@ class Voice:
     def progress(self, name: str) -> Iterator[Report | None]:
         """Show how much of a step is done, as ``step`` does; yield what it is to be told, None if nobody watches."""
         with self._timed(name), _bar(name) if self._watched else _silence() as report:
+            yield report
+
+    @contextmanager
+    def count(self, name: str) -> Iterator[Count | None]:
+        """Show how many pieces of work are done and how long the others will take; yield what it is to be told."""
+        with self._timed(name), _counter(name) if self._watched else _silence() as report:
             yield report
 
     @property
@@ -100,6 +109,29 @@ def _bar(name: str) -> Iterator[Report]:
     task = bar.add_task(name, total=None)
     with _late(bar):
         yield lambda share: bar.update(task, total=1.0, completed=share)
+
+
+@contextmanager
+def _counter(name: str) -> Iterator[Count]:
+    """Show a bar with the number of pieces done, those that failed, and the time left."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description} ..."),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.fields[failed]}"),
+        TimeRemainingColumn(),
+    )
+    bar = Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=120.0)
+    task = bar.add_task(name, total=None, failed="")
+
+    def report(done: int, total: int, failed: int) -> None:
+        bar.update(task, total=total, completed=done, failed=f"{failed} failed" if failed else "")
+
+    with _late(bar):
+        yield report
 
 
 @contextmanager

@@ -39,6 +39,8 @@ def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
     notes = {"joint_names": json.dumps(log.joint_names), "robot": log.source.robot}
     if log.source.start_s is not None:
         notes["start_s"] = repr(log.source.start_s)
+    if log.source.serial:
+        notes["serial"] = log.source.serial
     pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd")
 
 

@@ -5,6 +5,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
+from math import isfinite
 from pathlib import Path
 from typing import Any
 
@@ -139,8 +140,18 @@ def _read_wide(
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
     recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
     metadata = file.schema_arrow.metadata or {}
-    recording = replace(recording, serial=serial_in(_as_text(metadata)))
+    notes = _as_text(metadata)
+    recording = replace(recording, serial=serial_in(notes), start_s=_start_of(recording, notes))
     return recording if is_named else name_joints(recording, *_stated_joints(metadata))
+
+
+def _start_of(recording: Recording, notes: Mapping[str, str]) -> float | None:
+    """Return the Unix time of t = 0: that of the clock, else of the first sample as our own writer notes it. [s]"""
+    try:
+        stated = float(notes["start_s"]) - float(recording.t[0])
+    except (KeyError, ValueError):
+        return recording.start_s
+    return stated if recording.start_s is None and isfinite(stated) else recording.start_s
 
 
 def _as_text(metadata: Mapping[bytes, bytes]) -> dict[str, str]:

@@ -2,11 +2,12 @@
 
 from collections.abc import Iterable
 
+from friction_audit.drift.session import JointSummary
 from friction_audit.friction.history import JointFriction
 from friction_audit.replay.result import JointReplay
 
 
-def reason_lines(joints: Iterable[JointFriction | JointReplay]) -> list[str]:
+def reason_lines(joints: Iterable[JointFriction | JointReplay | JointSummary]) -> list[str]:
     """Return one line per reason, led by the joints that it holds for; none for joints with a result."""
     reasons: dict[str, list[int]] = {}
     for joint in joints:

@@ -1,0 +1,345 @@
+"""``friction-audit batch-report``."""
+
+import shlex
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from friction_audit.cli import chain
+from friction_audit.cli.batch_files import RESULTS, check_results, write_results
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import DAMAGED, Voice, print_rich
+from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
+from friction_audit.cli.settings import audit_settings, read_options
+from friction_audit.errors import AnalysisError, InputError, UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.batch.executor import Executor
+    from friction_audit.batch.ledger import Ledger
+    from friction_audit.batch.log_file import LogFile
+    from friction_audit.batch.run_batch import BatchResult, Progress
+    from friction_audit.batch.settings import BatchSettings
+    from friction_audit.drift.fail_on import Limit
+    from friction_audit.drift.settings import DriftSettings
+    from friction_audit.report.batch_summary import BatchSummary
+
+SESSIONS, DRIFT, RUNNING = "Sessions", "Drift", "Running"
+
+EXAMPLES = """Examples:
+  friction-audit batch-report logs/
+  friction-audit batch-report 'logs/**/*.mcap' --manifest sessions.csv -o drift
+  friction-audit batch-report logs/ --baseline 10 --fail-on coulomb=15% --quiet
+  friction-audit batch-report s3://lab/panda/ --scheduler tcp://head:8786"""
+
+EXCEEDED, INTERRUPTED = 5, 130
+"""Exit codes: a limit of the user is exceeded; stopped by the user."""
+NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
+"""Parameters that change nothing in the numbers; what a file of values held is written out."""
+MOST_NAMED = 5
+"""Logs that a message names; more are counted."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SessionOptions:
+    """What the sessions are."""
+
+    manifest: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.csv",
+            exists=True,
+            dir_okay=False,
+            help="Table with the columns path, start, robot, temperature, payload, note; paths relative to it. The "
+            "logs that it names are read beside LOGS.",
+            rich_help_panel=SESSIONS,
+        ),
+    ] = None
+    diagnose: Annotated[
+        bool,
+        typer.Option(
+            "--diagnose", help="Also name what the model misses in each session (slow).", rich_help_panel=SESSIONS
+        ),
+    ] = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DriftOptions:
+    """What is asked of the sessions together."""
+
+    baseline: Annotated[
+        str,
+        typer.Option(
+            metavar="K|LIST",
+            help="Sessions of the reference: the first K of each arm, or their numbers, e.g. 3-8,10.",
+            rich_help_panel=DRIFT,
+        ),
+    ] = "5"
+    fail_on: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="COEFFICIENT=LIMIT",
+            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%. Repeatable.",
+            rich_help_panel=DRIFT,
+        ),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class RunningOptions:
+    """Where the work is done."""
+
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            metavar="N", min=1, help="Processes on this machine. Default: one per core.", rich_help_panel=RUNNING
+        ),
+    ] = None
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Scheduler of a Dask cluster, e.g. tcp://host:8786, that does the work instead.",
+            rich_help_panel=RUNNING,
+        ),
+    ] = None
+    rebuild: Annotated[
+        bool,
+        typer.Option(
+            "--rebuild",
+            help="Compute everything anew; the ledger that is there is kept under another name.",
+            rich_help_panel=RUNNING,
+        ),
+    ] = False
+
+    def __post_init__(self) -> None:
+        """Refuse both at once."""
+        if self.workers is not None and self.scheduler is not None:
+            raise UsageError(
+                f"--workers {self.workers} --scheduler {self.scheduler}: a cluster has its own workers; give one"
+            )
+
+
+def command(
+    context: typer.Context,
+    sessions: SessionOptions,
+    drift: DriftOptions,
+    running: RunningOptions,
+    shared: AuditOptions,
+    logs: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="LOGS...", help="Logs, folders (searched to the bottom), globs, URLs."),
+    ] = None,
+    folder: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help=f"Folder of the ledger, {', '.join(RESULTS)} and the figures.",
+            rich_help_panel=OUTPUT,
+        ),
+    ] = Path("friction-drift"),
+    figures: FiguresBeside = PNG,
+) -> None:
+    """Follow the friction of each joint over many recordings: what changed, when, and how sure we are."""
+    if shared.general.dump_config:
+        typer.echo(dump_config(context), nl=False)
+        return
+    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    settings = _settings(sessions, shared)
+    drift_settings, limits = _drift_settings(drift)
+    found = _find(logs or [], sessions.manifest, folder)
+    with _ledger(folder, running, voice) as (ledger, alone):
+        if not running.rebuild:
+            check_results(folder, figures, ledger, settings, overwrite=shared.output.overwrite)
+        result = _run(found, settings, ledger, _executor(running), voice, alone=alone)
+        if not shared.output.json:
+            voice.warn(result.warnings)
+        _require_an_answer(result)
+        summary = _summarise(result, settings, drift_settings, limits, _command_line(context), voice)
+        document = write_results(summary, folder, figures, ledger, settings, voice)
+    _print(summary, document, json=shared.output.json, verbose=voice.verbose)
+    _exit(summary)
+
+
+def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
+    from friction_audit.batch.settings import BatchSettings
+    from friction_audit.discrepancy.settings import DiagnosisSettings
+
+    return BatchSettings(
+        audit=audit_settings(shared),
+        reading=read_options(shared.reading),
+        diagnosis=DiagnosisSettings() if sessions.diagnose else None,
+    )
+
+
+def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":
+    from friction_audit.drift.fail_on import parse_limit
+    from friction_audit.drift.settings import DriftSettings, parse_baseline
+
+    limits = tuple(parse_limit(text) for text in drift.fail_on or ())
+    return DriftSettings(baseline=parse_baseline(drift.baseline)), limits
+
+
+def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
+    """Return the logs, before anything is made.
+
+    Raises:
+        InputError: If there are none, or the manifest is wrong.
+        UsageError: If none were named.
+    """
+    from friction_audit.batch.find_logs import find_logs
+    from friction_audit.batch.manifest import read_manifest
+
+    if not names and manifest is None:
+        raise UsageError("no logs named; give files, folders, globs or URLs, or --manifest with their paths")
+    rows = {} if manifest is None else read_manifest(manifest)
+    return find_logs(names, rows, leave_out=[folder, *([manifest] if manifest else [])])
+
+
+@contextmanager
+def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tuple[Ledger, bool]]":
+    """Open the ledger of a folder; yield it, and whether nobody else works in the folder."""
+    from friction_audit.batch.ledger import Ledger, move_aside
+    from friction_audit.batch.log_file import LEDGER
+    from friction_audit.batch.run_lock import run_lock
+
+    path = folder / LEDGER
+    chain.check_outputs([path], overwrite=True)
+    folder.mkdir(parents=True, exist_ok=True)
+    with run_lock(folder) as alone:
+        if running.rebuild and not alone:
+            raise UsageError(f"--rebuild: another run is at work in {folder}; wait for it or stop it")
+        aside = move_aside(path) if running.rebuild else None
+        if aside is not None:
+            voice.warn([f"the ledger that was there is kept as {aside}"])
+        with Ledger(path) as ledger:
+            yield ledger, alone
+
+
+def _executor(running: RunningOptions) -> "Executor":
+    if running.scheduler is not None:
+        from friction_audit.batch.dask_executor import DaskExecutor
+
+        return DaskExecutor(address=running.scheduler)
+    from friction_audit.batch.local_executor import LocalExecutor
+
+    return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
+
+
+def _run(
+    found: "Sequence[LogFile]",
+    settings: "BatchSettings",
+    ledger: "Ledger",
+    executor: "Executor",
+    voice: Voice,
+    *,
+    alone: bool,
+) -> "BatchResult":
+    from friction_audit.batch.run_batch import run_batch
+
+    last: list[Progress] = []
+
+    def watch(progress: "Progress") -> None:
+        last[:] = [progress]
+        if count is not None:
+            count(progress.done, progress.total, progress.failed)
+
+    try:
+        with voice.count("estimate friction") as count:
+            return run_batch(found, settings, ledger, executor, watch, backwards=not alone)
+    except KeyboardInterrupt as stop:
+        done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
+        typer.echo(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there", err=True)
+        raise typer.Exit(INTERRUPTED) from stop
+
+
+def _require_an_answer(result: "BatchResult") -> None:
+    """Refuse a batch without a session, or without any coefficient in all of them.
+
+    Raises:
+        InputError: With what is wrong with the logs.
+        AnalysisError: With the reasons of the joints.
+    """
+    from friction_audit.report.reasons import reason_lines
+
+    if not result.sessions:
+        lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
+        raise InputError(f"none of {len(lines)} logs can be used:{_first_of(lines)}")
+    if all(joint.reason for session in result.sessions for joint in session.joints):
+        lines = [f"{session.path}: {'; '.join(reason_lines(session.joints))}" for session in result.sessions]
+        raise AnalysisError(f"no joint of any session has an estimate:{_first_of(lines)}")
+
+
+def _first_of(lines: list[str]) -> str:
+    more = [f"and {len(lines) - MOST_NAMED} more"] if len(lines) > MOST_NAMED else []
+    return "".join(f"\n  {line}" for line in lines[:MOST_NAMED] + more)
+
+
+def _summarise(
+    result: "BatchResult",
+    settings: "BatchSettings",
+    drift: "DriftSettings",
+    limits: "tuple[Limit, ...]",
+    command_line: str,
+    voice: Voice,
+) -> "BatchSummary":
+    from friction_audit.drift.analyse import analyse_drift
+    from friction_audit.drift.fail_on import exceeded
+    from friction_audit.report.batch_summary import BatchSummary, FailedLog
+    from friction_audit.report.document import to_json
+
+    with voice.step("compare sessions"):
+        report = analyse_drift(result.sessions, drift)
+    every = {"reading": asdict(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
+    every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
+    return BatchSummary(
+        report=report,
+        failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
+        exceeded=exceeded(report, limits),
+        settings=to_json(every),
+        command=command_line,
+        computed=result.new,
+        known=result.known,
+    )
+
+
+def _command_line(context: typer.Context) -> str:
+    """Return the command that was given, without what only concerns how it was watched."""
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        source = context.get_parameter_source(name)
+        if name not in NOT_PART_OF_IT and source is not None and source.name != "DEFAULT":
+            option = max(parameter.opts, key=len) if parameter.param_type_name == "option" else ""
+            words += _words(option, context.params[name])
+    return shlex.join(["friction-audit", "batch-report", *words])
+
+
+def _words(option: str, value: object) -> list[str]:
+    """Return an option, or an argument if it has no name, as it is typed."""
+    if isinstance(value, bool):
+        return [option] if value else []
+    values = value if isinstance(value, list | tuple) else [value]
+    return [word for item in values for word in ([option, str(item)] if option else [str(item)])]
+
+
+def _print(summary: "BatchSummary", document: str, *, json: bool, verbose: bool) -> None:
+    if json:
+        typer.echo(document, nl=False)
+    else:
+        from friction_audit.report.batch_table import batch_table
+
+        print_rich(batch_table(summary, verbose=verbose))
+
+
+def _exit(summary: "BatchSummary") -> None:
+    """Exit with a limit that is exceeded before all else: that is what was asked."""
+    if summary.exceeded:
+        raise typer.Exit(EXCEEDED)
+    if summary.failed or any(session.damaged for session in summary.sessions):
+        raise typer.Exit(DAMAGED)

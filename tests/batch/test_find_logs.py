@@ -1,0 +1,130 @@
+from pathlib import Path
+
+import pytest
+
+from friction_audit.batch.find_logs import find_logs, is_bag
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.manifest import read_manifest
+from friction_audit.errors import InputError, UsageError
+
+
+@pytest.fixture
+def tree(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name in (
+        "lab/run10.csv",
+        "lab/run2.csv",
+        "lab/notes.txt",
+        "lab/.hidden.csv",
+        "lab/.git/x.csv",
+        "lab/2026-03-01/a.mcap",
+        "lab/2026-03-01/b.mcap",
+        "lab/bag/metadata.yaml",
+        "lab/bag/bag_0.db3",
+        "lab/split/split_0.mcap",
+        "lab/split/split_1.mcap",
+        "lab/results/ledger.sqlite",
+        "lab/results/sessions.csv",
+    ):
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(name)
+    return tmp_path
+
+
+def names(logs: list[LogFile]) -> list[str]:
+    return [log.path for log in logs]
+
+
+IN_THE_LAB = ["lab/2026-03-01/a.mcap", "lab/2026-03-01/b.mcap", "lab/bag", "lab/run2.csv", "lab/run10.csv", "lab/split"]
+
+
+def test_a_folder_is_searched_to_the_bottom(tree: Path) -> None:
+    logs = find_logs(["lab"], {})
+    assert names(logs) == IN_THE_LAB
+    assert all(Path(log.place) == tree / log.path for log in logs)
+    assert logs[0].folders == ("2026-03-01", "lab")
+    assert logs[0].size == len("lab/2026-03-01/a.mcap")
+
+
+@pytest.mark.usefixtures("tree")
+def test_each_log_once_however_it_is_named() -> None:
+    Path("link.csv").symlink_to("lab/run2.csv")
+    assert names(find_logs(["lab", "lab/run2.csv", "lab/*.csv", "./lab/bag", "lab/bag/", "link.csv"], {})) == IN_THE_LAB
+
+
+@pytest.mark.usefixtures("tree")
+def test_globs_and_named_files() -> None:
+    assert names(find_logs(["lab/**/*.mcap"], {})) == [
+        "lab/2026-03-01/a.mcap",
+        "lab/2026-03-01/b.mcap",
+        "lab/split/split_0.mcap",
+        "lab/split/split_1.mcap",
+    ]
+    assert names(find_logs(["lab/notes.txt"], {})) == ["lab/notes.txt"]
+    Path("odd[1].csv").touch()
+    assert names(find_logs(["odd[1].csv"], {})) == ["odd[1].csv"]
+
+
+@pytest.mark.usefixtures("tree")
+def test_a_manifest_names_logs_and_says_more_of_others() -> None:
+    Path("manifest.csv").write_text("path,robot\nlab/run2.csv,left\n")
+    rows = read_manifest(Path("manifest.csv"))
+    alone = find_logs([], rows)
+    assert [log.row.robot for log in alone if log.row] == ["left"]
+    both = find_logs(["."], rows, leave_out=[Path("manifest.csv")])
+    assert names(both) == IN_THE_LAB
+    assert [log.path for log in both if log.row] == ["lab/run2.csv"]
+
+
+@pytest.mark.usefixtures("tree")
+def test_what_leads_nowhere_is_said_at_once() -> None:
+    Path("empty").mkdir()
+    with pytest.raises(InputError) as caught:
+        find_logs(["lab", "absent.csv", "empty", "lab/*.bag"], {})
+    said = str(caught.value)
+    assert "absent.csv: no such file or directory" in said
+    assert "empty: no log in this folder or below; expected files that end in" in said
+    assert "lab/*.bag: no file matches" in said
+
+
+def test_nothing_named() -> None:
+    with pytest.raises(InputError, match="no log was named"):
+        find_logs([], {})
+
+
+@pytest.mark.parametrize(
+    ("folder", "files", "bag"),
+    [
+        ("x", ["metadata.yaml", "x_0.db3"], True),
+        ("x", ["metadata.yaml", "notes.csv"], False),
+        ("x", ["x_0.mcap", "x_1.mcap"], True),
+        ("x", ["x_0.db3.zstd"], True),
+        ("x", ["monday.mcap", "tuesday.mcap"], False),
+        ("x", ["x_0.mcap", "monday.mcap"], False),
+        ("x", [], False),
+    ],
+)
+def test_which_folder_is_a_bag(folder: str, files: list[str], *, bag: bool) -> None:
+    assert is_bag(folder, files) is bag
+
+
+def test_urls(tree: Path) -> None:
+    pytest.importorskip("fsspec")
+    root = f"file://{tree}"
+    assert names(find_logs([f"{root}/lab"], {})) == [f"{root}/{name}" for name in IN_THE_LAB]
+    one = find_logs([f"{root}/lab/run2.csv"], {})[0]
+    assert one.is_remote
+    assert (one.folders, one.size) == (("lab",), len("lab/run2.csv"))
+    assert one.changed
+    assert names(find_logs([f"{root}/lab/run*.csv"], {})) == [f"{root}/lab/run2.csv", f"{root}/lab/run10.csv"]
+    with pytest.raises(InputError, match=r"absent\.csv: no log there"):
+        find_logs([f"{root}/absent.csv"], {})
+    with pytest.raises(UsageError, match=r"nosuch://x/y\.csv: .*check the part before"):
+        find_logs(["nosuch://x/y.csv"], {})
+
+
+def test_urls_without_fsspec(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(__import__("sys").modules, "fsspec.core", None)
+    with pytest.raises(UsageError, match=r"s3://lab/a.csv: .*install friction-audit\[remote\]"):
+        find_logs(["s3://lab/a.csv"], {})

@@ -1,0 +1,134 @@
+from dataclasses import replace
+
+import pytest
+
+from friction_audit.batch.identity import Identified, identify, robot_folder
+from friction_audit.batch.log_file import LogFile, ManifestRow
+from friction_audit.batch.recorded import Recorded
+from friction_audit.drift.session import Conditions, JointSummary, Session
+
+NAN = float("nan")
+
+
+def file(path: str, row: ManifestRow | None = None) -> LogFile:
+    *folders, _ = path.split("/")
+    return LogFile(path=path, place=f"/{path}", folders=tuple(reversed(folders)), size=1, changed="1", row=row)
+
+
+def recorded(
+    told: str = "", *, start: float | None = None, joints: int = 7, kind: str = "panda", topic: str = ""
+) -> Recorded:
+    summaries = tuple(
+        JointSummary(joint=n, name=f"j{n}", coefficients={}, cycles=0, moving_s=0.0, speed_rad_s=(NAN, NAN, NAN))
+        for n in range(1, joints + 1)
+    )
+    session = Session(
+        path="as read",
+        sha256=f"{told}{start}{joints}",
+        robot=told,
+        start_s=start,
+        start_from="nothing" if start is None else "log",
+        duration_s=60.0,
+        conditions=Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none"),
+        joints=summaries,
+    )
+    return Recorded(session=session, topic=topic, kind=kind)
+
+
+def robots(found: Identified) -> dict[str, list[str]]:
+    every: dict[str, list[str]] = {}
+    for session in found.sessions:
+        every.setdefault(session.robot, []).append(session.path)
+    return every
+
+
+def test_manifest_before_log_before_folder() -> None:
+    row = ManifestRow(
+        line=2, path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil"
+    )
+    found = identify(
+        [
+            (file("a/1.csv", row), recorded("left", start=1.0)),
+            (file("a/2.csv"), recorded("left", start=2.0)),
+            (file("a/3.csv"), recorded(start=3.0)),
+        ]
+    )
+    assert robots(found) == {"R1": ["a/1.csv"], "a": ["a/3.csv"], "left": ["a/2.csv"]}
+    first = next(session for session in found.sessions if session.robot == "R1")
+    assert (first.start_s, first.start_from, first.temperature_c, first.note) == (5.0, "manifest", 21.0, "new oil")
+    assert first.conditions.payload == "tool"
+    assert found.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("folders", "robot"),
+    [
+        (("left", "lab"), "left"),
+        (("2026-03-01", "left", "lab"), "left"),
+        (("2026-03-01", "2026"), "2026"),
+        (("2026-03-01",), "2026-03-01"),
+        ((), "robot"),
+    ],
+)
+def test_folders_of_days_are_no_robots(folders: tuple[str, ...], robot: str) -> None:
+    assert robot_folder(folders) == robot
+
+
+def test_arms_of_one_log_stay_apart_and_under_the_manifest_s_name() -> None:
+    pair = [recorded("left", start=1.0, topic="/l"), recorded("right", start=1.0, topic="/r")]
+    assert robots(identify([(file("a/1.bag"), one) for one in pair])) == {
+        "left": ["a/1.bag [/l]"],
+        "right": ["a/1.bag [/r]"],
+    }
+    row = ManifestRow(line=2, path="a/1.bag", robot="cell 3")
+    assert set(robots(identify([(file("a/1.bag", row), one) for one in pair]))) == {"cell 3/left", "cell 3/right"}
+
+
+def test_sessions_in_the_order_of_their_starts() -> None:
+    found = identify(
+        [
+            (file("a/2026-03-02.csv"), recorded()),
+            (file("a/last.csv"), recorded(start=2e9)),
+            (file("a/2026-03-01.csv"), recorded()),
+        ]
+    )
+    assert [session.path for session in found.sessions] == ["a/2026-03-01.csv", "a/2026-03-02.csv", "a/last.csv"]
+    assert [session.start_from for session in found.sessions] == ["name", "name", "log"]
+
+
+def test_without_starts_by_name_and_said_so() -> None:
+    found = identify([(file(f"a/run{n}.csv"), recorded()) for n in (10, 2)])
+    assert [session.path for session in found.sessions] == ["a/run2.csv", "a/run10.csv"]
+    assert len(found.warnings) == 1
+    assert "robot a: no session tells when it started" in found.warnings[0]
+    assert "in the order of their names" in found.warnings[0]
+
+
+def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:
+    found = identify(
+        [
+            (file("a/1.csv"), recorded(start=1.0)),
+            (file("a/2.csv"), recorded(start=2.0, kind="fr3")),
+            (file("a/3.csv"), recorded(start=3.0, joints=1, kind="unknown")),
+        ]
+    )
+    assert set(robots(found)) == {"a (1 joint, unknown)", "a (7 joints, fr3)", "a (7 joints, panda)"}
+    assert "robot a: its logs are of unlike arms" in found.warnings[0]
+
+
+def test_a_log_that_does_not_tell_its_make_is_of_the_only_one_there_is() -> None:
+    found = identify(
+        [
+            (file("a/1.csv"), recorded(start=1.0)),
+            (file("a/2.csv"), recorded(start=2.0, kind="unknown")),
+        ]
+    )
+    assert set(robots(found)) == {"a"}
+
+
+def test_one_name_in_two_folders_is_said_but_a_serial_number_is_trusted() -> None:
+    logs = [(file(f"{lab}/1.csv"), recorded("left", start=n)) for n, lab in enumerate(("north", "south"), start=1)]
+    found = identify(logs)
+    assert set(robots(found)) == {"left"}
+    assert "robot left: logs in 2 folders (north, south)" in found.warnings[0]
+    assert identify([(log, replace(one, named_by_serial=True)) for log, one in logs]).warnings == ()

@@ -1,0 +1,203 @@
+import sqlite3
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from friction_audit.batch.ledger import Ledger, move_aside
+from friction_audit.batch.ledger_schema import SCHEMA_VERSION
+from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.recorded import Fault, Recorded, Worked
+from friction_audit.batch.settings import RESULTS_VERSION, BatchSettings
+from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
+from friction_audit.errors import InputError
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.interaction.settings import TorqueSettings
+
+SETTINGS = BatchSettings()
+KEY = SETTINGS.key()
+LOG = LogFile(path="a.csv", place="/logs/a.csv", folders=("logs",), size=10, changed="7")
+THIRD = 1.0 / 3.0
+JOINTS = (
+    JointSummary(
+        joint=1,
+        name="joint1",
+        coefficients={
+            "coulomb_nm": Coefficient(value=THIRD, low=0.1 + 0.2, high=5e-324),
+            "viscous_nms_per_rad": UNDETERMINED,
+        },
+        cycles=12,
+        moving_s=THIRD,
+        speed_rad_s=(0.1, THIRD, 2.0),
+        temperature_c=31.5,
+        within={"coulomb_nm": Coefficient(value=0.0, low=-THIRD, high=1e308), "viscous_nms_per_rad": UNDETERMINED},
+        curve=SpeedCurve(speed_rad_s=(-THIRD, THIRD), torque_nm=(-0.3, 0.1 + 0.2), spread_nm=(0.0, 1e-17)),
+        verdict="named",
+        effects=("stribeck", "warm_up"),
+    ),
+    JointSummary(
+        joint=2,
+        name="Gelenk ä",
+        coefficients={"coulomb_nm": UNDETERMINED, "viscous_nms_per_rad": UNDETERMINED},
+        cycles=0,
+        moving_s=0.0,
+        speed_rad_s=(float("nan"),) * 3,
+        within={"coulomb_nm": UNDETERMINED, "viscous_nms_per_rad": UNDETERMINED},
+        reason="did not move",
+    ),
+)
+SESSION = Session(
+    path="a.csv",
+    sha256="f00",
+    robot="left",
+    start_s=1.7e9 + THIRD,
+    start_from="log",
+    duration_s=60.0,
+    conditions=Conditions(drive="hand", torque="tau_J", gravity="logged", inertia="none", rate_hz=999.7),
+    joints=JOINTS,
+    warnings=("one", "two"),
+    damaged=True,
+)
+RECORDED = Recorded(session=SESSION, topic="", kind="panda", named_by_serial=True)
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    return tmp_path / "out" / "ledger.sqlite"
+
+
+def test_numbers_come_back_to_the_bit(path: Path) -> None:
+    with Ledger(path) as ledger:
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+    with Ledger(path) as ledger:
+        assert repr(ledger.recorded(["f00"], KEY)) == repr({"f00": (RECORDED,)})
+        assert ledger.recorded(["f00"], "other settings") == {}
+        assert ledger.recorded([f"{n:x}" for n in range(2000)] + ["f00"], KEY).keys() == {"f00"}
+
+
+def test_a_log_is_known_by_size_and_time(path: Path) -> None:
+    with Ledger(path) as ledger:
+        assert ledger.known_hash(LOG) is None
+        ledger.remember(LOG, "f00")
+        assert ledger.known_hash(LOG) == "f00"
+        assert ledger.known_hash(replace(LOG, size=11)) is None
+        assert ledger.known_hash(replace(LOG, changed="8")) is None
+        assert ledger.known_sizes() == {10}
+
+
+def test_a_log_is_done_when_nothing_new_would_come_of_it(path: Path) -> None:
+    bad, odd = Fault(message="no column"), Fault(message="killed", topic="/r", lasting=False)
+    with Ledger(path) as ledger:
+        assert not ledger.is_done("f00", KEY)
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,), faults=(odd,)))
+        assert not ledger.is_done("f00", KEY)
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        assert ledger.is_done("f00", KEY)
+        assert not ledger.is_done("f00", "other settings")
+        ledger.save(LOG, SETTINGS, Worked(sha256="bad", faults=(bad,)))
+        assert ledger.is_done("bad", KEY)
+        assert ledger.faults(["bad", "f00"], KEY) == {"bad": (bad,)}
+
+
+def test_names_are_written_beside_the_numbers(path: Path) -> None:
+    named = replace(SESSION, robot="R1", start_s=5.0, start_from="manifest", note="after service", temperature_c=21.0)
+    with Ledger(path) as ledger:
+        ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        ledger.name_sessions([(named, "")], KEY)
+        told = ledger.recorded(["f00"], KEY)["f00"][0].session
+    assert (told.robot, told.start_s) == ("left", SESSION.start_s)
+    with sqlite3.connect(path) as database:
+        row = database.execute(
+            "SELECT robot, start_s, start_from, note, temperature_c, told_robot FROM sessions"
+        ).fetchone()
+    database.close()
+    assert row == ("R1", 5.0, "manifest", "after service", 21.0, "left")
+
+
+def test_two_that_save_the_same_leave_one(path: Path) -> None:
+    with Ledger(path) as one, Ledger(path) as other:
+        for ledger in (one, other):
+            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        assert len(one.recorded(["f00"], KEY)["f00"]) == 1
+
+
+def test_a_transaction_that_breaks_leaves_nothing(path: Path) -> None:
+    broken = replace(RECORDED, session=replace(SESSION, joints=(*JOINTS, replace(JOINTS[0], joint=None))))  # type: ignore[arg-type]
+    broken = replace(broken, session=replace(broken.session, joints=(JOINTS[0], object())))  # type: ignore[arg-type]
+    with Ledger(path) as ledger:
+        with pytest.raises(AttributeError):
+            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(broken,)))
+        assert ledger.recorded(["f00"], KEY) == {}
+        assert ledger.known_hash(LOG) is None
+
+
+def test_notes(path: Path) -> None:
+    with Ledger(path) as ledger:
+        assert ledger.note("key") is None
+        ledger.write_note("key", "1")
+        ledger.write_note("key", "2")
+        assert ledger.note("key") == "2"
+
+
+def other_database(path: Path) -> None:
+    with sqlite3.connect(path) as database:
+        database.execute("CREATE TABLE songs (title TEXT)")
+    database.close()
+
+
+def newer_ledger(path: Path) -> None:
+    Ledger(path).close()
+    with sqlite3.connect(path) as database:
+        database.execute(f"PRAGMA user_version = {SCHEMA_VERSION + 1}")
+    database.close()
+
+
+FAULTY = {
+    "text": (lambda path: path.write_text("hello, this is a text " * 20), "no SQLite database, and so no ledger"),
+    "other": (other_database, "an SQLite database, but no ledger"),
+    "newer": (newer_ledger, f"a ledger of schema {SCHEMA_VERSION + 1}; this friction-audit knows {SCHEMA_VERSION}"),
+    "folder": (lambda path: path.mkdir(), "cannot be made or opened"),
+}
+
+
+@pytest.mark.parametrize("fault", FAULTY)
+def test_what_is_no_ledger_is_refused_and_left_alone(fault: str, path: Path) -> None:
+    make, message = FAULTY[fault]
+    path.parent.mkdir()
+    make(path)
+    before = path.read_bytes() if path.is_file() else None
+    with pytest.raises(InputError, match=message) as caught:
+        Ledger(path)
+    assert str(caught.value).startswith(str(path))
+    assert before is None or path.read_bytes() == before
+
+
+def test_an_empty_file_is_the_beginning_of_a_ledger(path: Path) -> None:
+    path.parent.mkdir()
+    path.touch()
+    with Ledger(path) as ledger:
+        assert ledger.known_sizes() == set()
+
+
+def test_an_old_ledger_is_moved_aside_and_never_lost(path: Path) -> None:
+    assert move_aside(path) is None
+    for number in (1, 2):
+        with Ledger(path) as ledger:
+            ledger.save(LOG, SETTINGS, Worked(sha256="f00", recorded=(RECORDED,)))
+        assert move_aside(path) == path.with_name(f"ledger-{number}.sqlite")
+        assert not path.exists()
+    with Ledger(path.with_name("ledger-1.sqlite")) as old:
+        assert old.is_done("f00", KEY)
+
+
+def test_settings_are_known_by_what_they_hold(tmp_path: Path) -> None:
+    urdf = tmp_path / "arm.urdf"
+    urdf.write_text("<robot/>")
+    audit = replace(SETTINGS.audit, torque=TorqueSettings(urdf=urdf))
+    with_arm = replace(SETTINGS, audit=audit)
+    first = with_arm.key()
+    assert first not in (KEY, "")
+    assert BatchSettings().key() == KEY
+    urdf.write_text("<robot name='other'/>")
+    assert with_arm.key() != first
+    assert f'"results": {RESULTS_VERSION}' in SETTINGS.text()

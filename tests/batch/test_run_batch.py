@@ -1,0 +1,189 @@
+import json
+import os
+import shutil
+import sqlite3
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.audit import AuditSettings
+from friction_audit.batch import work
+from friction_audit.batch.find_logs import find_logs
+from friction_audit.batch.settings import BatchSettings
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.drift.session import Session
+from friction_audit.export import write_log
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.ingest import SeveralArmsError
+from friction_audit.joint_log import JointLog
+from tests.batch.conftest import COULOMB_NM, Batch, Inline
+
+
+def coulomb(session: Session) -> float:
+    return session.joints[0].coefficients["coulomb_nm"].value
+
+
+def test_every_log_becomes_a_session_whatever_its_format(rig: Path, batch: Batch) -> None:
+    result = batch(rig)
+    assert (result.new, result.known, result.failed, result.warnings) == (4, 0, (), ())
+    assert [session.robot for session in result.sessions] == ["rig"] * 4
+    assert [session.start_from for session in result.sessions] == ["name"] * 4
+    for session, friction in zip(result.sessions, COULOMB_NM, strict=True):
+        found = session.joints[0].coefficients["coulomb_nm"]
+        assert found.low - 0.01 < friction < found.high + 0.01
+        assert session.joints[0].cycles > 4
+
+
+def test_a_second_run_computes_only_what_is_new(rig: Path, batch: Batch, recordings: tuple[JointLog, ...]) -> None:
+    first = batch(rig)
+    write_log(recordings[0].take_window(0.0, 12.0), rig / "2026-03-09.parquet")
+    executor = Inline()
+    second = batch(rig, executor=executor)
+    assert executor.taken == ["2026-03-09.parquet"]
+    assert (second.new, second.known) == (1, 4)
+    assert repr(second.sessions[:4]) == repr(first.sessions)
+
+
+def test_other_settings_are_other_results(rig: Path, batch: Batch) -> None:
+    weighted = batch(rig).sessions
+    paper = BatchSettings(audit=AuditSettings(friction=FrictionSettings(estimator="paper")))
+    assert batch(rig, settings=paper).new == 4
+    assert batch(rig, settings=paper).new == 0
+    assert repr(batch(rig).sessions) == repr(weighted)
+
+
+def test_content_counts_and_not_its_name(rig: Path, batch: Batch) -> None:
+    batch(rig)
+    (rig / "2026-03-01.parquet").rename(rig / "2026-04-01.parquet")
+    os.utime(rig / "2026-03-02.csv", (1, 1))
+    executor = Inline()
+    result = batch(rig, executor=executor)
+    assert executor.taken == []
+    assert [Path(session.path).name for session in result.sessions][-1] == "2026-04-01.parquet"
+    assert coulomb(result.sessions[-1]) == pytest.approx(COULOMB_NM[0], abs=0.02)
+
+
+def test_a_file_with_new_content_under_its_old_name_is_computed_anew(rig: Path, batch: Batch) -> None:
+    batch(rig)
+    shutil.copyfile(rig / "2026-03-04.parquet", rig / "2026-03-01.parquet")
+    (rig / "2026-03-04.parquet").unlink()
+    result = batch(rig)
+    assert coulomb(result.sessions[0]) == pytest.approx(COULOMB_NM[3], abs=0.02)
+
+
+def test_copies_count_once(rig: Path, batch: Batch) -> None:
+    shutil.copyfile(rig / "2026-03-01.parquet", rig / "copy.parquet")
+    executor = Inline()
+    result = batch(rig, executor=executor)
+    assert len(executor.taken) == len(result.sessions) == 4
+    assert result.warnings == (
+        "rig/copy.parquet: the same recording as rig/2026-03-01.parquet, byte for byte; it counts once",
+    )
+
+
+def test_a_bad_file_is_listed_and_not_tried_again(rig: Path, batch: Batch) -> None:
+    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    (rig / "empty.mcap").touch()
+    first = batch(rig)
+    assert len(first.sessions) == 4
+    assert [failed.path for failed in first.failed] == ["rig/bad.csv", "rig/empty.mcap"]
+    assert first.failed[0].message.startswith("no column for dq")
+    executor = Inline()
+    second = batch(rig, executor=executor)
+    assert second.failed == first.failed
+    assert executor.taken == []
+    (rig / "bad.csv").write_text((rig / "2026-03-02.csv").read_text() + "\n")
+    assert [failed.path for failed in batch(rig).failed] == ["rig/empty.mcap"]
+
+
+def test_what_was_lost_is_tried_again(rig: Path, batch: Batch) -> None:
+    first = batch(rig, executor=Inline(lose="2026-03-03"))
+    assert [(failed.path, failed.message) for failed in first.failed] == [("rig/2026-03-03.npz", "gone")]
+    second = batch(rig)
+    assert (second.new, second.failed, len(second.sessions)) == (1, (), 4)
+
+
+def test_a_bug_that_one_log_shows_does_not_cost_the_others(
+    rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    real = work.estimate_log
+
+    def fall_over(log: JointLog, settings: AuditSettings) -> object:
+        if "2026-03-02" in log.source.path:
+            raise ZeroDivisionError("nobody thought of it")
+        return real(log, settings)
+
+    monkeypatch.setattr(work, "estimate_log", fall_over)
+    result = batch(rig)
+    assert len(result.sessions) == 3
+    assert "a bug of friction-audit, please report it: ZeroDivisionError" in result.failed[0].message
+    monkeypatch.setattr(work, "estimate_log", real)
+    assert batch(rig).failed == ()
+
+
+def test_several_arms_in_a_log_are_several_robots(rig: Path, batch: Batch, recordings: tuple[JointLog, ...]) -> None:
+    columns = {"time": recordings[0].t[:2500]}
+    for arm, log in zip(("left", "right"), recordings[:2], strict=True):
+        assert log.tau_interaction is not None
+        for channel in ("q", "dq", "tau_interaction"):
+            columns[f"{arm}_joint1/{channel}"] = getattr(log, channel)[:2500, 0]
+    table = np.stack(list(columns.values()), axis=1)
+    np.savetxt(rig / "2026-03-05.csv", table, delimiter=",", header=",".join(columns), comments="")
+    result = batch(rig / "2026-03-05.csv")
+    found = {session.robot: coulomb(session) for session in result.sessions}
+    assert found == pytest.approx({"left": COULOMB_NM[0], "right": COULOMB_NM[1]}, abs=0.02)
+    assert [session.path for session in result.sessions] == [
+        "rig/2026-03-05.csv [#left]",
+        "rig/2026-03-05.csv [#right]",
+    ]
+    assert batch(rig / "2026-03-05.csv").new == 0
+    one = BatchSettings(reading=replace(BatchSettings().reading, topic="#right"))
+    assert [session.robot for session in batch(rig / "2026-03-05.csv", settings=one).sessions] == ["right"]
+
+
+def test_the_arms_of_a_log_can_be_named() -> None:
+    error = SeveralArmsError("x.csv: several", ["#left", "#right"])
+    assert (str(error), error.topics) == ("x.csv: several", ("#left", "#right"))
+
+
+def test_a_diagnosis_is_kept_beside_the_estimate(rig: Path, batch: Batch) -> None:
+    settings = BatchSettings(diagnosis=DiagnosisSettings(candidates=("stribeck",)))
+    result = batch(rig / "2026-03-01.parquet", settings=settings)
+    assert result.sessions[0].joints[0].verdict is not None
+    assert batch(rig / "2026-03-01.parquet", settings=settings).sessions[0].joints[0].verdict is not None
+
+
+def test_urls_are_fetched_and_known_again(rig: Path, batch: Batch) -> None:
+    pytest.importorskip("fsspec")
+    url = f"file://{rig.absolute()}/2026-03-01.parquet"
+    executor = Inline()
+    first = batch(url, executor=executor)
+    assert [session.path for session in first.sessions] == [url]
+    assert coulomb(first.sessions[0]) == pytest.approx(COULOMB_NM[0], abs=0.02)
+    assert batch(url, executor=executor).new == 0
+    assert len(executor.taken) == 1
+    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    failed = batch(f"file://{rig.absolute()}/bad.csv").failed
+    assert "friction-audit-" not in failed[0].message
+
+
+def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:
+    log = find_logs([str(rig / "2026-03-01.parquet")], {})[0]
+    task = replace(work.task_of(log), place="/nowhere/2026-03-01.parquet")
+    fault = work.work_on(BatchSettings(), task).faults[0]
+    assert "give a path that every worker sees" in fault.message
+    assert not fault.lasting
+
+
+def test_the_ledger_is_read_without_this_program(rig: Path, batch: Batch, tmp_path: Path) -> None:
+    result = batch(rig)
+    with sqlite3.connect(tmp_path / "out" / "ledger.sqlite") as database:
+        rows = database.execute("SELECT robot, start, value FROM friction WHERE coefficient = 'coulomb_nm'").fetchall()
+        curve = json.loads(database.execute("SELECT curve FROM joints").fetchone()[0])
+    database.close()
+    assert rows == [
+        ("rig", f"2026-03-{day:02d} 00:00:00", coulomb(session)) for day, session in enumerate(result.sessions, start=1)
+    ]
+    assert set(curve) == {"speed_rad_s", "torque_nm", "spread_nm"}
