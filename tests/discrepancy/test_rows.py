@@ -7,12 +7,34 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import low_pass_for
 from friction_audit.discrepancy.rows import CORNER_HZ, LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
 
 DATA = moved_joint(duration_s=20.0)
+COULOMB_NM, EXCESS_NM, RISE_NM_PER_S = 0.3, 0.2, 1.5
+
+
+def started_and_stopped(noise_nm: float = 0.0, starts: int = 20) -> JointData:
+    """A joint that stands still for half of every second, its torque rising, then slides, the excess lost at once."""
+    t = np.arange(0.0, starts, 1.0 / 400.0)
+    since, way = t % 1.0 - 0.5, np.where(t % 2.0 < 1.0, 1.0, -1.0)
+    slides = since >= 0.0
+    dq = np.where(slides, way * (1.0 - np.cos(4 * np.pi * since)), 0.0)
+    held = COULOMB_NM + EXCESS_NM + RISE_NM_PER_S * since
+    torque = way * np.where(slides, COULOMB_NM, held)
+    q = np.cumsum(dq) / 400.0
+    signed, ddq = signed_rest(dq, np.gradient(dq, t), find_breakaways(q, dq, 3e-3, 1 / 400), 3e-3)
+    noise = noise_nm * np.random.default_rng(0).standard_normal(len(t))
+    return JointData(
+        joint=0, t=t, q=q, dq=signed, ddq=ddq, torque=torque + noise, gravity=None, temperature=None,
+        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
+        cycle=(t // 1.0).astype(np.int64), moving=np.abs(dq) > 3e-3, valid=np.ones(len(t), bool),
+        dead_speed_rad_s=3e-3,
+    )  # fmt: skip
 
 
 def filtered_by_hand(signal: Float, kernel: Float, every: int) -> Float:
@@ -133,3 +155,34 @@ def test_links_that_were_taken_away_leave_the_noise_of_their_acceleration() -> N
     links = 0.2 * ddq
     noisy = replace(DATA, t=low_pass.t, dq=dq, ddq=ddq, torque=sensed - links, load=links, derived_from="dq")
     assert corner_for(noisy, 0.0) == pytest.approx(15.0, rel=0.1)
+
+
+def test_a_joint_that_breaks_away_has_a_row_for_it_beside_those_of_its_motion() -> None:
+    data = started_and_stopped()
+    rows = make_rows(data)
+    broke = rows.weight < 1.0
+    assert broke.sum() == 20
+    assert rows.t[broke] % 1.0 == pytest.approx(0.5, abs=0.011)
+    assert np.abs(rows.y[~broke]) == pytest.approx(COULOMB_NM, abs=0.01)
+    assert rows.of(np.sign(data.dq))[broke] == pytest.approx(rows.weight[broke] * np.sign(rows.y[broke]))
+    early_nm = RISE_NM_PER_S * 0.015  # with stiction the onset is told too early
+    excess = np.abs(rows.y / rows.weight)[broke] - COULOMB_NM
+    assert np.all((excess > EXCESS_NM - early_nm) & (excess <= EXCESS_NM + 1e-9))
+    assert rows.of(data.ddq)[broke] == pytest.approx(0.0)
+
+
+def test_a_row_of_break_away_is_as_noisy_as_the_others() -> None:
+    quiet, noisy = (make_rows(started_and_stopped(noise, starts=400)) for noise in (0.0, 0.01))
+    left = noisy.y - quiet.y
+    broke = noisy.weight < 1.0
+    assert np.std(left[broke]) == pytest.approx(np.std(left[~broke]), rel=0.15)
+
+
+def test_a_break_away_next_to_a_hole_or_outside_of_cycles_is_no_row() -> None:
+    data = started_and_stopped()
+    holed, outside = data.valid.copy(), data.cycle.copy()
+    holed[4 * 400 + 180] = False  # in the standstill before the fifth start
+    outside[10 * 400 : 11 * 400] = -1
+    t = make_rows(replace(data, valid=holed, cycle=outside)).t
+    assert not np.any((np.abs(t - 4.5) < 0.02) | (np.abs(t - 10.5) < 0.02))
+    assert np.any(np.abs(t - 5.5) < 0.02)

@@ -16,11 +16,23 @@ def moving(dq: Float) -> Motion:
 
 
 def test_rest_and_path_by_hand() -> None:
-    moves = np.array([0.0, 0, 0, 0, 1, 1, 0, 1, 1])
+    way = np.array([0.0, -1, 0, 0, 1, 1, 0, 1, 1])
     q = np.array([0.0, 0, 0, 0, 1, 3, 3, 2, 0])
-    rest, slid = since_onset(q, moves, STEP_S)
+    moves = np.array([False, False, False, False, True, True, False, True, True])
+    rest, slid = since_onset(q, way, moves, STEP_S)
     assert_allclose(rest, [0, 0, 0, 0, 0.03, 0.03, 0, 0.03, 0.03])  # a stop of one sample is no rest
     assert_allclose(slid, [0, 0, 0, 0, 1, 3, 0, 4, 6])
+
+
+def test_the_last_samples_of_a_rest_that_have_the_direction_of_the_onset_bear_its_excess() -> None:
+    still, way = np.array([0.0, 0, 0, 0, 0, 0.2]), np.array([0.0, -1, 1, -1, -1, -1])
+    rest, slid = since_onset(-np.cumsum(still), way, still > 0, STEP_S)
+    assert_allclose(rest, [0, 0, 0, 0.04, 0.04, 0.04])
+    assert_allclose(slid, [0, 0, 0, 0, 0, 0.2])
+    dq = np.concatenate([np.zeros(90), np.full(10, -1e-4), np.full(50, -0.2)])
+    column = TERM.regressor(moving(dq), (0.5, 0.02))[:, 0]
+    assert_allclose(column[90:100], -(1 - np.exp(-0.99 / 0.5)))
+    assert_array_equal(column[:90], 0.0)
 
 
 def test_a_longer_rest_gives_more_and_the_path_takes_it_away() -> None:

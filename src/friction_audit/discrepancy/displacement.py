@@ -43,16 +43,6 @@ def strokes(data: JointData) -> Strokes:
     return Strokes(direction=direction, displacement=displacement, elapsed=data.t - data.t[since], reversals=later)
 
 
-def onsets(data: JointData, rest_s: float = 0.05) -> Index:
-    """First samples of certain motion after at least ``rest_s`` of standstill, shape (k,)."""
-    going = np.abs(data.dq) > data.dead_speed_rad_s
-    starts = np.flatnonzero(~going[:-1] & going[1:]) + 1
-    stops = np.flatnonzero(going[:-1] & ~going[1:]) + 1
-    before = np.searchsorted(stops, starts) - 1
-    rest_start = np.where(before >= 0, stops[np.maximum(before, 0)] if len(stops) else 0, 0)
-    return np.asarray(starts[(starts - rest_start) * data.step_s >= rest_s], dtype=np.int64)
-
-
 def _held_direction(dq: Float, dead_speed: float) -> Float:
     """Sign of the velocity, held through what is too slow to have one, shape (n,)."""
     sign = np.where(np.abs(dq) > dead_speed, np.sign(dq), 0.0)

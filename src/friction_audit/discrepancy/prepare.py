@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
 from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_load import know_load
@@ -147,14 +148,17 @@ def prepare(
 
     def one(joint: int) -> JointData:
         column = interaction.joint_numbers[joint] - 1
-        dq = everyone.dq[:, column]
-        dead = _dead_speed(dq[valid])
+        q, own_dq = everyone.q[:, column], everyone.dq[:, column]
+        dead = _dead_speed(own_dq[valid])
+        step = float(low_pass.t[1] - low_pass.t[0])
+        breakaways = find_breakaways(q, own_dq, dead, step)
+        dq, ddq = signed_rest(own_dq, everyone.ddq[:, column], breakaways, dead)
         return JointData(
             joint=joint,
             t=low_pass.t,
-            q=everyone.q[:, column],
+            q=q,
             dq=dq,
-            ddq=everyone.ddq[:, column],
+            ddq=ddq,
             torque=low_pass.of(t, _torque(interaction, joint)[new]) + better[:, joint],
             gravity=None if gravity is None else gravity[:, column],
             temperature=None if log.temperature is None else low_pass.of(t, log.temperature[new, column]),
@@ -162,7 +166,7 @@ def prepare(
             others_ddq=everyone.ddq,
             others_torque=everyone.sensed,
             cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=certain_direction(dq, dead, float(low_pass.t[1] - low_pass.t[0])),
+            moving=certain_direction(own_dq, dead, step),
             valid=valid,
             dead_speed_rad_s=dead,
             derived_from=everyone.derived_from[column],

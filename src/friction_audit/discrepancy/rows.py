@@ -4,13 +4,17 @@ A column is built on the fine grid, where the sign of the velocity is sharp, and
 that the torque goes through; what a reversal smears in one it smears in the other. The corner stands at 25 Hz, above
 what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the
 noise of the acceleration, times the inertia, would come near that of the torque: there, it would pass for a spring.
+
+Where a joint leaves a standstill there is a row of another kind: torque and columns at the moment of break-away,
+carried on from the standstill before it (``breakaway``). It is noisier than the others, and weighs as much less.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.breakaway import Breakaways, find_breakaways
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
@@ -37,6 +41,9 @@ class Rows:
         t: Times, shape (m,). [s]
         y: Torque. [N m]
         cycle: Number of the cycle of each row.
+        breakaways: Moments at which the joint left a standstill, k of them.
+        breakaway_row: Row, of all that the filter gives, of each of them, shape (k,).
+        breakaway_weight: Torque and columns of these rows are multiplied by this, that they be as noisy as the others.
     """
 
     kernel: Float
@@ -46,6 +53,16 @@ class Rows:
     t: Float
     y: Float
     cycle: NDArray[np.int64]
+    breakaways: Breakaways
+    breakaway_row: NDArray[np.int64]
+    breakaway_weight: float
+
+    @property
+    def weight(self) -> Float:
+        """What torque and columns of each row were multiplied by, shape (m,)."""
+        weight = np.ones(len(self.used))
+        weight[self.breakaway_row] = self.breakaway_weight
+        return np.asarray(weight[self.used])
 
     @property
     def step_s(self) -> float:
@@ -54,11 +71,13 @@ class Rows:
 
     def of(self, columns: Float) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
-        return filter_rows(columns, self.kernel, self.every)[self.used]
+        filtered = filter_rows(columns, self.kernel, self.every)
+        filtered[self.breakaway_row] = self.breakaway_weight * self.breakaways.of(columns)
+        return np.asarray(filtered[self.used])
 
 
 def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
-    """Take the rows in which the direction of motion is certain.
+    """Take the rows in which the direction of motion is certain, and those at which the joint breaks away.
 
     Args:
         data: The joint.
@@ -75,15 +94,31 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
     whole = filter_rows((~data.valid).astype(float), np.ones_like(kernel), every) < 0.5  # noqa: PLR2004 - none at all
     cycle = data.cycle[::every]
     used = (doubt <= MOST_UNCERTAIN) & whole & (cycle >= 0)
-    return Rows(
+    breakaways = _breakaways(data)
+    at = breakaways.onset // every
+    used[at] = whole[at] & (cycle[at] >= 0)
+    bare = Rows(
         kernel=kernel,
         corner_hz=corner,
         every=every,
         used=used,
         t=data.t[::every][used],
-        y=filter_rows(data.torque, kernel, every)[used],
+        y=np.zeros(0),
         cycle=cycle[used],
+        breakaways=breakaways,
+        breakaway_row=at,
+        breakaway_weight=_relative_weight(kernel, breakaways.weights),
     )
+    return replace(bare, y=bare.of(data.torque))
+
+
+def _breakaways(data: JointData) -> Breakaways:
+    return find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+
+
+def _relative_weight(kernel: Float, weights: Float) -> float:
+    """Noise that a filter leaves of white noise, over that which other weights leave, at most 1."""
+    return min(float(np.linalg.norm(kernel) / np.linalg.norm(weights)), 1.0)
 
 
 def corner_for(data: JointData, inertia_kg_m2: float) -> float:

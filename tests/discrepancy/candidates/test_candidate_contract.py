@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.displacement import onsets, strokes
+from friction_audit.discrepancy.displacement import strokes
 from tests.discrepancy.candidates.joint_data_by_hand import at_rest, baseline, joint_data, two_sines
 
 NAMES = [
@@ -164,8 +164,3 @@ def test_strokes_by_hand() -> None:
     assert_array_equal(cut.direction, [0, 1, 1, 1, -1, -1, -1, -1, 1])
     assert_array_equal(cut.reversals, [4, 8])
     assert_array_equal(cut.displacement, [0, 0, 1, 1, 0, -1, -2, -2, 0])
-
-
-def test_onsets_come_after_rest() -> None:
-    dq = np.concatenate([np.zeros(20), np.ones(20), np.zeros(5), np.ones(20), np.zeros(20), np.ones(5)])
-    assert_array_equal(onsets(joint_data(np.zeros(90), dq, np.zeros(90))), [20, 85])

@@ -2,32 +2,39 @@
 
 import numpy as np
 
+from friction_audit.discrepancy.breakaway import find_breakaways
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import moves
-from friction_audit.discrepancy.displacement import onsets
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.stiction import TERM
 
 AGEINGS_S = (0.01, 0.3, 3.0)
 """At once, within a pause between strokes, and over many."""
+AT_ONCE_RAD = 1e-5
+"""A path of renewal that is over before the direction of motion is certain."""
 SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)
-"""Paths of renewal as shares of the span of the motion."""
-FEWEST_ONSETS = 15
+"""Longer ones as shares of the span of the motion."""
+FEWEST_BREAKAWAYS = 15
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """All ageings with all paths of renewal."""
     span = float(np.ptp(data.q)) or 1.0
-    return tuple({"ageing_s": age, "renewal_rad": float(share) * span} for age in AGEINGS_S for share in SPAN_SHARES)
+    paths = (AT_ONCE_RAD, *(SPAN_SHARES * span).tolist())
+    return tuple({"ageing_s": age, "renewal_rad": path} for age in AGEINGS_S for path in paths)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    found = len(onsets(data))
-    if found >= FEWEST_ONSETS:
+    seen = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
+    counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
+    if (found := int(counted.sum())) >= FEWEST_BREAKAWAYS:
         return moves(data, baseline)
-    return f"{found} onsets after a rest: stop and start again at least {FEWEST_ONSETS} times, slowly"
+    return (
+        f"the joint breaks away from a standstill {found} times: let it stand still for a tenth of a second or more, "
+        f"then raise the torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
+    )
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:

@@ -2,13 +2,14 @@
 
 Contacts age at rest and are renewed by sliding (J. H. Dieterich, J. Geophys. Res. 77 (1972) 3690; A. Ruina, J. Geophys.
 Res. 88 (1983) 10359): after a rest of length T the excess is F_e (1 - exp(-T / T_a)), and it falls by exp(-x / x_c)
-over the path x since the onset. What a joint at rest could have borne before it broke away is not in this torque: a
-joint that does not move shows only what it is asked to bear.
+over the path x since the onset. What a joint at rest could have borne is in this torque only where its velocity,
+however small, already has the sign of the motion that follows: at break-away. Before, it bears what it is asked to.
 """
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
@@ -24,25 +25,40 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return the excess after every onset per unit of that after a long rest, as a column."""
     ageing, path = shape
     slow = REST_SHARE * float(np.sqrt(np.mean(motion.dq**2)))
-    rest, slid = since_onset(motion.q, (np.abs(motion.dq) > slow).astype(np.float64), float(motion.t[1] - motion.t[0]))
+    way = np.sign(motion.dq)
+    rest, slid = since_onset(motion.q, way, np.abs(motion.dq) > slow, float(motion.t[1] - motion.t[0]))
     aged = -np.expm1(-rest / ageing)
-    return np.asarray(np.sign(motion.dq) * aged * np.exp(-slid / path))[:, None]
+    return np.asarray(way * aged * np.exp(-slid / path))[:, None]
 
 
-def since_onset(q: Float, moving: Float, step_s: float) -> tuple[Float, Float]:
-    """Return how long the latest rest was, 0 before and during it, and the path since, shape (n,) each. [s], [rad]"""
-    rest, slid = _since_onset(np.ascontiguousarray(q), np.ascontiguousarray(moving), step_s)
+def since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float) -> tuple[Float, Float]:
+    """Return how long the latest rest was and the path since, shape (n,) each. [s], [rad]
+
+    Both are 0 before and during a rest; in its last samples that already have the direction of the onset the rest
+    counts and the path is 0.
+
+    Args:
+        q: Positions, shape (n,). [rad]
+        way: Signs of the velocity.
+        moving: Samples in which the joint does not rest.
+        step_s: Spacing of the samples. [s]
+    """
+    rest, slid = _since_onset(np.ascontiguousarray(q), np.ascontiguousarray(way), moving, step_s)
     return np.asarray(rest), np.asarray(slid)
 
 
 @compiled()
-def _since_onset(q: Float, moving: Float, step_s: float) -> tuple[Float, Float]:
+def _since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float) -> tuple[Float, Float]:
     rest, slid = np.zeros(len(q)), np.zeros(len(q))
     still, latest, path = 0.0, 0.0, 0.0
     for k in range(1, len(q)):
-        if moving[k] > 0.0:
+        if moving[k]:
             if still >= SHORTEST_REST_S:
                 latest, path = still, 0.0
+                back = k - 1
+                while back >= 0 and not moving[back] and way[back] == way[k]:
+                    rest[back] = latest
+                    back -= 1
             still = 0.0
             path += abs(q[k] - q[k - 1])
             rest[k], slid[k] = latest, path
