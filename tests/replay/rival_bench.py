@@ -45,7 +45,9 @@ def work_j(motion: Motion) -> float:
 
 
 def fresh(compensator: Compensator | None) -> tuple[Record, Record]:
-    return pack([compensator], 1.0 / TICK_S)[0], fresh_memory(1)[0]
+    memory = fresh_memory(1)
+    memory["modelled_nm"] = COULOMB  # what a replay would tell a compensator with a joint's model, at every tick
+    return pack([compensator], 1.0 / TICK_S)[0], memory[0]
 
 
 def feed(compensator: Compensator | None, dq: Any, interaction_nm: Any, dt: float = TICK_S) -> tuple[Float, Record]:

@@ -11,6 +11,7 @@ from numpy.testing import assert_array_equal
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
+from friction_audit.model import FittedTerm
 from friction_audit.replay.compensators import (
     COMPENSATORS,
     Compensator,
@@ -19,6 +20,7 @@ from friction_audit.replay.compensators import (
     EnergyCompensator,
     FixedCompensation,
     Guard,
+    JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
@@ -38,6 +40,7 @@ EXAMPLES: dict[str, Compensator | None] = {
     "lugre": LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS),
     "disturbance_observer": DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0),
     "torque_regulation": TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0),
+    "joint_model": JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),
 }
 RIVALS = [name for name, made in EXAMPLES.items() if hasattr(made, "guard")]
 each = pytest.mark.parametrize("kind", COMPENSATORS, ids=lambda kind: kind.name)

@@ -1,6 +1,8 @@
 """What may be assumed of the person who would have met another joint than the recorded one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+FITTED, MODELLED = "the joint fitted to this log", "the joint of the model file"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -27,16 +29,21 @@ SAME_MOTION = Counterfactual(
 SAME_TORQUE = Counterfactual(
     name="same-torque",
     title="same torque",
-    assumes="assumes that the person would have pushed exactly as recorded, whatever the joint does; the joint fitted "
-    "to this log moves under that torque, cycle by cycle from the recorded start",
+    assumes="assumes that the person would have pushed exactly as recorded, whatever the joint does; "
+    f"{FITTED} moves under that torque, cycle by cycle from the recorded start",
 )
 SAME_OPERATOR = Counterfactual(
     name="same-operator",
     title="same operator",
-    assumes="assumes that the person is a linear impedance with the same intention as in the recording; the joint "
-    "fitted to this log and that impedance move together in closed loop",
+    assumes="assumes that the person is a linear impedance with the same intention as in the recording; "
+    f"{FITTED} and that impedance move together in closed loop",
 )
 COUNTERFACTUALS = (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)
 """In the order of the command line; the first is the default."""
 
 ASSUMPTIONS = tuple(one.name for one in COUNTERFACTUALS)
+
+
+def of_a_model(one: Counterfactual) -> Counterfactual:
+    """Return the assumption in which the joint of a model file moves."""
+    return replace(one, assumes=one.assumes.replace(FITTED, MODELLED))

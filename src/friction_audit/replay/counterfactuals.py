@@ -1,21 +1,26 @@
 """One joint under one assumption: what is run, on what, and what comes out."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
-from friction_audit.friction.history import JointFriction
-from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
-from friction_audit.replay.compensators import Coefficients, Compensator
-from friction_audit.replay.fitted_joint import FittedJoint, acceleration, lacking_torque
+from friction_audit.model.term import Motion
+from friction_audit.replay.compensators import Coefficients, Compensator, JointModelCompensation
+from friction_audit.replay.moved_joint import MovedJoint, body_of, impedance, tabled_of
 from friction_audit.replay.operator_fit import FittedOperator
 from friction_audit.replay.port import Port, empty_course
+from friction_audit.replay.recorded_motion import lacking_torque
 from friction_audit.replay.records import Record, fresh_memory, pack
 from friction_audit.replay.result import Signals
 from friction_audit.replay.tally import COLUMNS, fresh_tally, largest_sample
+
+if TYPE_CHECKING:
+    from friction_audit.replay.closed_loop import Drive
+    from friction_audit.replay.tick import Control
 
 SHORTEST_CYCLE = 4
 """Samples."""
@@ -44,39 +49,38 @@ class Scene:
 
     Attributes:
         port: The recording.
-        q: Position, shape (n,). [rad]
         cuts: Per sample FIND, or where cycles end, shape (n,) or (1,).
-        joint: The fitted joint, or None.
+        motion: The recording as a model reads it; None where nobody does.
+        joint: The joint that moves otherwise, or None.
         operator: The person's impedance, or None.
-        lacking: Torque that the fitted joint lacks, shape (n,) or empty. [N m]
+        lacking: Torque that its model lacks, shape (n,) or empty. [N m]
         restart: Where the joint starts again from the recording, shape (n,) or empty.
     """
 
     port: Port
-    q: Float
     cuts: NDArray[np.int64]
-    joint: FittedJoint | None = None
+    motion: Motion | None = None
+    joint: MovedJoint | None = None
     operator: FittedOperator | None = None
     lacking: Float
     restart: NDArray[np.bool_]
 
 
-def same_motion(port: Port, q: Float, cuts: NDArray[np.int64]) -> Scene:
+def same_motion(port: Port, cuts: NDArray[np.int64], motion: Motion | None = None) -> Scene:
     """Return the scene of the recorded motion."""
-    return Scene(port=port, q=q, cuts=cuts, lacking=np.empty(0), restart=np.empty(0, np.bool_))
+    return Scene(port=port, cuts=cuts, motion=motion, lacking=np.empty(0), restart=np.empty(0, np.bool_))
 
 
 def other_motion(
-    interaction: Interaction,
     cycles: EnergyCycles,
-    friction: JointFriction,
+    column: int,
     port: Port,
     cuts: NDArray[np.int64],
-    joint: FittedJoint,
+    motion: Motion,
+    joint: MovedJoint,
     operator: FittedOperator | None,
 ) -> Scene:
     """Return the scene of the recorded torque, cycle by cycle, or with an operator that of the recorded intention."""
-    column = interaction.joint_numbers.index(friction.joint)
     restart = np.zeros(len(port.t), np.bool_)
     if operator is None:
         own = cycles.of_joint(column)
@@ -84,11 +88,11 @@ def other_motion(
         cuts = restart.astype(np.int64)
     return Scene(
         port=port,
-        q=np.ascontiguousarray(interaction.q[:, column]),
         cuts=cuts,
+        motion=motion,
         joint=joint,
         operator=operator,
-        lacking=lacking_torque(interaction, cycles, column, joint, port.total),
+        lacking=lacking_torque(motion, cycles, column, joint.model, port.total),
         restart=restart,
     )
 
@@ -96,45 +100,73 @@ def other_motion(
 def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
     """Run a compensator in a scene."""
     t = scene.port.t
+    control = _control(scene, compensator)
+    signals = _along(scene, control) if scene.joint is None else _closed(scene, control)
+    control.tally["diverged"] = len(signals.t) < len(t)
+    last = Coefficients(
+        coulomb_nm=float(control.memory["coulomb_nm"]), viscous_nms_per_rad=float(control.memory["viscous_nms_per_rad"])
+    )
+    return Run(
+        signals=signals, rows=control.rows[: int(control.tally["cycles"])].copy(), tally=control.tally, last=last
+    )
+
+
+def _control(scene: Scene, compensator: Compensator | None) -> "Control":
+    from friction_audit.replay.feed_forward import feed_of, no_feed
+    from friction_audit.replay.tick import Control
+
+    t = scene.port.t
     records, memory, tally = pack([compensator], 1.0 / median_step(t)), fresh_memory(1), fresh_tally()
     tally["sample_j"] = largest_sample(scene.port)
+    feed = no_feed()
+    if isinstance(compensator, JointModelCompensation):
+        assert scene.motion is not None
+        feed = feed_of(compensator.terms, scene.motion)
     rows = np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS))
-    signals = (_along if scene.joint is None else _closed)(scene, records[0], memory[0], tally[0], rows)
-    tally["diverged"] = len(signals.t) < len(t)
-    last = Coefficients(
-        coulomb_nm=float(memory["coulomb_nm"][0]), viscous_nms_per_rad=float(memory["viscous_nms_per_rad"][0])
-    )
-    return Run(signals=signals, rows=rows[: int(tally["cycles"][0])].copy(), tally=tally[0], last=last)
+    return Control(records[0], memory[0], tally[0], feed, scene.cuts, empty_course(len(t)), rows)
 
 
-def _along(scene: Scene, settings: Record, memory: Record, tally: Record, rows: Float) -> Signals:
+def _along(scene: Scene, control: "Control") -> Signals:
     from friction_audit.replay.same_motion import run_same_motion
 
-    course = empty_course(len(scene.port.t))
-    samples = run_same_motion(settings, memory, tally, scene.port, scene.cuts, course, rows)
-    return _signals(scene.port.t, scene.port.dq, course, samples)
+    q = np.empty(0) if scene.motion is None else scene.motion.q
+    samples = run_same_motion(control, scene.port, q)
+    return _signals(scene.port.t, scene.port.dq, control, samples)
 
 
-def _closed(scene: Scene, settings: Record, memory: Record, tally: Record, rows: Float) -> Signals:
-    from friction_audit.model.body import make_body
-    from friction_audit.replay.closed_loop import Drive, run_closed_loop
+def _closed(scene: Scene, control: "Control") -> Signals:
+    from friction_audit.replay.closed_loop import run_closed_loop
+    from friction_audit.replay.tabled_loop import run_tabled_loop
 
     assert scene.joint is not None
-    port, hand = scene.port, scene.operator
-    m, b, k = (0.0, 0.0, 0.0) if hand is None else (hand.inertia.value, hand.damping.value, hand.stiffness.value)
+    assert scene.motion is not None
+    port, joint, drive = scene.port, scene.joint, _drive(scene)
+    dq = np.empty(len(port.t))
+    if joint.tables is None:
+        body = body_of(joint, scene.operator)
+        samples = run_closed_loop(control, body, joint.model.inertia_kg_m2, drive, dq)
+    else:
+        starts = np.append(0, np.flatnonzero(scene.restart[1:]) + 1)
+        tabled = tabled_of(joint.tables, scene.operator, scene.motion, starts, median_step(port.t))
+        samples = run_tabled_loop(control, tabled, drive, dq)
+    return _signals(port.t, dq, control, samples)
+
+
+def _drive(scene: Scene) -> "Drive":
+    """Return what drives the joint: the recorded torque, or what the person intended."""
+    from friction_audit.replay.closed_loop import Drive
+
+    assert scene.motion is not None
+    port, motion = scene.port, scene.motion
     push = port.torque - scene.lacking
-    if hand is not None:
-        push += m * acceleration(port.t, port.dq) + b * port.dq + k * scene.q
-    body = make_body(scene.joint.model, mass_kg_m2=m, damping_nms_per_rad=b, stiffness_nm_per_rad=k)
-    drive = Drive(port.t, push, scene.lacking, scene.q, port.dq, scene.restart)
-    course, dq = empty_course(len(port.t)), np.empty(len(port.t))
-    inertia = scene.joint.inertia.value
-    samples = run_closed_loop(settings, memory, tally, body, inertia, drive, scene.cuts, course, dq, rows)
-    return _signals(port.t, dq, course, samples)
+    if scene.operator is not None:
+        m, b, k = impedance(scene.operator)
+        push += m * motion.ddq + b * port.dq + k * motion.q
+    return Drive(port.t, push, scene.lacking, motion.q, port.dq, scene.restart)
 
 
-def _signals(t: Float, dq: Float, course: tuple[Float, Float, Float], samples: int) -> Signals:
-    interaction, compensation, passivity = (signal[:samples] for signal in course)
+def _signals(t: Float, dq: Float, control: "Control", samples: int) -> Signals:
+    interaction, compensation, passivity = (signal[:samples] for signal in control.course)
     return Signals(
         t=t[:samples],
         dq=dq[:samples],

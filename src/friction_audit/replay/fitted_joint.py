@@ -3,20 +3,11 @@
 from dataclasses import dataclass
 from math import isfinite
 
-import numpy as np
-
-from friction_audit.cycles.energy_cycles import EnergyCycles
-from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.friction.history import Coefficient, JointFriction
-from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float, median_step
 from friction_audit.model import JointModel, simple_model
 
 LEAST_INERTIA_KG_M2 = 1e-3
 """No motor with its gear has less; what seems to have was recorded without its inertia. [kg m^2]"""
-
-CUTOFF_HZ = 20.0
-"""Of the acceleration, as in the torque regression."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,37 +55,3 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
 
 def _text(found: Coefficient) -> str:
     return f"{found.value:.3g}, 95 % {found.low:.3g} to {found.high:.3g}" if isfinite(found.value) else "no value"
-
-
-def acceleration(t: Float, dq: Float) -> Float:
-    """Return the acceleration of a measured velocity, filtered without phase shift, shape (n,). [rad/s^2]"""
-    smooth = filter_velocity(dq, rate_hz=1.0 / median_step(t), cutoff_hz=CUTOFF_HZ)
-    return np.gradient(smooth, t)
-
-
-def lacking_torque(
-    interaction: Interaction, cycles: EnergyCycles, column: int, joint: FittedJoint, total: Float
-) -> Float:
-    """Return what the fitted joint leaves of the recorded torque, a constant for each cycle, shape (n,). [N m]
-
-    Offsets and errors of gravity are about constant over a stroke, and would set the joint going by themselves.
-
-    Args:
-        interaction: Motion and torque.
-        cycles: Its cycles.
-        column: Joint, 0-based.
-        joint: The fitted joint.
-        total: Torque S = F_m + u, shape (n,). [N m]
-    """
-    t, dq = interaction.t, interaction.dq[:, column]
-    smooth = filter_velocity(dq, rate_hz=1.0 / median_step(t), cutoff_hz=CUTOFF_HZ)
-    left = total - joint.inertia.value * np.gradient(smooth, t) - joint.viscous.value * smooth
-    left -= joint.coulomb.value * np.sign(smooth)
-    moving = np.abs(smooth) > cycles.standstill_rad_s[column]
-    lacking = np.full(len(t), float(left[moving].mean()) if moving.any() else 0.0)
-    own = cycles.of_joint(column)
-    for start, stop in zip(own.start.tolist(), own.stop.tolist(), strict=True):
-        piece = slice(start, stop)
-        if moving[piece].any():
-            lacking[piece] = left[piece][moving[piece]].mean()
-    return lacking

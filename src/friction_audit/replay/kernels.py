@@ -18,6 +18,7 @@ from friction_audit.replay.compensators import (
     disturbance_observer,
     energy,
     fixed,
+    joint_model,
     lugre,
     sigmoid,
     torque_regulation,
@@ -26,6 +27,7 @@ from friction_audit.replay.compensators.kind import (
     DISTURBANCE_OBSERVER,
     ENERGY,
     FIXED,
+    JOINT_MODEL,
     LUGRE,
     SIGMOID,
     TORQUE_REGULATION,
@@ -291,6 +293,8 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
         return float(disturbance_observer.torque_nm(settings.disturbance_observer, memory, dq))
     if settings.kind == TORQUE_REGULATION:
         return float(torque_regulation.torque_nm(settings.torque_regulation, memory))
+    if settings.kind == JOINT_MODEL:
+        return float(joint_model.torque_nm(settings.joint_model, memory, dq))
     return 0.0
 
 

@@ -100,9 +100,9 @@ def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passiv
 
 
 def model_error(scene: Scene, port: Port, without: Signals) -> float:
-    """Return how far the fitted joint's motion without a compensator is from the recorded one, over this.
+    """Return how far the simulated joint's motion without a compensator is from the recorded one, over this.
 
-    NaN where there is no fitted joint, or a compensator was active in the recording: then it moves otherwise.
+    NaN where nothing is simulated, or a compensator was active in the recording: then it moves otherwise.
     """
     if scene.joint is None or len(port.logged) or len(without.t) < len(port.t):
         return float("nan")

@@ -126,6 +126,9 @@ MEMORY = np.dtype(
         ("bristle_rad", "f8"),
         ("observed_friction_nm", "f8"),
         ("filtered_interaction_nm", "f8"),
+        ("q_rad", "f8"),
+        ("modelled_nm", "f8"),
+        ("bristle_nm", "f8"),
         ("unstable", "i8"),
         ("unstable_tick", "i8"),
         ("reversals", "i8"),
@@ -141,7 +144,8 @@ acted, without the reserve that friction built up before. ``dissipated_j``: take
 the passivity controller has acted in the present cycle. ``status``, ``refused``: what came of the last cycle, and how
 many gave no estimate for another reason than their number. Estimates are NaN until there is one and may be negative;
 those in use (``usable_coulomb_nm``, ``usable_viscous_nms_per_rad``) are 0 until then and never below.
-``observed_friction_nm``: of a disturbance observer. ``unstable``: 1 once the loop has diverged, from ``unstable_tick``
+``observed_friction_nm``: of a disturbance observer. ``modelled_nm``, ``bristle_nm``: what friction takes by a joint's
+model, told before the tick at ``q_rad``. ``unstable``: 1 once the loop has diverged, from ``unstable_tick``
 (-1 before) on; the torque is then 0 for good, and nothing is added up any more.
 """
 

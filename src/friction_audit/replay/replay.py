@@ -11,19 +11,22 @@ from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
+from friction_audit.model import JointModel
+from friction_audit.model.term import Motion
 from friction_audit.per_joint import per_joint
 from friction_audit.replay.cautions import cautions_of, log_cautions, seems_compensated
-from friction_audit.replay.compensators import Compensator, EnergyCompensator, guard_of
-from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR
+from friction_audit.replay.compensators import Compensator, EnergyCompensator, JointModelCompensation, guard_of
+from friction_audit.replay.counterfactual import COUNTERFACTUALS, SAME_MOTION, SAME_OPERATOR, Counterfactual, of_a_model
 from friction_audit.replay.counterfactuals import Run, Scene, other_motion, run_scene, same_motion
-from friction_audit.replay.fitted_joint import fit_joint
 from friction_audit.replay.friction_step import find_recovery
 from friction_audit.replay.hand_cycles import hand_cuts
 from friction_audit.replay.limits import Limits, limits_of
 from friction_audit.replay.measures import measure, measure_passivity, model_error, read_history
+from friction_audit.replay.moved_joint import MovedJoint, fitted_joint, modelled_joint
 from friction_audit.replay.operator_fit import FittedOperator, fit_operator, given_operator
 from friction_audit.replay.port import Port, port_of
 from friction_audit.replay.reasons import missing_estimate
+from friction_audit.replay.recorded_motion import recorded_motion
 from friction_audit.replay.result import JointReplay, Replay, ReplayHistory, Signals
 from friction_audit.replay.rivals import tune
 from friction_audit.replay.settings import ReplaySettings
@@ -65,10 +68,15 @@ def replay(
     several = [friction.joints[column] for column in columns]
     suspicions = [one for joint in several for one in seems_compensated(interaction, cycles, joint, robot)]
     return Replay(
-        counterfactual=next(one for one in COUNTERFACTUALS if one.name == settings.assume),
+        counterfactual=_counterfactual(settings),
         joints=replays,
         warnings=(*log_cautions(interaction), *suspicions, *found),
     )
+
+
+def _counterfactual(settings: ReplaySettings) -> Counterfactual:
+    one = next(one for one in COUNTERFACTUALS if one.name == settings.assume)
+    return one if settings.joint_model is None else of_a_model(one)
 
 
 def _cuts(
@@ -101,25 +109,28 @@ def _replay_joint(
 ) -> JointReplay:
     found, port = friction.joints[column], port_of(interaction, column)
     limits = settings.limits(limits_of(robot, found.joint))
-    wanted = settings.compensator if settings.rival is None else tune(settings.rival, found, robot)
+    model = None if settings.joint_model is None else settings.joint_model.joint(found.joint)
+    refused = partial(_not_replayed, port, found, limits, model)
+    wanted = settings.compensator if settings.rival is None else tune(settings.rival, found, robot, model)
     if isinstance(wanted, str):
-        return _not_replayed(port, found, settings.compensator, limits, wanted)
+        return refused(settings.compensator, wanted)
     chosen = _in_force(wanted, cycles, column, limits, median_step(port.t))
-    scene = _scene(interaction, cycles, found, settings, port, cuts)
+    scene = _scene(interaction, cycles, found, settings, port, cuts, isinstance(chosen, JointModelCompensation))
     if isinstance(scene, str):
-        return _not_replayed(port, found, chosen, limits, scene)
+        return refused(chosen, scene)
     run = run_scene(scene, chosen)
     history = read_history(run.rows, port.t)
     reason = _reason(run, history, found, chosen)
     if reason:
-        return _not_replayed(port, found, chosen, limits, reason)
+        return refused(chosen, reason)
     without = _without(port) if scene.joint is None else run_scene(scene, None).signals
     return JointReplay(
         joint=found.joint,
         name=found.name,
         compensator=chosen,
         limits=limits,
-        fitted=scene.joint,
+        model=model,
+        fitted=None if scene.joint is None else scene.joint.fitted,
         operator=scene.operator,
         model_error=model_error(scene, port, without),
         without=without,
@@ -147,30 +158,50 @@ def _scene(
     settings: ReplaySettings,
     port: Port,
     cuts: NDArray[np.int64],
+    modelled: bool,
 ) -> Scene | str:
-    """Return what the compensator meets, or why nobody knows."""
+    """Return what the compensator meets, which may go by the joint's model, or why nobody knows."""
+    column = interaction.joint_numbers.index(friction.joint)
     if settings.assume == SAME_MOTION.name:
-        return same_motion(port, np.empty(0), cuts)
-    joint = fit_joint(friction)
+        return same_motion(port, cuts, recorded_motion(interaction, column) if modelled else None)
+    motion = recorded_motion(interaction, column)
+    joint = _moved(friction, settings, motion)
     if isinstance(joint, str):
         return joint
-    operator: FittedOperator | str | None = None
-    if settings.assume == SAME_OPERATOR.name:
-        q = interaction.q[:, interaction.joint_numbers.index(friction.joint)]
-        operator = fit_operator(port, q) if settings.operator is None else given_operator(settings.operator)
+    operator = _operator(settings, port, motion.q)
     if isinstance(operator, str):
         return operator
-    return other_motion(interaction, cycles, friction, port, cuts, joint, operator)
+    return other_motion(cycles, column, port, cuts, motion, joint, operator)
+
+
+def _moved(friction: JointFriction, settings: ReplaySettings, motion: Motion) -> MovedJoint | str:
+    """Return the joint that moves otherwise than recorded, of the file if there is one, or why none can."""
+    if settings.joint_model is None:
+        return fitted_joint(friction)
+    return modelled_joint(settings.joint_model.joint(friction.joint), motion)
+
+
+def _operator(settings: ReplaySettings, port: Port, q: Float) -> FittedOperator | str | None:
+    """Return the person's impedance where one is assumed, or why nobody knows it."""
+    if settings.assume != SAME_OPERATOR.name:
+        return None
+    return fit_operator(port, q) if settings.operator is None else given_operator(settings.operator)
 
 
 def _not_replayed(
-    port: Port, friction: JointFriction, compensator: Compensator, limits: Limits, reason: str
+    port: Port,
+    friction: JointFriction,
+    limits: Limits,
+    model: JointModel | None,
+    compensator: Compensator,
+    reason: str,
 ) -> JointReplay:
     return JointReplay(
         joint=friction.joint,
         name=friction.name,
         compensator=compensator,
         limits=limits,
+        model=model,
         without=_without(port),
         reason=reason,
     )

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.interaction.interaction import Caution
 from friction_audit.joint_log import Float
+from friction_audit.model import JointModel
 from friction_audit.replay.compensators import Coefficients, Compensator
 from friction_audit.replay.counterfactual import Counterfactual
 from friction_audit.replay.fitted_joint import FittedJoint
@@ -192,9 +193,10 @@ class JointReplay:
         numbers: What it comes to.
         passivity: How passive it stayed.
         recovery: A step of friction in the log, or None.
-        fitted: The joint that moved otherwise than recorded, or None.
+        model: The joint's model of a file, or None.
+        fitted: The joint fitted to the log that moved otherwise than recorded, or None.
         operator: The person who moved it, or None.
-        model_error: How far the fitted joint without a compensator is from the recorded motion, over this; or NaN.
+        model_error: How far the simulated joint without a compensator is from the recorded motion, over this; or NaN.
         reason: Why the replay means nothing for this joint; empty if it does.
     """
 
@@ -209,6 +211,7 @@ class JointReplay:
     numbers: Numbers | None = None
     passivity: Passivity | None = None
     recovery: Recovery | None = None
+    model: JointModel | None = None
     fitted: FittedJoint | None = None
     operator: FittedOperator | None = None
     model_error: float = float("nan")

@@ -4,22 +4,28 @@ from dataclasses import dataclass
 
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import JointFriction
+from friction_audit.model import JointModel
 from friction_audit.replay.compensators import (
     Coefficients,
     Compensator,
     DisturbanceObserver,
     EnergyCompensator,
+    JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
 )
 from friction_audit.replay.compensators.sigmoid import PUBLISHED, fit_sigmoid
 from friction_audit.replay.limits import PANDAS
+from friction_audit.replay.loop_terms import NO_MODEL, friction_terms, refusal
 
 FEED_BACK = ("disturbance-observer", "torque-regulation")
 """Rivals that close a loop over the motion itself: without that loop their result means nothing."""
 
-RIVALS = ("fixed", "sigmoid", "lugre", *FEED_BACK)
+MODEL = "model"
+"""The rival that applies the friction of a model file."""
+
+RIVALS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)
 """Names of the rivals, beside ``energy``."""
 
 
@@ -30,6 +36,7 @@ class Rival:
     Attributes:
         name: One of RIVALS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as published
             for a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction.
+            ``"model"``: the friction of a model file, whatever the log says.
         observer_gain_per_s: Of the disturbance observer. [1/s]
         motor_inertia_kg_m2: As the rival assumes it, or None for the inertia fitted to the log. [kg m^2]
         desired_inertia_kg_m2: Of the torque regulation, or None for half the motor's. [kg m^2]
@@ -49,14 +56,17 @@ class Rival:
             raise UsageError(f"--compensator {self.name}: expected energy or one of {', '.join(RIVALS)}")
 
 
-def tune(rival: Rival, friction: JointFriction, robot: str) -> Compensator | str:
+def tune(rival: Rival, friction: JointFriction, robot: str, model: JointModel | None) -> Compensator | str:
     """Return a rival for one joint, or why it cannot be tuned.
 
     Args:
         rival: Which one.
         friction: What the log says about the joint.
         robot: As ``Source.robot`` names it.
+        model: Of a model file, if it has one of this joint.
     """
+    if rival.name == MODEL:
+        return _modelled(model)
     if rival.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):
         return PUBLISHED[friction.joint - 1]
     if rival.name in FEED_BACK:
@@ -88,3 +98,12 @@ def _feed_back(rival: Rival, friction: JointFriction) -> Compensator | str:
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=rival.observer_gain_per_s)
     desired = rival.desired_inertia_kg_m2
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)
+
+
+def _modelled(model: JointModel | None) -> Compensator | str:
+    if model is None:
+        return NO_MODEL
+    terms = friction_terms(model)
+    if not terms:
+        return "its model has no term of friction, and a compensator nothing to apply"
+    return refusal(terms) or JointModelCompensation(terms=terms)

@@ -1,54 +1,49 @@
 """The recorded motion, and the torque the person would have needed: closed over the torque, not over the motion."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.replay.kernels import step
-from friction_audit.replay.port import Course, Port
+from friction_audit.replay.port import Port
 from friction_audit.replay.records import Record
-from friction_audit.replay.tally import close_row, count_energy, count_tick
+from friction_audit.replay.tally import count_energy
+from friction_audit.replay.tick import Control, interval, tick
 
 
 @compiled()
-def run_same_motion(
-    settings: Record, memory: Record, tally: Record, port: Port, cuts: NDArray[np.int64], course: Course, rows: Float
-) -> int:
+def run_same_motion(control: Control, port: Port, q: Float) -> int:
     """Run a compensator along a recording; return the number of samples, fewer than n once it has diverged.
 
     The total torque S = F_m + u that drives the inner side in the recording stays. A compensator that gives u' instead
     leaves F' = S - u' to the person, which is what the compensator then measures.
 
     Args:
-        settings: Record of the compensator.
-        memory: Its memory; changed.
-        tally: Record of TALLY; changed.
+        control: The compensator and what it is written into.
         port: The recording.
-        cuts: Per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all.
-        course: Receives what comes out.
-        rows: Receives a row per cycle, shape (most, COLUMNS).
+        q: Position, shape (n,), or empty where the compensator has no use for it. [rad]
     """
-    t, dq, torque, logged = port
     before = needed_before = 0.0
-    for i in range(len(t)):
-        dt = t[i] - t[i - 1] if i > 0 else 0.0
-        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
-        u, needed = memory.u_nm, total - memory.u_nm
-        course.interaction[i] = needed
-        course.compensation[i], course.passivity[i] = memory.compensation_nm, memory.passivity_nm
+    for i in range(len(port.t)):
+        dt, total = interval(port.t, i), total_at(port, i)
+        needed = total - control.memory.u_nm
         if i > 0:
-            moved = 0.5 * (dq[i - 1] + dq[i]) * dt
-            friction = 0.5 * (before + total) * moved
-            exchange = 0.5 * (needed_before + needed) * moved
-            count_energy(tally, settings, friction, exchange, moved, dt)
-        coulomb, viscous, cycle = memory.coulomb_nm, memory.viscous_nms_per_rad, memory.cycle
-        acted = memory.acted
-        step(settings, memory, dq[i], needed, dt, cuts[i] if len(cuts) > 1 else cuts[0])
-        if memory.unstable == 1:
+            count_along(control.tally, control.settings, port, i, (before, total), (needed_before, needed))
+        if not tick(control, i, dt, q[i] if len(q) > 0 else 0.0, port.dq[i], needed):
             return i
-        count_tick(tally, settings, memory, u, dt, i)
-        if memory.cycle > cycle:
-            close_row(tally, memory, coulomb, viscous, acted, i, rows)
         before, needed_before = total, needed
-    return len(t)
+    return len(port.t)
+
+
+@compiled()
+def total_at(port: Port, i: int) -> float:
+    """Return the torque S = F_m + u at a sample. [N m]"""
+    return float(port.torque[i] + port.logged[i] if len(port.logged) > 0 else port.torque[i])
+
+
+@compiled()
+def count_along(
+    tally: Record, settings: Record, port: Port, i: int, total: tuple[float, float], needed: tuple[float, float]
+) -> None:
+    """Add the interval up to sample i, at whose ends the torque was this in all, and this from the person. [N m]"""
+    dt = port.t[i] - port.t[i - 1]
+    moved = 0.5 * (port.dq[i - 1] + port.dq[i]) * dt
+    friction, exchange = 0.5 * (total[0] + total[1]) * moved, 0.5 * (needed[0] + needed[1]) * moved
+    count_energy(tally, settings, friction, exchange, moved, dt)

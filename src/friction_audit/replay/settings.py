@@ -4,10 +4,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from friction_audit.errors import UsageError
+from friction_audit.model import ArmModel, JointModel
 from friction_audit.replay.compensators import Compensator, DisturbanceObserver, EnergyCompensator, TorqueRegulation
 from friction_audit.replay.counterfactual import ASSUMPTIONS, SAME_MOTION, SAME_OPERATOR
 from friction_audit.replay.limits import Limits
-from friction_audit.replay.rivals import FEED_BACK, Rival
+from friction_audit.replay.rivals import FEED_BACK, MODEL, Rival
 
 DEFAULT_MODEL = "combined"
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
@@ -53,6 +54,32 @@ class OperatorImpedance:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
+class ModelFile:
+    """Models of the joints of a log, and where they were read.
+
+    Attributes:
+        path: Of the file, as given.
+        model: One model per joint of the log.
+    """
+
+    path: str
+    model: ArmModel
+
+    def joint(self, number: int) -> JointModel | None:
+        """Return the model of a joint by its number for people, None where the file has none.
+
+        Raises:
+            UsageError: If the log has more joints than the file.
+        """
+        if number > len(self.model.joints):
+            raise UsageError(
+                f"--joint-model {self.path}: {len(self.model.joints)} joints, and the log has a joint {number}; give a "
+                "model with an entry for every joint of the log"
+            )
+        return self.model.joints[number - 1]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
 class ReplaySettings:
     """Settings of a replay.
 
@@ -60,6 +87,8 @@ class ReplaySettings:
         assume: ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``.
         compensator: What runs on every joint; its thresholds give way to those of the segmentation.
         rival: What runs instead, tuned from the log; None for ``compensator``.
+        joint_model: Models of the joints, which move in place of those fitted to the log, and whose friction the rival
+            ``"model"`` applies; None without a file.
         operator: Impedance of the person with ``"same-operator"``; None to fit it from the log.
         max_torque_nm: Limit of the torque, or None for the arm's own. [N m]
         max_torque_rate_nm_s: Limit of its change, or None for the arm's own. [N m/s]
@@ -71,6 +100,7 @@ class ReplaySettings:
     assume: str = SAME_MOTION.name
     compensator: Compensator = field(default_factory=energy_compensator)
     rival: Rival | None = None
+    joint_model: ModelFile | None = None
     operator: OperatorImpedance | None = None
     max_torque_nm: float | None = None
     max_torque_rate_nm_s: float | None = None
@@ -83,6 +113,7 @@ class ReplaySettings:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
             )
+        self._check_model()
         self.limits(Limits())
         feeds_back = self.rival is not None and self.rival.name in FEED_BACK
         feeds_back = feeds_back or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation)
@@ -90,6 +121,18 @@ class ReplaySettings:
             raise UsageError(
                 "this compensator feeds the motion back, which --assume same-motion holds fixed; expected "
                 "--assume same-torque or same-operator"
+            )
+
+    def _check_model(self) -> None:
+        applied = self.rival is not None and self.rival.name == MODEL
+        if applied and self.joint_model is None:
+            raise UsageError(
+                f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"
+            )
+        if self.joint_model is not None and self.assume == SAME_MOTION.name and not applied:
+            raise UsageError(
+                f"--joint-model {self.joint_model.path}: not used with --assume {self.assume} unless by --compensator "
+                f"{MODEL}; leave it away, or ask for either, or for --assume same-torque or same-operator"
             )
 
     def limits(self, own: Limits) -> Limits:

@@ -4,6 +4,7 @@ from friction_audit.replay.compensators import (
     disturbance_observer,
     energy,
     fixed,
+    joint_model,
     lugre,
     none,
     sigmoid,
@@ -13,6 +14,7 @@ from friction_audit.replay.compensators.disturbance_observer import DisturbanceO
 from friction_audit.replay.compensators.energy import Coefficients, EnergyCompensator
 from friction_audit.replay.compensators.fixed import FixedCompensation
 from friction_audit.replay.compensators.guard import Guard
+from friction_audit.replay.compensators.joint_model import JointModelCompensation
 from friction_audit.replay.compensators.kind import CompensatorKind
 from friction_audit.replay.compensators.lugre import LugreCompensation
 from friction_audit.replay.compensators.sigmoid import SigmoidCompensation
@@ -27,6 +29,7 @@ __all__ = [
     "EnergyCompensator",
     "FixedCompensation",
     "Guard",
+    "JointModelCompensation",
     "LugreCompensation",
     "SigmoidCompensation",
     "TorqueRegulation",
@@ -43,6 +46,7 @@ COMPENSATORS: tuple[CompensatorKind, ...] = (
     lugre.COMPENSATOR,
     disturbance_observer.COMPENSATOR,
     torque_regulation.COMPENSATOR,
+    joint_model.COMPENSATOR,
 )
 """In the order of the documentation."""
 
@@ -53,6 +57,7 @@ Compensator = (
     | LugreCompensation
     | DisturbanceObserver
     | TorqueRegulation
+    | JointModelCompensation
 )
 """What runs on one joint; None where nothing does."""
 

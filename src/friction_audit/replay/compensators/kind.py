@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION = range(7)
+NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JOINT_MODEL = range(8)
 """Values of ``kind`` in the records."""
 
 
