@@ -13,16 +13,19 @@ from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import OUTPUT, PNG, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 from friction_audit.cli.settings import audit_settings, read_options
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
     from friction_audit.audit import LogReplay
+    from friction_audit.joint_log import JointLog
+    from friction_audit.replay.settings import ModelFile
 
 EXAMPLES = """Examples:
   friction-audit replay run.mcap
   friction-audit replay run.csv --model coulomb --window 4 -o results
   friction-audit replay run.parquet --factor 1.5 --no-passivity
-  friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json"""
+  friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json
+  friction-audit replay next.parquet --compensator model --joint-model results/model.toml"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
 
@@ -56,6 +59,7 @@ def command(
         chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
         recorded = chain.read(log, reading, voice)
+    _check_model(settings.joint_model, recorded)
     estimate = chain.estimate(recorded, audit, voice)
     with voice.step("replay"):
         from friction_audit.audit import replay_estimate
@@ -70,6 +74,19 @@ def command(
         _draw(found, folder, figures, overwrite=output.overwrite, voice=voice)
     _print(found, text, json=output.json)
     chain.exit_if_damaged(recorded)
+
+
+def _check_model(given: "ModelFile | None", log: "JointLog") -> None:
+    """Refuse a model of another arm, before anything long is done.
+
+    Raises:
+        UsageError: If there is not one joint for each of the log.
+    """
+    if given is not None and len(given.model.joints) != len(log.joint_names):
+        raise UsageError(
+            f"--joint-model {given.path}: {len(given.model.joints)} joints; {log.source.path} has "
+            f"{len(log.joint_names)}; give a model with an entry for every joint of the log"
+        )
 
 
 def _warn(found: "LogReplay", voice: Voice) -> None:

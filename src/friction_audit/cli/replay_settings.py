@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import isfinite
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -14,7 +15,7 @@ from friction_audit.errors import UsageError
 if TYPE_CHECKING:
     from friction_audit.replay.compensators import Coefficients, EnergyCompensator
     from friction_audit.replay.rivals import Rival
-    from friction_audit.replay.settings import OperatorImpedance, ReplaySettings
+    from friction_audit.replay.settings import ModelFile, OperatorImpedance, ReplaySettings
 
 REPLAY = "Replay"
 
@@ -37,7 +38,8 @@ class ReplayOptions:
         typer.Option(
             metavar=choices.metavar(choices.COMPENSATORS),
             callback=choices.one_of(choices.COMPENSATORS),
-            help="energy: the paper's; fixed: the log's own coefficients; the others: its rivals.",
+            help="energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
+            "the others: its rivals.",
             rich_help_panel=REPLAY,
         ),
     ] = "energy"
@@ -47,6 +49,17 @@ class ReplayOptions:
             metavar=choices.metavar(choices.MODELS),
             callback=lambda name: name if name is None else choices.one_of(choices.MODELS)(name),
             help="Friction model of the compensator. Default: combined.",
+            rich_help_panel=REPLAY,
+        ),
+    ] = None
+    joint_model: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE.toml",
+            exists=True,
+            dir_okay=False,
+            help="Model of the joints, e.g. of a diagnosis: they move with same-torque and same-operator in place of "
+            "those fitted to the log; --compensator model applies their friction.",
             rich_help_panel=REPLAY,
         ),
     ] = None
@@ -161,6 +174,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
 
     Raises:
         UsageError: If a value cannot be used.
+        InputError: If the file of a model is none.
     """
     from friction_audit.replay.settings import ReplaySettings
 
@@ -168,6 +182,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
         assume=options.assume,
         compensator=_compensator(options, cycles),
         rival=_rival(options),
+        joint_model=None if options.joint_model is None else _joint_model(options.joint_model),
         operator=None if options.operator is None else _operator(options.operator),
         max_torque_nm=options.max_torque,
         max_torque_rate_nm_s=options.max_rate,
@@ -186,6 +201,13 @@ def _rival(options: ReplayOptions) -> "Rival | None":
     }
     given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
     return Rival(name=options.compensator, **given)
+
+
+def _joint_model(path: Path) -> "ModelFile":
+    from friction_audit.model.model_file import load_model
+    from friction_audit.replay.settings import ModelFile
+
+    return ModelFile(path=str(path), model=load_model(path))
 
 
 def _operator(text: str) -> "OperatorImpedance":

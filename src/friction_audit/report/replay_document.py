@@ -1,14 +1,16 @@
 """LogReplay -> JSON document ``friction-audit/replay/1``."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict
 from types import MappingProxyType
 
 from friction_audit.audit import LogReplay
-from friction_audit.replay.compensators import kind_of
+from friction_audit.model import FittedTerm, JointModel
+from friction_audit.replay.compensators import Compensator, JointModelCompensation, kind_of
 from friction_audit.replay.fitted_joint import FittedJoint
 from friction_audit.replay.operator_fit import FittedOperator
 from friction_audit.replay.result import STATUSES, JointReplay, ReplayHistory
+from friction_audit.replay.settings import ReplaySettings
 from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
 from friction_audit.report.estimate_document import coefficient_document
 from friction_audit.report.notices import replay_notices
@@ -26,12 +28,18 @@ def replay_document(found: LogReplay, reading: Mapping[str, object] = MappingPro
     return {
         **new_document("replay"),
         "source": source_document(found.estimate.log),
-        "settings": settings | {"replay": to_json(asdict(found.settings))},
+        "settings": settings | {"replay": _settings(found.settings)},
         "warnings": [notice._asdict() for notice in replay_notices(found)],
         "assume": counterfactual.name,
         "assumes": counterfactual.assumes,
         "joints": [_joint(joint) for joint in found.replay.joints],
     }
+
+
+def _settings(settings: ReplaySettings) -> Document:
+    """Return what was asked for; of a model file its path, for each joint has its model beside its numbers."""
+    given = settings.joint_model
+    return {**to_json(asdict(settings)), "joint_model": None if given is None else given.path}
 
 
 def _joint(joint: JointReplay) -> Document:
@@ -40,16 +48,35 @@ def _joint(joint: JointReplay) -> Document:
         "joint": joint.joint,
         "name": joint.name,
         "reason": joint.reason or None,
-        "compensator": {"kind": kind_of(joint.compensator).name, **to_json(asdict(joint.compensator))},
+        "compensator": _compensator(joint.compensator),
         "limits": to_json(asdict(joint.limits)),
         "cycles": 0 if joint.history is None else len(joint.history.status),
         **_numbers(joint),
+        "joint_model": None if joint.model is None else _model(joint.model),
         "fitted_joint": None if joint.fitted is None else _fitted(joint.fitted, FITTED),
         "operator": None if joint.operator is None else _fitted(joint.operator, OPERATOR),
         "model_error": to_json(joint.model_error),
         "passivity": None if joint.passivity is None else to_json(asdict(joint.passivity)),
         "friction_step": None if recovery is None else to_json(asdict(recovery)),
         "history": [] if joint.history is None else _history(joint.history),
+    }
+
+
+def _compensator(compensator: Compensator) -> Document:
+    settings: Document = {"kind": kind_of(compensator).name, **to_json(asdict(compensator))}
+    return settings | ({"terms": _terms(compensator.terms)} if isinstance(compensator, JointModelCompensation) else {})
+
+
+def _model(model: JointModel) -> Document:
+    origin: Document = to_json(asdict(model.provenance))
+    return {"inertia_kg_m2": model.inertia_kg_m2, "provenance": origin, "terms": _terms(model.terms)}
+
+
+def _terms(terms: Iterable[FittedTerm]) -> Document:
+    """Return the terms by name, each its numbers by name, as a model file has them."""
+    return {
+        one.name: {parameter.name: value for parameter, value in zip(one.term.parameters, one.values, strict=True)}
+        for one in terms
     }
 
 

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 from friction_audit.audit import LogReplay
 from friction_audit.friction.history import Coefficient
-from friction_audit.replay.compensators import EnergyCompensator, kind_of
+from friction_audit.model import Provenance
+from friction_audit.replay.compensators import EnergyCompensator, JointModelCompensation, kind_of
 from friction_audit.replay.result import JointReplay
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
 from friction_audit.report.reasons import reason_lines
@@ -40,6 +41,7 @@ def replay_table(found: LogReplay) -> "list[RenderableType]":
     joints = found.replay.joints
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
     parts.append(_table(joints))
+    parts.extend(Text(line) for line in _models(found))
     parts.extend(Text(line) for joint in joints for line in _moved(joint))
     parts.extend(Text(line) for joint in joints for line in _recovery(joint))
     parts.extend(Text(f"not replayed: {line}") for line in reason_lines(joints))
@@ -52,9 +54,14 @@ def _head(found: LogReplay) -> tuple[str, ...]:
     return (
         f"{log.source.path}: {log.source.format}, {samples}",
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"compensator: {_describe(found.replay.joints[0])}",
+        f"compensator: {_describe(_shown(found.replay.joints))}",
         f"{counterfactual.name}: {counterfactual.assumes}",
     )
+
+
+def _shown(joints: tuple[JointReplay, ...]) -> JointReplay:
+    """Return a joint on which what was asked for ran; any, if it ran on none."""
+    return next((joint for joint in joints if not joint.reason), joints[0])
 
 
 def _describe(joint: JointReplay) -> str:
@@ -118,6 +125,30 @@ def _percent(share: float) -> str:
     if share < WORST:
         return f"<{100 * WORST:.0f}"
     return NOTHING if math.isnan(share) else f"{100 * share:.1f}"
+
+
+def _models(found: LogReplay) -> Iterator[str]:
+    """Yield the model of each joint that was replayed with one, and what of it was applied."""
+    given = found.settings.joint_model
+    if given is None:
+        return
+    for joint in found.replay.joints:
+        if joint.model is not None and not joint.reason:
+            names = ", ".join(term.name for term in joint.model.terms) or "no terms"
+            told = f"inertia {joint.model.inertia_kg_m2:.4g} kg m², {names}"
+            yield f"joint {joint.joint} by {given.path} ({_origin(joint.model.provenance)}): {told}{_applied(joint)}"
+
+
+def _applied(joint: JointReplay) -> str:
+    if not isinstance(joint.compensator, JointModelCompensation):
+        return ""
+    return f"; applied: {', '.join(term.name for term in joint.compensator.terms)}"
+
+
+def _origin(origin: Provenance) -> str:
+    """Return where a model comes from, as far as its file tells."""
+    cycles = f"{origin.cycles} cycles" if origin.cycles else ""
+    return ", ".join(part for part in (origin.method, origin.log, cycles) if part) or "its origin is not said"
 
 
 def _moved(joint: JointReplay) -> Iterator[str]:

@@ -1,0 +1,140 @@
+"""``replay --joint-model``: from a simulated log to what the model buys, and what is said of files that do not fit."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from friction_audit.model import ArmModel, FittedTerm, JointModel, Provenance, save_model, simple_model
+from tests.cli.conftest import Run
+
+ORIGIN = Provenance(method="diagnose", log="first.parquet", sha256="ab", cycles=12)
+SIMPLE = replace(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), provenance=ORIGIN)
+STRIBECK = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("stribeck", (0.15, 0.1, 1.5))))
+OPERATOR = ("--assume", "same-operator", "--operator", "0.3,9,60")
+APPLIED = ("--compensator", "model", "--joint-model", "model.toml")
+
+
+def save(*joints: JointModel | None, path: str = "model.toml") -> None:
+    save_model(ArmModel(names=tuple(f"joint{k + 1}" for k in range(len(joints))), joints=joints), Path(path))
+
+
+@pytest.fixture
+def log(run: Run) -> str:
+    """Return a log of the model with Stribeck friction, simulated from its file, which is left beside it."""
+    save(STRIBECK)
+    words = ("--model", "model.toml", "--duration", "40", "-q")
+    assert run("simulate", "joint", "-o", "run.parquet", "--seed", "5", *words).code == 0
+    return "run.parquet"
+
+
+def test_a_better_model_buys_more(run: Run, log: str) -> None:
+    (energy,) = run("replay", log, "--json").document()["joints"]
+    document = run("replay", log, *APPLIED, "--json").document()
+    (better,) = document["joints"]
+    assert energy["joint_model"] is None
+    assert better["dissipation_removed"] > energy["dissipation_removed"] + 0.05
+    assert better["compensator"]["kind"] == "joint_model"
+    assert list(better["compensator"]["terms"]) == ["coulomb", "viscous", "stribeck"]
+    assert document["settings"]["replay"]["joint_model"] == "model.toml"
+    assert better["joint_model"]["provenance"] == {
+        "method": "diagnose",
+        "log": "first.parquet",
+        "sha256": "ab",
+        "cycles": 12,
+    }
+    assert better["joint_model"]["terms"]["stribeck"]["stribeck_speed_rad_s"] == 0.1
+    assert better["fitted_joint"] is None
+
+
+def test_the_joint_of_the_file_moves(run: Run, log: str) -> None:
+    (fitted,) = run("replay", log, *OPERATOR, "--json").document()["joints"]
+    document = run("replay", log, *OPERATOR, "--joint-model", "model.toml", "--json").document()
+    (given,) = document["joints"]
+    assert fitted["fitted_joint"] is not None
+    assert given["fitted_joint"] is None
+    assert given["model_error"] < fitted["model_error"]
+    assert "the joint of the model file and that impedance move together" in document["assumes"]
+    assert document["settings"]["replay"]["joint_model"] == "model.toml"
+
+
+def test_the_table_says_which_model(run: Run, log: str) -> None:
+    text = run("replay", log, *APPLIED, *OPERATOR).out
+    assert "compensator: joint_model, model-based: the terms of friction of a joint's model" in text
+    lead = "joint 1 by model.toml (diagnose, first.parquet, 12 cycles): inertia 0.3 kg m²"
+    assert f"{lead}, coulomb, viscous, stribeck; applied: coulomb, viscous, stribeck" in " ".join(text.split())
+    assert "as fitted, 95 %: inertia" not in text
+
+
+def test_a_model_by_hand_has_no_origin(run: Run, log: str) -> None:
+    save(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), path="hand.toml")
+    words = ("--assume", "same-torque", "--joint-model", "hand.toml")
+    assert "joint 1 by hand.toml (its origin is not said): inertia 0.3 kg m²" in run("replay", log, *words).out
+
+
+def test_a_folder_gets_figures_with_a_model_too(run: Run, log: str, tmp_path: Path) -> None:
+    assert run("replay", log, *APPLIED, *OPERATOR, "-o", "out", "-q").code == 0
+    assert {"replay.json", "replay.png"} <= {path.name for path in (tmp_path / "out").iterdir()}
+
+
+def test_a_joint_without_a_model_does_not_stop_the_others(run: Run, logs: Path) -> None:
+    save(None, SIMPLE)
+    answer = run("replay", logs / "moved2.csv", *APPLIED)
+    assert answer.code == 0
+    assert "not replayed: joint 1: the model file has no model of it" in answer.out
+    assert "compensator: joint_model" in answer.out
+    assert "joint 2 by model.toml" in answer.out
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--compensator", "model"], "give it by --joint-model"),
+        (["--joint-model", "one.toml"], "not used with --assume same-motion"),
+        (["--joint-model", "absent.toml", "--assume", "same-torque"], "absent.toml"),
+        (["--joint-model", "two.toml", "--assume", "same-torque"], "two.toml: 2 joints;"),
+        (["--joint-model", "one.toml", "--compensator", "model", "--factor", "2"], "has no use for --factor"),
+    ],
+)
+def test_wrong_usage(words: list[str], message: str, run: Run, logs: Path) -> None:
+    save(SIMPLE, path="one.toml")
+    save(SIMPLE, SIMPLE, path="two.toml")
+    answer = run("replay", logs / "moved1.csv", *words)
+    assert answer.code == 2
+    assert message in " ".join(answer.err.split())
+    assert answer.out == ""
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("no toml", "is no TOML"),
+        ('schema = "other"', "schema is 'other'"),
+        ('schema = "friction-audit/model/1"', "no [[joint]] table"),
+        (
+            'schema = "friction-audit/model/1"\n[[joint]]\nname = "a"\ninertia_kg_m2 = 1\n[joint.terms.stribek]',
+            "'stribek' is no term",
+        ),
+    ],
+)
+def test_a_file_that_is_no_model(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "bad.toml").write_text(text)
+    answer = run("replay", logs / "moved1.csv", "--assume", "same-torque", "--joint-model", "bad.toml")
+    assert answer.code == 3
+    assert message in " ".join(answer.err.split())
+
+
+@pytest.mark.parametrize(
+    ("joint", "message"),
+    [
+        (None, "the model file has no model of it"),
+        (replace(SIMPLE, inertia_kg_m2=-0.01), "an inertia of -0.01 kg m^2"),
+        (replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0)),)), "backlash: the person is on one side"),
+    ],
+)
+def test_a_model_that_cannot_be_moved(joint: JointModel | None, message: str, run: Run, logs: Path) -> None:
+    save(joint)
+    answer = run("replay", logs / "moved1.csv", "--assume", "same-torque", "--joint-model", "model.toml", "-o", "out")
+    assert answer.code == 4
+    assert message in " ".join(answer.err.split())
+    assert not Path("out").exists()
