@@ -1,0 +1,184 @@
+"""Change points: where the steps are, how many of them, and how surely."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.drift.family import draw_null
+from friction_audit.drift.series import Series
+from friction_audit.drift.settings import FEWEST_SESSIONS
+from friction_audit.drift.shapes import (
+    SHORTEST_SEGMENT,
+    Directions,
+    base_shapes,
+    make_directions,
+    orthogonal,
+    ramp_shapes,
+    robust_weight,
+    step_places,
+    studentise,
+)
+from friction_audit.joint_log import Float
+
+MOST_CHANGES = 6
+SESSIONS_PER_CHANGE = 5
+
+MOMENT_95 = 7.35
+"""Likelihood ratio within which the true moment of a step lies with 95 % (Hansen 2000, -2 log(1 - sqrt(0.95)))."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Step:
+    """A step, by places in a series.
+
+    Attributes:
+        place: First session after it.
+        low: First place that is possible.
+        high: Last one.
+        p_value: Among the steps of this series (Holm).
+    """
+
+    place: int
+    low: int
+    high: int
+    p_value: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Search:
+    """How the steps of one series are judged.
+
+    Attributes:
+        alpha: Probability of a step too many.
+        permutations: Random orders.
+        seed: Of the orders.
+        growth: By how much autocorrelation makes statistics larger.
+    """
+
+    alpha: float
+    permutations: int
+    seed: int
+    growth: float
+
+
+def find_steps(series: Series, search: Search) -> tuple[Step, ...]:
+    """Find the steps of a series that is known to drift: at least one.
+
+    One step more is taken as long as a segment shows one by itself (as in Bai and Perron 1998, l + 1 against l), Holm's
+    procedure over the segments; where the steps are then is what the best segmentation of all says (dynamic
+    programming).
+
+    Args:
+        series: All of its sessions count.
+        search: How they are judged.
+    """
+    y, weight = at_like_temperature(series), robust_weight(series)
+    most = max(1, min(MOST_CHANGES, len(y) // SESSIONS_PER_CHANGE))
+    count, places = 1, settle(y, weight, segmentation(y, 1))
+    while count < most and shows_another(y, weight, places, search):
+        count += 1
+        places = settle(y, weight, segmentation(y, count))
+    return judge_steps(y, weight, places, search)
+
+
+def segmentation(y: Float, count: int) -> list[int]:
+    """Return the places of so many steps that leave the least squares."""
+    from ruptures import KernelCPD
+
+    scaled = (y - np.mean(y)) / (np.std(y) or 1.0)
+    return [int(end) for end in KernelCPD(kernel="linear", min_size=SHORTEST_SEGMENT).fit(scaled).predict(count)[:-1]]
+
+
+def shows_another(y: Float, weight: Float, places: Sequence[int], search: Search) -> bool:
+    """Return whether any segment shows a step by itself."""
+    ends = [0, *places, len(y)]
+    spans = [(a, b) for a, b in pairwise(ends) if b - a >= FEWEST_SESSIONS]
+    p_values = [_judge(_between(y, weight, a, b), a, search).p_value for a, b in spans]
+    return bool(p_values) and min(holm(p_values)) <= search.alpha
+
+
+def at_like_temperature(series: Series) -> Float:
+    """Return y without what the temperature does, jointly with the best single shape, shape (n,)."""
+    if series.temperature is None:
+        return series.y
+    directions = make_directions(series)
+    best = int(np.argmax(np.abs(directions.residual @ directions.direction)))
+    split = directions.split[best]
+    shape = ramp_shapes(series)[:, 0] if split == 0 else (np.arange(len(series.y)) >= split).astype(float)
+    base = base_shapes(series)
+    design = np.column_stack([base, shape]) * directions.weight[:, None]
+    slope = np.linalg.lstsq(design, series.y * directions.weight, rcond=None)[0][1]
+    return np.asarray(series.y - slope * base[:, 1])
+
+
+def settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
+    """Move each step to its best place between its neighbours, by the errors of the sessions."""
+    moved = list(places)
+    for k in range(len(moved)):
+        first, last = _span(moved, k, len(y))
+        here = _between(y, weight, first, last)
+        moved[k] = first + int(here.split[np.argmax(np.abs(here.residual @ here.direction))])
+    return moved
+
+
+def judge_steps(y: Float, weight: Float, places: Sequence[int], search: Search) -> tuple[Step, ...]:
+    """Return each step with its moment and its p-value between its neighbours."""
+    spans = [_span(places, k, len(y)) for k in range(len(places))]
+    steps = [_judge(_between(y, weight, first, last), first, search) for first, last in spans]
+    return tuple(
+        replace(step, p_value=p) for step, p in zip(steps, holm([step.p_value for step in steps]), strict=True)
+    )
+
+
+def _span(places: Sequence[int], k: int, length: int) -> tuple[int, int]:
+    return (places[k - 1] if k else 0), (places[k + 1] if k + 1 < len(places) else length)
+
+
+def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
+    """Return the directions of one step between two others."""
+    n = last - first
+    splits = step_places(n)
+    shapes = (np.arange(n)[:, None] >= splits[None, :]).astype(float)
+    return orthogonal(shapes, split=splits, base=np.ones((n, 1)), y=y[first:last], weight=weight[first:last])
+
+
+def _judge(directions: Directions, first: int, search: Search) -> Step:
+    rng = np.random.default_rng(search.seed)
+    keys = rng.random((search.permutations, len(directions.residual)))
+    null = draw_null(directions, keys, rng)
+    drawn = np.max(np.abs(studentise(null, directions)), axis=1)
+    real = np.abs(studentise(directions.residual[None, :], directions))[0] / search.growth
+    low, high = moment(directions, search.growth)
+    return Step(
+        place=first + int(directions.split[np.argmax(real)]),
+        low=first + low,
+        high=first + high,
+        p_value=float((1 + np.count_nonzero(drawn >= np.max(real))) / (1 + len(drawn))),
+    )
+
+
+def moment(directions: Directions, growth: float) -> tuple[int, int]:
+    """Return the first and the last place of a step that its likelihood allows with 95 %.
+
+    With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
+    """
+    from scipy.stats import chi2, f
+
+    along = (directions.residual @ directions.direction) ** 2
+    best = float(np.max(along))
+    freedom = max(directions.freedom, 1)
+    variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
+    certain = float(chi2.cdf(MOMENT_95, 1))
+    bound = float(f.ppf(certain, 1, freedom)) * growth**2
+    possible: NDArray[np.int64] = directions.split[best - along <= bound * variance]
+    return int(possible[0]), int(possible[-1])
+
+
+def holm(p_values: Sequence[float]) -> list[float]:
+    """Return p-values for all of them together (Holm 1979)."""
+    from statsmodels.stats.multitest import multipletests
+
+    return [float(p) for p in multipletests(p_values, method="holm")[1]]

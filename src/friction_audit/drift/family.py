@@ -1,0 +1,112 @@
+"""The test of an arm: is there drift in any coefficient of any joint?
+
+Every coefficient is asked along all shapes of drift (a step at each session, a ramp); the largest studentised
+statistic counts. Its distribution without drift comes from the same sessions in random orders, one order for all
+joints at a time, and the step-down maximum over the coefficients of the arm (Westfall and Young 1993) keeps the
+probability of any false one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.drift.memory import Memory, find_memory
+from friction_audit.drift.shapes import Directions, studentise
+from friction_audit.joint_log import Float
+
+FEWEST_TO_PERMUTE = 12
+"""With fewer sessions, the rarest order (both sessions after a late step at the end) is not rare enough; the scatter is
+then taken for normal."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class FamilyTest:
+    """What the test of an arm says of each of its s series.
+
+    Attributes:
+        p_value: Of the largest statistic, family-wise, shape (s,).
+        ramp_p_value: Of the ramps alone, family-wise, shape (s,).
+        best: Which direction is the largest, shape (s,).
+        critical: Score that is exceeded without drift with probability alpha, in any series.
+        memory: Autocorrelation of the scatter.
+    """
+
+    p_value: Float
+    ramp_p_value: Float
+    best: tuple[int, ...]
+    critical: float
+    memory: Memory
+
+
+def judge_family(
+    family: Sequence[Directions], places: Sequence[Float], *, alpha: float, permutations: int, seed: int
+) -> FamilyTest:
+    """Test all series of an arm for drift.
+
+    Args:
+        family: The directions of each series.
+        places: Places of its sessions among those compared, for one order of the sessions to hold in all series.
+        alpha: Probability of a false drift.
+        permutations: Random orders.
+        seed: Of the orders.
+    """
+    rng = np.random.default_rng(seed)
+    keys = rng.random((permutations, 1 + max(int(np.max(place)) for place in places)))
+    nulls = [
+        draw_null(directions, keys[:, place.astype(int)], rng) for directions, place in zip(family, places, strict=True)
+    ]
+    found = [np.abs(studentise(directions.residual[None, :], directions)) for directions in family]
+    memory = find_memory(family, nulls, rng)
+    observed, drawn, ramp, ramp_drawn = [], [], [], []
+    for directions, real, null in zip(family, found, nulls, strict=True):
+        statistics = np.abs(studentise(null, directions))
+        observed.append(score(np.max(real) / memory.growth, directions.freedom))
+        drawn.append(score(np.max(statistics, axis=1), directions.freedom))
+        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / memory.growth, directions.freedom))
+        ramp_drawn.append(score(np.max(statistics[:, directions.ramps], axis=1, initial=0.0), directions.freedom))
+    maxima = np.column_stack(drawn)
+    return FamilyTest(
+        p_value=step_down(np.array(observed), maxima),
+        ramp_p_value=step_down(np.array(ramp), np.column_stack(ramp_drawn)),
+        best=tuple(int(np.argmax(real)) for real in found),
+        critical=float(np.quantile(np.max(maxima, axis=1), 1.0 - alpha)),
+        memory=memory,
+    )
+
+
+def draw_null(directions: Directions, keys: Float, rng: np.random.Generator) -> Float:
+    """Return what the residuals would be without drift, shape (orders, n)."""
+    n = len(directions.residual)
+    if n < FEWEST_TO_PERMUTE:
+        return rng.standard_normal((len(keys), n))
+    return directions.residual[np.argsort(keys, axis=1)]
+
+
+def score(statistic: Float, freedom: int) -> Float:
+    """Return minus the logarithm of the probability of |t|, by which series of unlike lengths are compared."""
+    from scipy.stats import t
+
+    return -np.asarray(t.logsf(statistic, max(freedom, 1)), dtype=float)
+
+
+def statistic_of(value: float, freedom: int) -> float:
+    """Return the |t| of a score."""
+    from scipy.stats import t
+
+    return float(t.isf(np.exp(-value), max(freedom, 1)))
+
+
+def step_down(observed: Float, null: Float) -> Float:
+    """Return family-wise p-values by the step-down maximum (Westfall and Young 1993, algorithm 4.1), shape (s,).
+
+    Args:
+        observed: Scores, shape (s,).
+        null: Scores without drift, of all series in the same order of the sessions, shape (orders, s).
+    """
+    order = np.argsort(-observed, kind="stable")
+    maxima = np.maximum.accumulate(null[:, order[::-1]], axis=1)[:, ::-1]
+    p = (1.0 + np.sum(maxima >= observed[order], axis=0)) / (1.0 + len(null))
+    adjusted = np.empty(len(p))
+    adjusted[order] = np.maximum.accumulate(p)
+    return adjusted

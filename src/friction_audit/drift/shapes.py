@@ -1,0 +1,127 @@
+"""The shapes that drift may have, a step at every session and a ramp, as directions in the space of the sessions."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.drift.scatter import steps_scatter
+from friction_audit.drift.series import Series
+from friction_audit.joint_log import Float
+
+SHORTEST_SEGMENT = 2
+"""Sessions before and after a step."""
+
+MOST_STEPS = 80
+"""So many places of a step are tried; more only cost time, for neighbours say nearly the same."""
+
+COLLINEAR = 1e-6
+"""A direction with a smaller part of its square left beside the temperature is none."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Directions:
+    """What the tests look along, whitened: every session's error is 1.
+
+    Attributes:
+        split: First session after the step, shape (k,); 0 for a ramp.
+        direction: Unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one.
+        length: Length of each shape beside level and temperature, before it was made a unit vector, shape (k,).
+        base: Orthonormal basis of level and temperature, shape (n, b).
+        residual: What level and temperature leave of y, shape (n,).
+        weight: One over the standard error with scatter, shape (n,).
+    """
+
+    split: NDArray[np.int64]
+    direction: Float
+    length: Float
+    base: Float
+    residual: Float
+    weight: Float
+
+    @property
+    def freedom(self) -> int:
+        """Degrees of freedom beside level, temperature and one direction."""
+        return int(len(self.residual) - self.base.shape[1] - 1)
+
+    @property
+    def ramps(self) -> NDArray[np.bool_]:
+        """Which directions are ramps, shape (k,)."""
+        return np.asarray(self.split == 0)
+
+
+def make_directions(series: Series) -> Directions:
+    """Return the directions of drift for the sessions that count, steps first.
+
+    Args:
+        series: At least three sessions, all of them counted.
+    """
+    splits = step_places(len(series.place))
+    steps = np.arange(len(series.place))[:, None] >= splits[None, :]
+    ramps = ramp_shapes(series)
+    return orthogonal(
+        np.column_stack([steps.astype(float), ramps]),
+        split=np.concatenate([splits, np.zeros(ramps.shape[1], dtype=np.int64)]),
+        base=base_shapes(series),
+        y=series.y,
+        weight=robust_weight(series),
+    )
+
+
+def orthogonal(shapes: Float, *, split: NDArray[np.int64], base: Float, y: Float, weight: Float) -> Directions:
+    """Whiten shapes, base and y, and take the base out of the others."""
+    basis, _ = np.linalg.qr(base * weight[:, None])
+    whitened = shapes * weight[:, None]
+    left = whitened - basis @ (basis.T @ whitened)
+    square, whole = np.sum(left**2, axis=0), np.sum(whitened**2, axis=0)
+    length = np.where(square > COLLINEAR * whole, np.sqrt(square), 0.0)
+    direction = np.divide(left, length, out=np.zeros_like(left), where=length > 0)
+    scaled = (y - np.average(y, weights=weight**2)) * weight
+    residual = scaled - basis @ (basis.T @ scaled)
+    return Directions(split=split, direction=direction, length=length, base=basis, residual=residual, weight=weight)
+
+
+def step_places(sessions: int) -> NDArray[np.int64]:
+    """Return the sessions that a step is tried before, all of them or densely near both ends, shape (k,)."""
+    places = np.arange(SHORTEST_SEGMENT, sessions - SHORTEST_SEGMENT + 1)
+    if len(places) <= MOST_STEPS:
+        return places
+    share = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, MOST_STEPS)))
+    return places[np.unique(np.round(share * (len(places) - 1)).astype(np.int64))]
+
+
+def ramp_shapes(series: Series) -> Float:
+    """Return straight changes from 0 at the first session to 1 at the last, over sessions and days, shape (n, r)."""
+    clocks = [series.place] if series.day is None else [series.place, series.day]
+    spans = [(clock - clock[0]) / (clock[-1] - clock[0]) for clock in clocks if clock[-1] > clock[0]]
+    return np.column_stack(spans) if spans else np.zeros((len(series.place), 0))
+
+
+def base_shapes(series: Series) -> Float:
+    """Return what is no drift: the level and, where it can be used, the temperature, shape (n, b)."""
+    level = np.ones(len(series.place))
+    if series.temperature is None:
+        return level[:, None]
+    return np.column_stack([level, series.temperature - np.mean(series.temperature)])
+
+
+def robust_weight(series: Series) -> Float:
+    """Return one over the standard error, the scatter between neighbouring sessions included, shape (n,)."""
+    y = series.y
+    if series.temperature is not None:
+        base = base_shapes(series)
+        y = y - base @ np.linalg.lstsq(base, y, rcond=None)[0]
+    return 1.0 / np.sqrt(series.y_error**2 + steps_scatter(y, series.y_error) ** 2)
+
+
+def studentise(residual: Float, directions: Directions) -> Float:
+    """Return t of each direction, its own variance around each, shape (orders, k).
+
+    Args:
+        residual: Whitened, shape (orders, n).
+        directions: Unit vectors beside level and temperature.
+    """
+    along = residual @ directions.direction
+    square = np.sum(residual**2, axis=1) - np.sum((residual @ directions.base) ** 2, axis=1)
+    rest = np.maximum(square[:, None] - along**2, 1e-12 * square[:, None] + 1e-300)
+    return np.asarray(along * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)

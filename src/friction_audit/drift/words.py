@@ -1,0 +1,208 @@
+"""The sentences of drift, for tired people."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from math import isfinite
+from pathlib import PurePath
+
+from friction_audit.drift.report import ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.session import Session
+from friction_audit.drift.settings import FEWEST_SESSIONS
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_numbers import write_joint_numbers
+
+NAMES = {"coulomb_nm": "Coulomb friction", "viscous_nms_per_rad": "viscous friction"}
+UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
+
+LARGEST_PERCENT = 10.0
+"""A smallest drift above ten times the level is no comfort: it is said to be beyond any."""
+
+
+TWO_DIGITS = 99.5
+"""Larger numbers of per cent are written with all their digits."""
+
+MOST_NAMES = 3
+"""So many sessions are named in a sentence."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Circumstances:
+    """What a sentence says beside the drift itself.
+
+    Attributes:
+        warmer_k: Rise of the temperature from the reference to the last sessions, NaN where it is not known. [K]
+        by_temperature: Whether there is a change that the temperature explains.
+        speed_ratio: Speed of motion in the last sessions over the reference's, where it changed with the drift, or NaN.
+    """
+
+    warmer_k: float = float("nan")
+    by_temperature: bool = False
+    speed_ratio: float = float("nan")
+
+
+def describe(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> str:
+    """Return one sentence on a coefficient, without a full stop."""
+    if drift.shape == "too_few":
+        return f"{NAMES[drift.coefficient]}: {too_few_words(len(drift.sessions) - len(drift.isolated))}"
+    return "; ".join([_main(drift, sessions, beside), *_beside(drift, sessions, beside)])
+
+
+def _beside(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> list[str]:
+    parts = []
+    if isfinite(beside.speed_ratio):
+        parts.append(f"the speed of motion changed with it ({beside.speed_ratio:.2g} times), compare at like speed")
+    if drift.within.low > 0 or drift.within.high < 0:
+        parts.append(
+            f"within a session it {_verb(drift.within, 'rises', 'falls')} by {_sized(drift.within)}, which is no drift"
+        )
+    return parts + _odd_ones(drift, sessions)
+
+
+def _main(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> str:
+    name, unit = NAMES[drift.coefficient], UNITS[drift.coefficient]
+    total = how_much(drift.total, drift.change, unit)
+    went = _verb(drift.change, "rose", "fell")
+    if drift.shape == "temperature":
+        return (
+            f"{name} {went} by {total} while the temperature changed by {beside.warmer_k:+.1f} K: drift and "
+            "temperature cannot be told apart"
+        )
+    if drift.shape == "none":
+        like = " at like temperature" if beside.by_temperature else ""
+        return f"no drift of {name}{like}: {_seen(drift)}"
+    if drift.change_points and drift.shape != "step_or_ramp":
+        steps = ", ".join(step_words(point, unit, sessions) for point in drift.change_points)
+        return f"{name} {f'changed in {len(drift.change_points)} steps: ' * (drift.shape == 'steps')}{steps}"
+    if drift.shape == "ramp":
+        slope = how_much(_over(drift.trend_per_session, drift), drift.trend_per_session, unit)
+        verb = _verb(drift.trend_per_session, "rises", "falls")
+        return f"{name} {verb} by {slope} a session, {total} from the reference to the last sessions"
+    return (
+        f"{name} {went} by {total} from the reference to the last sessions; a step and a slow change describe it "
+        "equally well"
+    )
+
+
+def step_words(point: ChangePoint, unit: str, sessions: Sequence[Session]) -> str:
+    """Return size and moment of a step."""
+    change = Coefficient(
+        value=point.after.value - point.before.value,
+        low=point.after.low - point.before.high,
+        high=point.after.high - point.before.low,
+    )
+    first, last = when(sessions[point.low - 1], sessions[point.high])
+    return f"{_verb(change, 'rose', 'fell')} by {how_much(point.relative, change, unit)} between {first} and {last}"
+
+
+def when(first: Session, last: Session) -> tuple[str, str]:
+    """Return the moments of two sessions: their dates, with the time if they share a date, or their names."""
+    if first.start_s is None or last.start_s is None:
+        return PurePath(first.path).name, PurePath(last.path).name
+    moments = [datetime.fromtimestamp(start, tz=UTC) for start in (first.start_s, last.start_s)]
+    days = [f"{moment:%Y-%m-%d}" for moment in moments]
+    if days[0] != days[1]:
+        return days[0], days[1]
+    return f"{moments[0]:%Y-%m-%d %H:%M}", f"{moments[1]:%Y-%m-%d %H:%M} UTC"
+
+
+def how_much(relative: Coefficient, absolute: Coefficient, unit: str) -> str:
+    """Return a size with its interval, in per cent where that means something."""
+    if isfinite(relative.value):
+        return _sized(relative)
+    low, high = sorted((absolute.low, absolute.high), key=abs)
+    sign = -1.0 if absolute.value < 0 else 1.0
+    return f"{abs(absolute.value):.2g} {unit} ({sign * low:.2g} to {sign * high:.2g})"
+
+
+def _sized(relative: Coefficient) -> str:
+    sign = -1.0 if relative.value < 0 else 1.0
+    low, high = sorted((100 * sign * relative.low, 100 * sign * relative.high))
+    return f"{percent(sign * relative.value)} % ({low:.2g} to {high:.2g} %)"
+
+
+def percent(share: float) -> str:
+    """Return a share in per cent, two digits of it, more where it is large."""
+    return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
+
+
+def _seen(drift: CoefficientDrift) -> str:
+    if isfinite(drift.smallest_drift) and drift.smallest_drift <= LARGEST_PERCENT:
+        return f"a change of {percent(drift.smallest_drift)} % would have been seen"
+    if isfinite(drift.smallest_drift) or not isfinite(drift.smallest_change):
+        return "but the sessions are too few or too scattered to show any"
+    return f"a change of {drift.smallest_change:.2g} {UNITS[drift.coefficient]} would have been seen"
+
+
+def _over(slope: Coefficient, drift: CoefficientDrift) -> Coefficient:
+    size = abs(drift.level.value) if isfinite(drift.total.value) else float("nan")
+    return Coefficient(value=slope.value / size, low=slope.low / size, high=slope.high / size)
+
+
+def _verb(change: Coefficient, rising: str, falling: str) -> str:
+    return rising if change.value >= 0 else falling
+
+
+def _odd_ones(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
+    """Tell of isolated sessions; of the last one what it may mean."""
+    parts = []
+    others = [index for index in drift.isolated if index != drift.sessions[-1]]
+    if others:
+        names = ", ".join(PurePath(sessions[index].path).name for index in others[:MOST_NAMES])
+        more = f" and {len(others) - MOST_NAMES} more" if len(others) > MOST_NAMES else ""
+        parts.append(f"{names}{more} not counted: far from the sessions before and after")
+    last = drift.control[-1] if drift.control else None
+    if drift.isolated and drift.isolated[-1] == drift.sessions[-1] and last is not None:
+        side = "above" if last.deviation.value >= 0 else "below"
+        share = abs(last.relative.value)
+        size = (
+            f"{percent(share)} %" if isfinite(share) else f"{abs(last.deviation.value):.2g} {UNITS[drift.coefficient]}"
+        )
+        parts.append(
+            f"the last session lies {size} {side} the reference: the next one will tell a change from an odd one"
+        )
+    return parts
+
+
+def too_few_words(count: int) -> str:
+    """Return how many sessions there are and how many it takes."""
+    plural = "" if count == 1 else "s"
+    return f"{count} comparable session{plural}, at least {FEWEST_SESSIONS} are needed to tell drift from scatter"
+
+
+def describe_joint(joint: int, coefficients: Sequence[CoefficientDrift]) -> str:
+    """Return one sentence on a joint."""
+    told = [drift.message for drift in coefficients if drift.drift or drift.shape == "temperature"]
+    if told:
+        rest = "; nothing else changed" if len(told) < len(coefficients) else ""
+        return f"joint {joint}: {'; '.join(told)}{rest}"
+    few = {len(drift.sessions) - len(drift.isolated) for drift in coefficients if drift.shape == "too_few"}
+    if len(few) == 1 and all(drift.shape == "too_few" for drift in coefficients):
+        return f"joint {joint}: {too_few_words(few.pop())}"
+    return f"joint {joint}: {'; '.join(drift.message for drift in coefficients)}"
+
+
+def describe_arm(robot: str, compared: int, joints: Sequence[JointDrift]) -> str:
+    """Return one sentence on an arm."""
+    drifting = [joint for joint in joints if joint.drift]
+    if drifting:
+        numbers = write_joint_numbers(joint.joint for joint in drifting)
+        more = f"; joints that changed: {numbers}" if len(drifting) > 1 else ""
+        return f"{robot}: {drifting[0].message}{more}"
+    if compared < FEWEST_SESSIONS:
+        return f"{robot}: {too_few_words(compared)}"
+    together = [joint for joint in joints for drift in joint.coefficients if drift.shape == "temperature"]
+    if together:
+        return f"{robot}: {together[0].message}"
+    return f"{robot}: no drift in {compared} sessions{_arm_seen(joints)}"
+
+
+def _arm_seen(joints: Sequence[JointDrift]) -> str:
+    """Tell the smallest drift of the joint that shows it least well."""
+    parts = []
+    for name, word in NAMES.items():
+        sizes = [d.smallest_drift for joint in joints for d in joint.coefficients if d.coefficient == name]
+        known = [size for size in sizes if isfinite(size) and size <= LARGEST_PERCENT]
+        if known:
+            parts.append(f"{percent(min(known))} to {percent(max(known))} % of {word}")
+    return f": changes of {' and of '.join(parts)} would have been seen, joint by joint" if parts else ""
