@@ -90,10 +90,7 @@ def test_what_takes_most_comes_first_with_its_p_value() -> None:
     test = Omnibus(
         p_value=0.01,
         names=("speed", "time"),
-        statistic=np.array([1.0, 9.0]),
-        best_shape=np.zeros(2, np.int64),
         adjusted_p=np.array([0.7, 0.01]),
-        critical=5.0,
         cycles=CYCLES,
     )
     found = profile_all(0.1 * time / 60.0 + NOISE, [over("speed", VALUES), over("time", time)], DQ, CYCLE, test)

@@ -91,7 +91,7 @@ def missing(bump: float, square: float) -> tuple[Effect, ...]:
     )
     ground = make_ground(data, None, 0)
     baseline = ground.baseline()
-    rivals = tuple(Rival(name=f"r{k}", shape=0, delta_bic=50.0 - k, correlation=0.1, vuong_z=1.0) for k in range(8))
+    rivals = tuple(Rival(name=f"r{k}", shape=0, unit=k, delta_bic=50.0 - k, correlation=0.1) for k in range(8))
     found = tuple(
         Found(
             candidate=candidate,

@@ -90,7 +90,7 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
             f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: move the joint back and forth",
         )
     ground = make_ground(subject.data, subject.model, settings.seed)
-    clusters = len(np.unique(ground.clusters(ground.working)))
+    clusters = len(np.unique(ground.clusters(ground.working).number))
     if clusters < FEWEST_CLUSTERS:
         return _unanswered(
             subject,
@@ -129,10 +129,10 @@ def _judge(
     events = contact_effects(ground, undisturbed)
     ground = undisturbed.ground
     names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
-    first = _test(ground, names, settings.alpha, rng)
+    first = _test(ground, names, rng)
     if names.library.entries and (first.p_value <= settings.alpha or _is_plain(ground)):
         names = find_names(ground, candidates, names.library, settings.alpha, rng)
-    last = _test(ground, names, settings.alpha, rng) if names.found else first
+    last = _test(ground, names, rng) if names.found else first
     return _told(subject, ground, names, events, (first, last), settings.alpha)
 
 
@@ -195,13 +195,14 @@ def _told(
     )
 
 
-def _test(ground: Ground, names: Names, alpha: float, rng: np.random.Generator) -> Omnibus:
+def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
     """Whether anything is missing beside what was found, which enters as the torque that was fitted."""
     effects = [f.columns for f in names.found]
     w = ground.working
     left = ground.residual(*effects)
     torque = (ground.residual() - left)[:, None] if effects else np.zeros((len(left), 0))
-    cluster = ground.clusters(w, *effects)
+    found = ground.clusters(w, *effects)
+    cluster = found.number
     named = {f.candidate.name for f in names.found}
     catalogue = [entry.group for entry in names.library.entries if entry.group.name not in named]
     groups = [*catalogue, *(curve.group for curve in ground.curves), ground.surface]
@@ -215,7 +216,7 @@ def _test(ground: Ground, names: Names, alpha: float, rng: np.random.Generator) 
         [Group(name=group.name, shapes=tuple(s[w] * even for s in group.shapes)) for group in fitting],
         cluster,
         rng,
-        alpha=alpha,
+        remember=found.remember,
     )
 
 

@@ -11,12 +11,25 @@ from friction_audit.discrepancy.curves import Curve, build_curves, build_surface
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
-from friction_audit.discrepancy.omnibus import cut_cycles
+from friction_audit.discrepancy.omnibus import cut_cycles, neighbours_remember
 from friction_audit.discrepancy.rows import CORNER_HZ, Rows, corner_for, make_rows
 from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.split import split_cycles
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Clusters:
+    """What a bootstrap takes for independent.
+
+    Attributes:
+        number: Of the cluster of each row, in the order of time, shape (m,).
+        remember: Whether neighbours are not quite independent.
+    """
+
+    number: NDArray[np.int64]
+    remember: bool
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -100,9 +113,11 @@ class Ground:
         curves = [*(curve.group.shapes[0] for curve in self.curves), self.rigid]
         return min(integral_time(self.residual(*columns), run) for columns in (effects, [*effects, *curves]))
 
-    def clusters(self, which: NDArray[np.bool_], *effects: Float) -> NDArray[np.int64]:
+    def clusters(self, which: NDArray[np.bool_], *effects: Float) -> Clusters:
         """Cycles of some rows, put together until they outlast the noise's memory, or cut where they are few."""
-        return cut_cycles(self.rows.cycle[which], self.memory(*effects))
+        memory = self.memory(*effects)
+        number = cut_cycles(self.rows.cycle[which], memory)
+        return Clusters(number=number, remember=neighbours_remember(number, memory))
 
 
 def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:

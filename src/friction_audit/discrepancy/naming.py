@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects
+from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm, rms_gain
+from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
-from friction_audit.discrepancy.search import CycleProducts, Search, cycle_products, search
+from friction_audit.discrepancy.search import CycleProducts, Ranking, Search, cycle_products, search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -20,6 +20,9 @@ SETTLED = 0.05
 NEAR = 60.0
 """Difference in BIC up to which a rival may win once its shape is as good as that of what was found."""
 MOST_RIVALS = 2
+NEARLY = 10.0
+"""What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
+MOST_NEARLY = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
 
@@ -75,11 +78,11 @@ def find_names(
     """
     baseline = ground.baseline()
     products, outcome, n_eff = search_library(ground, library)
-    if outcome.chosen:
-        baseline = ground.baseline(*_columns(library, outcome))
-        library = rebuild_library(library, ground.data, baseline, ground.rows)
-        library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff, baseline))
-        products, outcome, n_eff = search_library(ground, library)
+    baseline = ground.baseline(*_columns(library, outcome))
+    library = rebuild_library(library, ground.data, baseline, ground.rows)
+    library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff, baseline))
+    products, outcome, n_eff = search_library(ground, library)
+    outcome = preferred(products, outcome, n_eff)
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
     found = _refined(ground, library, outcome, namings, baseline)
@@ -94,7 +97,7 @@ def worth(ground: Ground, *effects: Float) -> float:
 def search_library(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
     """Search on the working cycles until what they are worth is settled; products, outcome and that number."""
     w = ground.working
-    groups = [entry.group.keep(w) for entry in library.entries]
+    groups = [replace(entry.group.keep(w), numbers=_numbers(entry.shapes)) for entry in library.entries]
     products = cycle_products(ground.y[w], ground.base[w], groups, ground.rows.cycle[w])
     n_eff = worth(ground)
     outcome = search(products, n_eff)
@@ -107,6 +110,11 @@ def search_library(ground: Ground, library: Library) -> tuple[CycleProducts, Sea
     return products, outcome, n_eff
 
 
+def _numbers(shapes: Sequence[Shape]) -> int:
+    """How many numbers differ among some shapes."""
+    return sum(len({shape.get(name) for shape in shapes}) > 1 for name in shapes[0]) if shapes else 0
+
+
 def _columns(library: Library, outcome: Search) -> list[Float]:
     return [library.entry(chosen.name).group.shapes[chosen.shape] for chosen in outcome.chosen]
 
@@ -114,16 +122,26 @@ def _columns(library: Library, outcome: Search) -> list[Float]:
 def _sharpened(
     ground: Ground, library: Library, outcome: Search, products: CycleProducts, n_eff: float, baseline: Baseline
 ) -> Iterator[tuple[str, Shape, Float]]:
-    """Refined shapes of the effects found and of the rivals that come near them, with their columns."""
+    """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
     columns = _columns(library, outcome)
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
         base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
         near = [r for r in naming.rivals if r.correlation > ALIKE and r.delta_bic < NEAR][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
-            entry = library.entry(name)
-            shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
-            if shape != entry.shapes[at]:
-                yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+            yield from _sharper(ground, library, name, at, baseline, base)
+    ranking = Ranking(products, products.total(), n_eff)
+    for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
+        yield from _sharper(ground, library, name, at, baseline, np.hstack([ground.base, *columns]))
+
+
+def _sharper(
+    ground: Ground, library: Library, name: str, at: int, baseline: Baseline, base: Float
+) -> Iterator[tuple[str, Shape, Float]]:
+    """One shape of the grid refined, with its columns; nothing where the grid has the best."""
+    entry = library.entry(name)
+    shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
+    if shape != entry.shapes[at]:
+        yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
 
 
 def _refined(
@@ -144,26 +162,10 @@ def _refined(
 def _accept(ground: Ground, found: list[Found], alpha: float, rng: np.random.Generator) -> tuple[Found, ...]:
     """Drop, the weakest first, what does not hold on the locked cycles or is small beside the others."""
     while found:
-        judged, gains, sizes = _judge(ground, found, rng)
-        fails = [
-            f.p_value > alpha or gain < LEAST_GAIN or size < LEAST_SHARE * sizes.max()
-            for f, gain, size in zip(judged, gains, sizes, strict=True)
-        ]
-        if not any(fails):
-            return tuple(judged)
-        weakest = min((k for k, fail in enumerate(fails) if fail), key=lambda k: gains[k])
-        found = judged[:weakest] + judged[weakest + 1 :]
+        proof = confirm(ground, [f.columns for f in found], rng)
+        fails = (proof.p_value > alpha) | (proof.gain < LEAST_GAIN) | (proof.size < LEAST_SHARE * proof.size.max())
+        if not fails.any():
+            return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
+        weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))
+        found = found[:weakest] + found[weakest + 1 :]
     return ()
-
-
-def _judge(ground: Ground, found: list[Found], rng: np.random.Generator) -> tuple[list[Found], Float, Float]:
-    """P-value of each effect on locked cycles, the share of the root mean square that it removes, and its size."""
-    locked = ground.locked
-    columns = [f.columns for f in found]
-    p = confirm(ground, columns, rng)
-    after = float(np.sum(ground.residual(*columns)[locked] ** 2))
-    without = [ground.residual(*(g.columns for g in found if g is not f)) for f in found]
-    before = np.array([np.sum(r[locked] ** 2) for r in without])
-    gains = np.array([rms_gain(float(one), after) for one in before])
-    sizes = np.sqrt(np.maximum(before - after, 0.0) / locked.sum())
-    return [replace(f, p_value=float(one)) for f, one in zip(found, p, strict=True)], gains, sizes

@@ -3,10 +3,14 @@
 References:
     A. C. Cameron, J. B. Gelbach, D. L. Miller, Bootstrap-based improvements for inference with clustered errors,
     Review of Economics and Statistics 90 (2008) 414: the bootstrap with the null imposed.
+    X. Shao, The dependent wild bootstrap, Journal of the American Statistical Association 105 (2010) 218: neighbours
+    that are not independent get weights that are not.
     M. D. Webb, Reworking wild bootstrap-based inference for clustered errors, Canadian Journal of Economics 56
     (2023) 839 (working paper 2014): weights for few clusters.
     J. P. Romano, M. Wolf, Exact and approximate stepdown methods for multiple hypothesis testing, Journal of the
     American Statistical Association 100 (2005) 94: the maximum, and the step-down.
+    J. P. Romano, M. Wolf, Balanced control of generalized error rates, Annals of Statistics 38 (2010) 598: a maximum in
+    which every candidate has the same chance to be the largest by accident.
 """
 
 from collections.abc import Sequence
@@ -33,11 +37,15 @@ FEW_TO_TEST = 30
 MEMORIES_PER_PART = 1.5
 """Integral times of the noise in a part of a cycle: where cycles are few, power matters more than the correlation of
 about 0.3 that neighbours then have."""
+MEMORIES_TO_FORGET = 3.0
+"""Integral times of the noise from which neighbouring clusters count as independent."""
 MIN_SPARE_CYCLES = 3
 """Cycles that must remain beyond the number of base and candidate columns."""
 WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1, 1, 1, 1])
 """The six points of Webb (2023), each with probability 1/6: mean 0, variance 1."""
 
+CHANCE = 0.95
+"""Quantile of a candidate's draws from which it is counted."""
 SMALLEST_TAIL = 1e-280
 """Smallest p-value that is computed and not extrapolated."""
 
@@ -49,19 +57,13 @@ class Omnibus:
     Attributes:
         p_value: Probability, with nothing missing, of so large a maximum over all candidates and shapes.
         names: Names of the candidates.
-        statistic: Of each candidate the largest over its shapes, shape (m,); -ln of a marginal p-value.
-        best_shape: Shape at which it is largest, shape (m,).
         adjusted_p: Step-down family-wise p-value of each candidate, shape (m,).
-        critical: Statistic that is exceeded with probability alpha if nothing is missing.
         cycles: Number of cycles.
     """
 
     p_value: float
     names: tuple[str, ...]
-    statistic: Float
-    best_shape: Index
     adjusted_p: Float
-    critical: float
     cycles: int
 
 
@@ -73,7 +75,7 @@ def omnibus_test(
     rng: np.random.Generator,
     *,
     draws: int = 999,
-    alpha: float = 0.05,
+    remember: bool = False,
 ) -> Omnibus:
     """Tests all candidates at once; the family-wise error holds under correlated candidates and serial dependence.
 
@@ -81,8 +83,9 @@ def omnibus_test(
     the score of cycle c is s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle
     a weight g_c and refits the base to g_c e_c, so that s*_c = g_c s_c - W_c' X_c h, h = (X'X)^-1 sum g_c X_c' e_c
     (Cameron, Gelbach and Miller 2008). All of it follows from sums over each cycle: no draw touches a sample.
-    Candidates of different width are compared through the p-value that q / cycles would have as
-    Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores.
+    Shapes of different width are compared through the p-value that q / cycles would have as
+    Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores; candidates by how far the largest of their
+    shapes is above what chance gives that one in twenty draws (:func:`balanced`).
 
     Args:
         y: Response, shape (n,).
@@ -92,7 +95,7 @@ def omnibus_test(
             cycle (:func:`independent_clusters`), shape (n,).
         rng: Source of randomness.
         draws: Number of bootstrap draws.
-        alpha: Family-wise error for ``critical``.
+        remember: Whether neighbours in the order of the numbers are not independent (:func:`neighbours_remember`).
 
     Returns:
         The test.
@@ -106,13 +109,18 @@ def omnibus_test(
     if not (np.all(np.isfinite(y)) and np.all(np.isfinite(base))):
         raise AnalysisError("omnibus test: response or base holds values that are not finite; leave those samples out")
     base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
-    weights = bootstrap_weights(rng, draws, cycles)
-    scores = _CycleScores(y, base, number, cycles, weights)
+    weights = bootstrap_weights(rng, draws, cycles, remember=remember)
+    scores = CycleScores(y, base, number, cycles, weights)
     tables = [scores.statistics(group) for group in groups]
     observed = np.array([shapes.max() for shapes, _ in tables])
     drawn = np.array([shapes.max(axis=0) for _, shapes in tables])
-    best = np.array([int(np.argmax(shapes)) for shapes, _ in tables])
-    return _outcome(groups, observed, drawn, best, alpha, cycles)
+    observed, drawn = balanced(observed, drawn)
+    return Omnibus(
+        p_value=float((1 + np.sum(drawn.max(axis=0) >= observed.max())) / (draws + 1)),
+        names=tuple(group.name for group in groups),
+        adjusted_p=step_down(observed, drawn),
+        cycles=cycles,
+    )
 
 
 def independent_clusters(cycle: Index, integral_samples: float) -> Index:
@@ -176,10 +184,38 @@ def even_weights(residual: Float, cluster: Index, cycles: int) -> Float:
     return np.asarray(1.0 / np.sqrt(np.maximum(size, least))[place])
 
 
-def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int) -> Float:
-    """Weights of mean 0 and variance 1, shape (draws, cycles): signs, or Webb's six points for few cycles."""
+def neighbours_remember(cluster: Index, integral_samples: float) -> bool:
+    """Whether the noise outlasts a third of a cluster, as where a log is too short for clusters that forget."""
+    return len(cluster) / len(np.unique(cluster)) < MEMORIES_TO_FORGET * integral_samples
+
+
+def bootstrap_weights(rng: np.random.Generator, draws: int, cycles: int, *, remember: bool = False) -> Float:
+    """Weights of mean 0 and variance 1, shape (draws, cycles): signs, or Webb's six points for few cycles.
+
+    Signs of neighbours that remember each other are those of normal variates with a correlation of a half (Shao 2010).
+    """
+    if remember:
+        normal = rng.standard_normal((draws, cycles + 1))
+        return np.where(normal[:, 1:] + normal[:, :-1] > 0.0, 1.0, -1.0)
     points = WEBB if cycles < FEW_CYCLES else np.array([-1.0, 1.0])
     return rng.choice(points, size=(draws, cycles))
+
+
+def balanced(observed: Float, drawn: Float) -> tuple[Float, Float]:
+    """Statistics less what each candidate reaches by chance in one draw of twenty (Romano and Wolf 2010).
+
+    A candidate with a hundred shapes reaches high by chance; in a plain maximum it would hide one with a single shape.
+    Far out, the tails of all of them fall alike, so that a shift is all that balance takes.
+
+    Args:
+        observed: Largest statistic of each candidate, shape (m,).
+        drawn: The same under the null, shape (m, draws).
+
+    Returns:
+        Both, shifted. What was observed counts as one more draw, so that all of them are exchangeable.
+    """
+    chance = np.quantile(np.column_stack([observed, drawn]), CHANCE, axis=1)
+    return observed - chance, drawn - chance[:, None]
 
 
 def step_down(observed: Float, drawn: Float) -> Float:
@@ -201,7 +237,7 @@ def step_down(observed: Float, drawn: Float) -> Float:
     return adjusted
 
 
-class _CycleScores:
+class CycleScores:
     """Sums over cycles of base and residual, and the statistics of a candidate with all their draws."""
 
     def __init__(self, y: Float, base: Float, number: Index, cycles: int, weights: Float) -> None:
@@ -318,16 +354,3 @@ def _check(cycles: int, base: int, groups: Sequence[Group]) -> None:
             f"omnibus test: {cycles} cycles, expected at least {needed} for {base} base and {widest} candidate columns;"
             " record more cycles"
         )
-
-
-def _outcome(groups: Sequence[Group], observed: Float, drawn: Float, best: Index, alpha: float, cycles: int) -> Omnibus:
-    maxima = drawn.max(axis=0)
-    return Omnibus(
-        p_value=float((1 + np.sum(maxima >= observed.max())) / (len(maxima) + 1)),
-        names=tuple(group.name for group in groups),
-        statistic=observed,
-        best_shape=best,
-        adjusted_p=step_down(observed, drawn),
-        critical=float(np.quantile(maxima, 1.0 - alpha, method="higher")),
-        cycles=cycles,
-    )

@@ -1,8 +1,10 @@
 """Which effects to add: forward search with exchange and backward deletion, judged by what the samples are worth.
 
-Reference: J. Chen, Z. Chen, Extended Bayesian information criteria for model selection with large model spaces,
-Biometrika 95 (2008) 759; P. Pudil et al., Floating search methods in feature selection, Pattern Recognition
-Letters 15 (1994) 1119.
+References:
+    D. P. Foster, E. I. George, The risk inflation criterion for multiple regression, Annals of Statistics 22 (1994)
+    1947: a column must bring more than the best of all those tried brings by chance.
+    N. W. Galwey, A new measure of the effective number of tests, Genetic Epidemiology 33 (2009) 559.
+    P. Pudil et al., Floating search methods in feature selection, Pattern Recognition Letters 15 (1994) 1119.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -22,6 +24,8 @@ MAX_BLOCKS = 40
 """More blocks of cycles than this add nothing to a bootstrap and cost memory with the square of the columns."""
 PROMISING = 8
 """Candidates that are tried as the first of two in the place of one."""
+BY_CHANCE = 0.01
+"""Probability that anything enters where nothing is missing, all candidates and shapes together."""
 MAX_ROUNDS = 50
 """Rounds of exchange and deletion: only rules that exclude one another's factors could go round for ever."""
 
@@ -39,11 +43,13 @@ class Group:
         name: Name of the candidate.
         shapes: Columns for each value of the shape, each of shape (n, p).
         admissible: ``admissible(factors, shape)`` with factors (p,) and the index of the shape: physically possible?
+        numbers: How many numbers the shapes differ by.
     """
 
     name: str
     shapes: tuple[Float, ...]
     admissible: Callable[[Float, int], bool] = any_factors
+    numbers: int = 0
 
     def keep(self, kept: NDArray[np.bool_]) -> "Group":
         """The same on some of the samples, shape (n,)."""
@@ -88,6 +94,8 @@ class CycleProducts:
         base: Number of base columns.
         names: Names of the candidates.
         units: All candidates with all their shapes.
+        trials: Independent trials that the shapes of each candidate are worth.
+        numbers: How many numbers the shapes of each candidate differ by.
         admissible: Rule of each candidate.
     """
 
@@ -97,6 +105,8 @@ class CycleProducts:
     base: int
     names: tuple[str, ...]
     units: tuple[Unit, ...]
+    trials: tuple[float, ...]
+    numbers: tuple[int, ...]
     admissible: tuple[Callable[[Float, int], bool], ...]
 
     @property
@@ -119,7 +129,7 @@ class Chosen:
         unit: Index in the units of the products.
         shape: Index of its shape.
         factors: Its factors with everything fitted together, in the units of its columns.
-        score: n_eff ln(RSS without / RSS with) - p ln(n_eff) - 2 ln(M).
+        score: n_eff ln(RSS without / RSS with) less what chance gives.
     """
 
     name: str
@@ -135,17 +145,11 @@ class Search:
 
     Attributes:
         chosen: Effects in the model, the strongest first.
-        base_factors: Factors of the base columns, shape (b,).
-        rss_base: Residual sum of squares of the base alone, in the square of the response's unit.
-        rss: Residual sum of squares of the model.
-        tried: Number of candidates with all their shapes, M.
+        rss: Residual sum of squares of the model, in the square of the response's unit.
     """
 
     chosen: tuple[Chosen, ...]
-    base_factors: Float
-    rss_base: float
     rss: float
-    tried: int
 
 
 def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index) -> CycleProducts:
@@ -177,6 +181,7 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
     gram = np.empty((len(bounds) - 1, len(rows), len(rows)))
     for block_gram, (i, j) in zip(gram, pairwise(bounds), strict=True):
         np.matmul(rows[:, i:j], rows[:, i:j].T, out=block_gram)
+    total = gram.sum(axis=0)
     return CycleProducts(
         gram=gram,
         scale=scale,
@@ -184,6 +189,10 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
         base=base.shape[1],
         names=tuple(group.name for group in groups),
         units=units,
+        trials=tuple(
+            _trials(total, base.shape[1], [u.columns for u in units if u.group == g]) for g in range(len(groups))
+        ),
+        numbers=tuple(group.numbers for group in groups),
         admissible=tuple(group.admissible for group in groups),
     )
 
@@ -194,61 +203,36 @@ def search(
     weights: Float | None = None,
     *,
     start: Sequence[int] = (),
-    pairs: bool = True,
 ) -> Search:
     """Adds effects while the score allows it; after each, exchanges and deletes.
 
-    A candidate enters with all its columns and its best admissible shape if (EBIC of Chen and Chen 2008 with
-    gamma = 1, on the effective number of samples)
-    ``n_eff ln(RSS0 / RSS1) - p ln(n_eff) - 2 ln(M) > 0``. Then every effect is exchanged for whatever takes its place
-    better, its own other shapes included, and those that the others made superfluous or impossible leave (floating
-    search, Pudil 1994). Where nothing moves singly, one effect may give way to two and two to one, so that a stand-in
-    for two real effects does not stay because it came first. All factors are always fitted together.
+    A candidate enters with all its p columns and its best admissible shape if ``n_eff ln(RSS0 / RSS1)`` is larger than
+    the best of everything tried is by chance: than the quantile of chi squared with p degrees of freedom that is
+    exceeded with probability 1 % / (candidates x independent trials of this one). So each candidate has the same chance
+    to enter by accident, however many shapes and columns it has. Then every effect is exchanged for whatever takes
+    its place better, its own other shapes included, and those that the others made superfluous or impossible leave
+    (floating search, Pudil 1994). Where nothing moves singly, one effect may give way to two and two to one, so that a
+    stand-in for two real effects does not stay because it came first. All factors are always fitted together.
 
     Args:
         products: Cross products of the data.
         n_eff: Number of independent samples that the data are worth.
         weights: How many times each block counts, shape (g,); once each if None.
         start: Indices of the units to begin with; they must hold their place like all others.
-        pairs: Whether one effect may give way to two and two to one, which takes most of the time.
 
     Returns:
         The effects found.
     """
     state = Ranking(products, products.total(weights), n_eff)
-    active = state.settle(list(start), pairs=pairs)
+    active = state.settle(list(start))
     seen: set[frozenset[int]] = {frozenset(active)}
     while (best := state.best_addition(active)) is not None:
-        active = state.settle([*active, best], pairs=pairs)
+        active = state.settle([*active, best])
         # An effect that leaves as impossible may be what lets the next one in again: a round trip ends the search.
         if frozenset(active) in seen:
             break
         seen.add(frozenset(active))
     return state.result(active)
-
-
-def inclusion_frequency(
-    products: CycleProducts, n_eff: float, rng: np.random.Generator, *, start: Sequence[int] = (), draws: int = 100
-) -> dict[str, float]:
-    """In which share of bootstraps over cycles the search takes each candidate.
-
-    Whole blocks of cycles are drawn with replacement (pairs cluster bootstrap; Cameron, Gelbach, Miller
-    2008). An effect that depends on a few cycles is missing in many draws.
-
-    Args:
-        products: Cross products of the data.
-        n_eff: Number of independent samples that the data are worth.
-        rng: Source of randomness.
-        start: Indices of the units found on all cycles: a draw asks whether they hold their place.
-        draws: Number of bootstraps.
-
-    Returns:
-        For each name the share, 0..1.
-    """
-    blocks = len(products.gram)
-    counts = rng.multinomial(blocks, np.full(blocks, 1.0 / blocks), size=draws).astype(float)
-    found = [{c.name for c in search(products, n_eff, w, start=start, pairs=False).chosen} for w in counts]
-    return {name: float(np.mean([name in names for names in found])) for name in products.names}
 
 
 class Ranking:
@@ -262,7 +246,7 @@ class Ranking:
         self.by_width = _by_width(products.units)
         # A term may have more factors than one of its shapes uses; columns that are zero cost nothing.
         self.width = np.array([np.count_nonzero(self.diagonal[unit.columns]) for unit in products.units])
-        self.penalty = self.width * np.log(n_eff) + 2.0 * np.log(max(1, len(products.units)))
+        self.penalty = _by_chance(products, self.width)
 
     def columns(self, active: Sequence[int]) -> Index:
         """Columns of the base and of some units."""
@@ -280,7 +264,7 @@ class Ranking:
         return max(float(self.gram[0, 0] - self.gram[cols, 0] @ self.factors(active)), 1e-14 * float(self.gram[0, 0]))
 
     def objective(self, active: Sequence[int]) -> float:
-        """What the search makes large: n_eff ln(1 / RSS) less all penalties."""
+        """What the search makes large: n_eff ln(1 / RSS) less what chance gives each."""
         return float(-self.n_eff * np.log(self.rss(active)) - self.penalty[list(active)].sum())
 
     def admissible(self, active: Sequence[int], unit: int) -> bool:
@@ -340,11 +324,22 @@ class Ranking:
                 return int(unit)
         return None
 
-    def settle(self, active: list[int], *, pairs: bool) -> list[int]:
+    def nearly(self, active: Sequence[int], lacking: float) -> list[tuple[str, int]]:
+        """Names and best possible shapes of candidates that lack less than so much to come in, the best first."""
+        score = self.scores(active)
+        best: dict[str, int] = {}
+        for unit in np.argsort(-score, kind="stable"):
+            entry = self.products.units[int(unit)]
+            name = self.products.names[entry.group]
+            if score[unit] > -lacking and name not in best and self.admissible([*active, int(unit)], int(unit)):
+                best[name] = entry.shape
+        return list(best.items())
+
+    def settle(self, active: list[int]) -> list[int]:
         """Exchanges and deletes until nothing moves; each exchange raises the objective, each deletion shortens."""
         for _ in range(MAX_ROUNDS):
             kept = self._delete(self._exchange(active))
-            if kept == active and pairs:
+            if kept == active:
                 kept = self._delete(self._recombine(active))
             if kept == active:
                 break
@@ -417,10 +412,7 @@ class Ranking:
         scale = self.products.scale
         return Search(
             chosen=tuple(sorted(chosen, key=lambda c: -c.score)),
-            base_factors=self.factors(active)[: self.products.base] * scale[0] / scale[self.products.always],
-            rss_base=self.rss([]) * float(scale[0]) ** 2,
             rss=self.rss(active) * float(scale[0]) ** 2,
-            tried=len(self.products.units),
         )
 
     def _chosen(self, active: list[int], unit: int) -> Chosen:
@@ -443,6 +435,33 @@ def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple
             units.append(Unit(group=g, shape=s, columns=np.arange(start, start + shape.shape[1])))
             start += shape.shape[1]
     return np.concatenate(columns, dtype=float), tuple(units)
+
+
+def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:
+    """How many independent trials neighbouring shapes of one candidate are worth (Galwey 2009), at least 1.
+
+    With the eigenvalues l of the correlation matrix of all columns free of the base they are (sum l^1/2)^2 / sum l
+    columns, to be divided by those of one shape.
+    """
+    every, always = np.concatenate(shapes), np.arange(1, 1 + base)
+    inside = _eigen_root(gram[np.ix_(always, always)]) @ gram[np.ix_(always, every)]
+    free = gram[np.ix_(every, every)] - inside.T @ inside
+    left = np.diag(free) > MIN_FRACTION_LEFT * np.diag(gram)[every]
+    if not left.any():
+        return 1.0
+    size = np.sqrt(np.diag(free)[left])
+    value = np.clip(np.linalg.eigvalsh(free[np.ix_(left, left)] / size[:, None] / size), 0.0, None)
+    columns = float(np.sum(np.sqrt(value)) ** 2 / value.sum())
+    return max(1.0, columns * len(shapes) / int(left.sum()))
+
+
+def _by_chance(products: CycleProducts, width: Index) -> Float:
+    """What each unit is allowed to bring by chance, shape (m,)."""
+    from scipy.special import chdtri
+
+    trials = len(products.names) * np.array([products.trials[unit.group] for unit in products.units])
+    quantile: Float = chdtri(np.maximum(width, 1), BY_CHANCE / np.maximum(trials, 1.0))
+    return quantile
 
 
 def _blocks(cycle: Index) -> Index:
