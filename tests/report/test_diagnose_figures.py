@@ -18,10 +18,11 @@ from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.report.figures import save_figure
 from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES, DiagnosisFigure
-from friction_audit.report.figures.diagnose_effects import draw_effects, mean_along
+from friction_audit.report.figures.diagnose_effects import draw_effects
 from friction_audit.report.figures.diagnose_evidence import ALIKE, BEATEN, CHOSEN, draw_evidence, mark_of, nearest
 from friction_audit.report.figures.diagnose_ladder import closed_words, draw_ladder
 from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
+from friction_audit.report.figures.diagnose_own_axis import mean_along
 from friction_audit.report.figures.diagnose_residual import draw_residual, limits_for, rows_of
 from friction_audit.report.figures.diagnose_simulation import Piece, draw_simulation, lay_out, shown_cycles
 from friction_audit.report.figures.diagnose_verdicts import draw_verdicts, said_of

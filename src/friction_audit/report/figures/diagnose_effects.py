@@ -7,11 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.report.diagnose_table import MEANINGS, UNITS, format_quantity
+from friction_audit.report.figures.diagnose_contacts import contact_panels
 from friction_audit.report.figures.diagnose_look import DASHED, chosen_joints, draw_grid, joint_name, say_why
+from friction_audit.report.figures.diagnose_own_axis import OwnAxis, mean_along, own_axis
 from friction_audit.report.figures.diagnose_residual import draw_dots, draw_profile, limits_for, name_axis
 from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel
 from friction_audit.report.figures.style import BORDER, MUTED, figure_style
@@ -28,10 +31,6 @@ ACROSS = 3
 CHARACTERS = 66
 """Of a line below a panel."""
 BELOW_PT = 25.0
-ORDER = "ripple_order"
-"""Parameter of an effect that repeats with the position: its waves per revolution."""
-POINTS = 60
-"""Stretches of the axis, with equally many rows each, over which the fitted torque is averaged for a line."""
 
 
 def draw_effects(found: Diagnosis, joint: int | None) -> "Figure":
@@ -40,12 +39,21 @@ def draw_effects(found: Diagnosis, joint: int | None) -> "Figure":
         panels: list[Callable[[Axes], list[Artist]]] = []
         heights: list[float] = []
         for one in chosen_joints(found, joint):
-            panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
-            heights += [SHEET_PANEL_IN if joint is None else PANEL_IN for _ in one.effects] or [EMPTY_IN]
+            drawn = [panel for effect in one.effects for panel in _panels(found, one, effect, sheet=joint is None)]
+            panels += drawn or [partial(_draw_nothing, one)]
+            heights += [SHEET_PANEL_IN if joint is None else PANEL_IN for _ in drawn] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None, across=ACROSS)
         add_legend(figure, handles)
         figure.supylabel("Torque of the effect [N m]", fontsize=7.5)
         return figure
+
+
+def _panels(
+    found: Diagnosis, joint: JointDiscrepancy, effect: Effect, *, sheet: bool
+) -> "list[Callable[[Axes], list[Artist]]]":
+    if effect.name == CONTACT.name:
+        return contact_panels(found, joint, effect, sheet=sheet)
+    return [partial(_draw_effect, joint, effect)]
 
 
 def _draw_nothing(joint: JointDiscrepancy, axes: "Axes") -> "list[Artist]":
@@ -58,9 +66,9 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
     assert traces is not None
     shown = traces.measured - traces.after + effect.torque
     label_panel(axes, f"{joint_name(joint)}: {effect.name}")
-    if ORDER in effect.parameters:
-        waves = np.mod(effect.parameters[ORDER].value * traces.q / (2 * np.pi), 1.0)
-        handles = _draw_wave(axes, traces, effect, waves, shown)
+    own = own_axis(effect, traces)
+    if own is not None:
+        handles = _draw_own(axes, traces, effect, own, shown)
     else:
         handles = draw_profile(axes, effect.curve, traces, shown)
         handles += _draw_fitted(axes, traces, effect, traces.along[effect.curve.axis])
@@ -79,14 +87,14 @@ def _tell(axes: "Axes", sentence: str) -> None:
     )  # fmt: skip
 
 
-def _draw_wave(axes: "Axes", traces: Traces, effect: Effect, waves: Float, shown: Float) -> "list[Artist]":
-    """Draw a ripple with all its waves laid over each other: in place, the bins would average them away."""
+def _draw_own(axes: "Axes", traces: Traces, effect: Effect, own: OwnAxis, shown: Float) -> "list[Artist]":
+    """Draw an effect along the only quantity that shows it."""
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    draw_dots(axes, waves, traces.dq, shown)
-    axes.set_xlim(0.0, 1.0)
+    draw_dots(axes, own.values, traces.dq, shown)
+    axes.set_xlim(float(own.values.min()), float(own.values.max()))
     axes.set_ylim(*np.quantile(shown, (0.005, 0.995)))
-    axes.set_xlabel("Position within a wave [waves]")
-    return _draw_fitted(axes, traces, effect, waves)
+    axes.set_xlabel(own.label)
+    return _draw_fitted(axes, traces, effect, own.values)
 
 
 def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> "list[Artist]":
@@ -96,19 +104,6 @@ def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> 
         x, y = mean_along(along[which], effect.torque[which])
         handles += axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
     return handles
-
-
-def mean_along(along: Float, torque: Float, points: int = POINTS) -> tuple[Float, Float]:
-    """Return the mean of both over stretches of the axis with equally many rows.
-
-    Args:
-        along: The quantity of the axis, shape (m,).
-        torque: Shape (m,). [N m]
-        points: Stretches at most.
-    """
-    order = np.argsort(along, kind="stable")
-    parts = [part for part in np.array_split(order, points) if len(part)]
-    return np.array([along[part].mean() for part in parts]), np.array([torque[part].mean() for part in parts])
 
 
 def fitted_words(effect: Effect) -> str:

@@ -22,6 +22,7 @@ from friction_audit.report.figures.diagnose_look import (
     profile_along,
     say_why,
 )
+from friction_audit.report.figures.diagnose_own_axis import OwnAxis, mean_along, own_axis
 from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel, new_figure
 from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import every_nth
@@ -41,16 +42,22 @@ NEAR = 1.5
 MARGIN = 0.04
 STRETCHED, WIDENING = ("speed", "displacement"), 30.0
 """Axes from zero on, and the last bin over the first from which a linear one would hide the first bins."""
+STRETCHES = 24
+"""Of an effect's own axis, with equally many rows each."""
 SMALLEST_NM = 0.001
 """Least height of a panel without any residual. [N m]"""
 
 
 class Row(NamedTuple):
-    """A row of the figure: a joint and what is shown of it, before and after; None where there is nothing."""
+    """A row of the figure: a joint and what is shown of it, before and after; None where there is nothing.
+
+    Along an axis of an effect's own, if it has one, in the place of the profiles' axis.
+    """
 
     joint: JointDiscrepancy
     before: Profile | None
     after: Profile | None
+    own: OwnAxis | None = None
 
 
 class Mark(NamedTuple):
@@ -93,8 +100,14 @@ def _pairs(rows: Sequence[Row], *, sheet: bool) -> "tuple[Figure, list[list[Axes
 
 def rows_of(joint: JointDiscrepancy) -> list[Row]:
     """Return one row per axis on which a named effect shows itself, and one for what is left unexplained."""
-    axes = list(dict.fromkeys(effect.curve.axis for effect in joint.effects))
-    rows = [Row(joint, profile_along(joint.profiles, axis), profile_along(joint.remaining, axis)) for axis in axes]
+    axes: dict[str, tuple[str, OwnAxis | None]] = {}
+    for effect in joint.effects:
+        own = None if joint.traces is None else own_axis(effect, joint.traces)
+        axes.setdefault(effect.curve.axis if own is None else own.label, (effect.curve.axis, own))
+    rows = [
+        Row(joint, profile_along(joint.profiles, axis), profile_along(joint.remaining, axis), own)
+        for axis, own in axes.values()
+    ]
     if joint.verdict == "unexplained" and joint.effects and joint.remaining:
         left = joint.remaining[0]
         rows.append(Row(joint, profile_along(joint.profiles, left.axis), left))
@@ -102,8 +115,8 @@ def rows_of(joint: JointDiscrepancy) -> list[Row]:
 
 
 def _corner(rows: Sequence[Row]) -> str:
-    corners = {f"{row.joint.traces.corner_hz:.3g}" for row in rows if row.joint.traces is not None}
-    return f" below {' or '.join(sorted(corners))} Hz" if corners else ""
+    corners = {row.joint.traces.corner_hz for row in rows if row.joint.traces is not None}
+    return f" below {' to '.join(f'{hz:.3g}' for hz in sorted({min(corners), max(corners)}))} Hz" if corners else ""
 
 
 def _draw_row(panels: "Sequence[Axes]", row: Row) -> "list[Artist]":
@@ -112,6 +125,8 @@ def _draw_row(panels: "Sequence[Axes]", row: Row) -> "list[Artist]":
         axes.set_axis_off()
     if row.before is None or traces is None:
         return say_why(panels[0], joint_name(joint), joint)
+    if row.own is not None:
+        return _draw_own(panels, joint, traces, row.own)
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
     titles = (f"{joint_name(joint)}: declared model", grown_name(joint))
     drawn = [(residual, one) for residual, one in zip(residuals, (row.before, row.after), strict=True) if one]
@@ -124,6 +139,25 @@ def _draw_row(panels: "Sequence[Axes]", row: Row) -> "list[Artist]":
             told = joint.verdict == "unexplained" or (profile is row.before and joint.effects)
             _label(axes, title, profile.where if told else "", profile)
             axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
+    return handles
+
+
+def _draw_own(panels: "Sequence[Axes]", joint: JointDiscrepancy, traces: Traces, own: OwnAxis) -> "list[Artist]":
+    """Draw what both models leave along an effect's own axis, with the mean in each direction."""
+    residuals = (traces.measured - traces.before, traces.measured - traces.after)
+    limits = np.quantile(np.concatenate(residuals), (OUTSIDE, 1.0 - OUTSIDE))
+    handles: list[Artist] = []
+    titles = (f"{joint_name(joint)}: declared model", grown_name(joint))
+    for axes, residual, title in zip(panels, residuals, titles, strict=False):
+        axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
+        draw_dots(axes, own.values, traces.dq, residual)
+        for which, mark in ((traces.dq > 0, FORWARDS_MARK), (traces.dq <= 0, BACKWARDS_MARK)):
+            x, y = mean_along(own.values[which], residual[which], STRETCHES)
+            handles += axes.plot(x, y, color=mark.colour, label=f"{mark.name}: mean", zorder=3)
+        label_panel(axes, fill(title, NARROW), across=4)
+        axes.set_xlim(float(own.values.min()), float(own.values.max()))
+        axes.set_ylim(*limits)
+        axes.set_xlabel(own.label)
     return handles
 
 

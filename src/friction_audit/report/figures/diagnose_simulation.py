@@ -22,7 +22,7 @@ from friction_audit.report.figures.diagnose_look import (
     say_why,
 )
 from friction_audit.report.figures.joint_series import joint_series
-from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
+from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel, new_figure
 from friction_audit.report.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHADE, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import break_at_gaps, thin_extremes
 
@@ -38,6 +38,7 @@ GAP = 0.04
 LONGEST_STEP = 1.5
 """Rows that lie farther apart than so many usual steps have others between them that were left out."""
 POINTS = 4000
+FILTERED_LABEL = "measured, below"
 TORQUE, RESIDUAL, MOTION = "Torque [N m]", "Measured less\nmodel [N m]", "Velocity [rad/s]"
 
 
@@ -83,7 +84,8 @@ def _draw_joint(panels: "list[Axes]", found: Diagnosis, joint: JointDiscrepancy)
         handles += _draw_motion(panels[2], joint, joint.simulation, pieces)
     elif len(panels) > len((TORQUE, RESIDUAL)):
         panels[2].set_axis_off()
-    for axes, label in zip(panels, (TORQUE, RESIDUAL, MOTION), strict=False):
+    drawn = panels if joint.simulation is not None else panels[: len((TORQUE, RESIDUAL))]
+    for axes, label in zip(drawn, (TORQUE, RESIDUAL, MOTION), strict=False):
         _divide(axes, pieces)
         label_panel(axes, joint_name(joint) if axes is panels[0] else "")
         axes.set_ylabel(label)
@@ -146,7 +148,7 @@ def _draw_torque(axes: "Axes", found: Diagnosis, joint: JointDiscrepancy, pieces
     raw = thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
     handles = axes.plot(*raw, color=RAW, lw=0.5, label="measured, raw", zorder=1)
     shown = lay_out(pieces, traces.t, traces.measured)
-    handles += axes.plot(*shown, color=FILTERED, lw=1.0, label=f"measured, below {traces.corner_hz:.3g} Hz", zorder=2)
+    handles += axes.plot(*shown, color=FILTERED, lw=1.0, label=f"{FILTERED_LABEL} {traces.corner_hz:.3g} Hz", zorder=2)
     return [*handles, *_draw_models(axes, joint, pieces, traces.t, (traces.before, traces.after))]
 
 
@@ -188,11 +190,12 @@ def _divide(axes: "Axes", pieces: Sequence[Piece]) -> None:
 
 
 def _date(axes: "Axes", pieces: Sequence[Piece]) -> None:
-    """Write above each cycle when it began."""
+    """Write above each cycle when it began; on a sheet there is room for the number alone."""
+    words = "from " if is_narrow(axes.get_figure(root=True)) else ""
     for piece in pieces:
         middle = piece.place + 0.5 * (piece.stop - piece.start)
         axes.annotate(
-            f"from {piece.start:.1f} s",
+            f"{words}{piece.start:.1f} s",
             (middle, 1.0),
             xycoords=("data", "axes fraction"),
             ha="center",
@@ -203,11 +206,13 @@ def _date(axes: "Axes", pieces: Sequence[Piece]) -> None:
 
 
 def _named(handles: "list[Artist]", joints: Sequence[JointDiscrepancy]) -> "list[Artist]":
-    """Call the grown models of several joints by one name, once."""
+    """Call the grown models of several joints by one name, once, and so their filters."""
     if len(joints) == 1:
         return handles
     names = {grown_name(one) for one in joints if one.effects}
     for handle in handles:
         if handle.get_label() in names:
             handle.set_label("with the effects named")
+        elif str(handle.get_label()).startswith(FILTERED_LABEL):
+            handle.set_label("measured, low-passed")
     return once(handles)

@@ -1,0 +1,72 @@
+"""Contacts over time: every stretch shaded, the largest shown close by."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from friction_audit.audit import AuditSettings, Diagnosis, diagnose_log
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.joint_log import JointLog
+from friction_audit.report.figures.diagnose_contacts import touched
+from friction_audit.report.figures.diagnose_effects import draw_effects
+from friction_audit.simulate import BenchSettings, simulate
+
+LENGTH_S = 0.3
+LOG = simulate(BenchSettings(duration_s=40.0), 3).log
+
+
+def in_motion(after_s: float) -> float:
+    """The first moment after one from which the joint moves for as long as a contact lasts."""
+    slow = LOG.t[np.abs(LOG.dq[:, 0]) < 0.1]
+    starts = np.append(after_s, slow[slow > after_s])
+    return float(starts[np.flatnonzero(np.diff(starts) > 1.5 * LENGTH_S)[0]]) + 0.25 * LENGTH_S
+
+
+PUSHES = ((in_motion(12.0), 2.0), (in_motion(25.0), -3.0))
+"""When something touches the joint, and how hard. [s, N m]"""
+
+
+def pushed(log: JointLog) -> JointLog:
+    """A log with half a sine of torque at each moment."""
+    torque = np.array(log.tau_interaction)
+    for start, size in PUSHES:
+        inside = (log.t >= start) & (log.t < start + LENGTH_S)
+        torque[inside, 0] += size * np.sin(np.pi * (log.t[inside] - start) / LENGTH_S)
+    return replace(log, tau_interaction=torque)
+
+
+@cache
+def found() -> Diagnosis:
+    return diagnose_log(pushed(LOG), AuditSettings(), DiagnosisSettings(candidates=("contact_event", "stribeck")))
+
+
+def shaded(figure: Figure, panel: int) -> int:
+    return len(figure.axes[panel].patches)
+
+
+def test_each_contact_is_where_it_was_and_as_large_as_it_was() -> None:
+    shown = touched(found(), found().discrepancy.joints[0])
+    assert [contact.start_s for contact in shown.contacts] == pytest.approx([start for start, _ in PUSHES], abs=0.15)
+    for start, size in PUSHES:
+        near = shown.left[np.abs(shown.t - start - 0.5 * LENGTH_S) < 0.02]
+        assert float(np.nanmean(near)) == pytest.approx(size, rel=0.1)
+    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in PUSHES], axis=0)
+    assert float(np.nanstd(shown.left[apart])) < 0.05
+
+
+def test_one_joint_shows_all_the_log_and_the_largest_close_by() -> None:
+    figure = draw_effects(found(), 1)
+    assert [axes.get_title(loc="left") for axes in figure.axes] == ["joint 1: contact_event", "the largest"]
+    assert [shaded(figure, panel) for panel in (0, 1)] == [2, 2]
+    low, high = figure.axes[1].get_xlim()
+    assert low < PUSHES[1][0] < high
+    assert high - low < 3.0
+
+
+def test_a_sheet_shows_all_the_log() -> None:
+    figure = draw_effects(found(), None)
+    assert len(figure.axes) == 1
+    assert shaded(figure, 0) == 2
