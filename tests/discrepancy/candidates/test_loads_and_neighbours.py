@@ -38,7 +38,9 @@ def test_loads(form: str) -> None:
 def test_an_unknown_or_a_steady_load_says_so() -> None:
     assert "not known" in str(load_dependent_friction.CANDIDATE.untestable(PLAIN, baseline(PLAIN)))
     steady = replace(PLAIN, load=np.full(len(PLAIN.t), 5.0))
-    assert "hardly varies" in str(load_dependent_friction.CANDIDATE.untestable(steady, baseline(steady)))
+    assert "from 5 to 5 N m" in str(load_dependent_friction.CANDIDATE.untestable(steady, baseline(steady)))
+    heavy = replace(PLAIN, load=10.0 + 2.0 * np.sin(PLAIN.q))
+    assert load_dependent_friction.CANDIDATE.untestable(heavy, baseline(heavy)) is None
     assert load_dependent_friction.CANDIDATE.untestable(LOADED, baseline(LOADED)) is None
 
 
