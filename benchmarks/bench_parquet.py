@@ -73,7 +73,7 @@ class Run:
     peak_mb: float
 
 
-def write_log(path: Path, case: Case, hours: float) -> None:
+def write_log(path: Path, case: Case, hours: float, seed: int = 1) -> None:
     """Write back-and-forth motion of slowly changing amplitude with Coulomb and viscous friction, and sensor noise."""
     import numpy as np  # noqa: PLC0415 (the process that measures stays small)
     import pyarrow as pa  # noqa: PLC0415
@@ -81,7 +81,7 @@ def write_log(path: Path, case: Case, hours: float) -> None:
 
     from friction_audit.robot import load_arm  # noqa: PLC0415
 
-    rng = np.random.default_rng(1)
+    rng = np.random.default_rng(seed)
     t = np.arange(int(hours * 3600 * RATE_HZ)) / RATE_HZ
     pace = 0.5 + 0.1 * np.array(JOINTS)
     swell = 0.011 * np.array(JOINTS)

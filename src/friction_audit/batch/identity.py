@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from friction_audit.batch.log_file import LogFile, ManifestRow
 from friction_audit.batch.recorded import Recorded
 from friction_audit.batch.start_time import holds_a_time, time_in_name
-from friction_audit.drift.order import Order, natural, put_in_order
+from friction_audit.drift.order import natural, put_in_order
 from friction_audit.drift.session import Session
 
 NOTHING_SAID = ManifestRow(line=0, path="")
@@ -18,7 +18,7 @@ class Identified:
     """Sessions, each of a robot, in order, and what is to be said about that.
 
     Attributes:
-        sessions: By robot, then by start; by name where the start of one of the robot's sessions is not known.
+        sessions: By robot, each robot's in the order of their starts, or of their names where starts are not known.
         warnings: One sentence each.
     """
 
@@ -41,9 +41,7 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
             )
         for kind, group in groups.items():
             name = f"{robot} ({kind})" if len(groups) > 1 else robot
-            order = put_in_order([replace(session, robot=name) for session in group])
-            sessions += order.sessions
-            warnings += _without_start(name, order)
+            sessions += put_in_order([replace(session, robot=name) for session in group]).sessions
     return Identified(sessions=tuple(sessions), warnings=tuple(warnings))
 
 
@@ -105,20 +103,6 @@ def _alike(own: Iterable[tuple[Recorded, Session]]) -> dict[str, list[Session]]:
         make = known.copy().pop() if len(known) == 1 else recorded.kind
         groups.setdefault(f"{joints} joint{'' if joints == 1 else 's'}, {make}", []).append(session)
     return dict(sorted(groups.items()))
-
-
-def _without_start(robot: str, order: Order) -> list[str]:
-    """Return a warning where the names of the sessions have to tell their order."""
-    lacking = [session.path for session in order.sessions if session.start_s is None]
-    every = len(order.sessions)
-    if order.by == "start" or every == 1:
-        return []
-    who = "no session tells" if len(lacking) == every else f"{len(lacking)} of {every} sessions do not tell"
-    message = (
-        f"robot {robot}: {who} when it started, neither by its clock nor by its name (the first is {lacking[0]}); its "
-        "sessions are in the order of their names; give their starts in a manifest"
-    )
-    return [message]
 
 
 def _shared_names(found: Sequence[tuple[LogFile, Recorded]]) -> list[str]:

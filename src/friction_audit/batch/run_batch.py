@@ -1,7 +1,8 @@
 """The whole way of a batch: what is known is taken from the ledger, what is new goes to the workers, each log once."""
 
+import hashlib
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from dataclasses import dataclass
@@ -58,7 +59,40 @@ class BatchResult:
     warnings: tuple[str, ...]
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Standing:
+    """How a batch stands once nothing new is left to be worked on.
+
+    Attributes:
+        logs: The logs, copies left out.
+        hashes: Hash of each log's content by its place; none of logs that could not be read.
+        passing: What went wrong in this run without being the log's fault, by the log's place.
+        new: How many logs were worked on in this run.
+        known: How many were known before.
+        warnings: Which logs are copies, one sentence each.
+    """
+
+    logs: tuple[LogFile, ...]
+    hashes: Mapping[str, str]
+    passing: Mapping[str, tuple[Fault, ...]]
+    new: int
+    known: int
+    warnings: tuple[str, ...]
+
+    def digest(self) -> str:
+        """Return a fingerprint of all that the sessions depend on beside the settings."""
+        every = [(log.path, log.folders, log.row, self.hashes.get(log.place)) for log in self.logs]
+        return hashlib.sha256(repr((every, self.passing, self.warnings)).encode()).hexdigest()
+
+
 def run_batch(
+    logs: Sequence[LogFile], settings: BatchSettings, ledger: Ledger, executor: Executor, watch: Watch
+) -> BatchResult:
+    """Work through logs and return the session of each."""
+    return gather(catch_up(logs, settings, ledger, executor, watch), settings, ledger)
+
+
+def catch_up(
     logs: Sequence[LogFile],
     settings: BatchSettings,
     ledger: Ledger,
@@ -66,8 +100,8 @@ def run_batch(
     watch: Watch,
     *,
     backwards: bool = False,
-) -> BatchResult:
-    """Work through logs and return the session of each.
+) -> Standing:
+    """Work on all logs that the ledger does not know.
 
     Args:
         logs: The logs, in the order of their names.
@@ -84,15 +118,28 @@ def run_batch(
     passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
     hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
     first, late_copies = _first_of_each(first, hashes)
-    pairs, failed = _gather(first, hashes, ledger, key, passing)
+    return Standing(
+        logs=tuple(first),
+        hashes=hashes,
+        passing={place: faults for place, faults in passing.items() if faults},
+        new=len(new),
+        known=len(logs) - len(new) - len(copies),
+        warnings=(*copies, *late_copies),
+    )
+
+
+def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> BatchResult:
+    """Return the sessions of a batch, each of its arm and with its start."""
+    key = settings.key()
+    pairs, failed = _gather(standing, ledger, key)
     named = identify(pairs)
     _name_sessions(pairs, named.sessions, ledger, key)
     return BatchResult(
         sessions=named.sessions,
         failed=tuple(failed),
-        new=len(new),
-        known=len(logs) - len(new) - len(copies),
-        warnings=(*copies, *late_copies, *named.warnings),
+        new=standing.new,
+        known=standing.known,
+        warnings=(*standing.warnings, *named.warnings),
     )
 
 
@@ -171,22 +218,17 @@ def _as_worked(outcome: Worked | Lost) -> Worked:
     return outcome
 
 
-def _gather(
-    logs: Sequence[LogFile],
-    hashes: dict[str, str],
-    ledger: Ledger,
-    key: str,
-    passing: dict[str, tuple[Fault, ...]],
-) -> tuple[list[tuple[LogFile, Recorded]], list[Failed]]:
+def _gather(standing: Standing, ledger: Ledger, key: str) -> tuple[list[tuple[LogFile, Recorded]], list[Failed]]:
     """Return every session with its log, and every log without one."""
-    recorded, faults = ledger.recorded(hashes.values(), key), ledger.faults(hashes.values(), key)
+    hashes = standing.hashes.values()
+    recorded, faults = ledger.recorded(hashes, key), ledger.faults(hashes, key)
     pairs: list[tuple[LogFile, Recorded]] = []
     failed: list[Failed] = []
-    for log in logs:
-        sha256 = hashes.get(log.place, "")
+    for log in standing.logs:
+        sha256 = standing.hashes.get(log.place, "")
         pairs += [(log, one) for one in recorded.get(sha256, ())]
         failed += [Failed(name_of(log, one.topic), one.message) for one in faults.get(sha256, ())]
-        failed += [Failed(name_of(log, one.topic), one.message) for one in passing.get(log.place, ())]
+        failed += [Failed(name_of(log, one.topic), one.message) for one in standing.passing.get(log.place, ())]
     return pairs, failed
 
 

@@ -1,23 +1,44 @@
 """The program and its commands."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from friction_audit import __version__
-from friction_audit.cli import compare, convert, diagnose, estimate, info, plot, replay, reproduce, simulate
+from friction_audit.cli import (
+    batch_report,
+    compare,
+    convert,
+    diagnose,
+    estimate,
+    info,
+    plot,
+    replay,
+    reproduce,
+    simulate,
+)
 from friction_audit.cli.grouped_help import GroupedCommand
 from friction_audit.cli.option_groups import with_option_groups
+
+if TYPE_CHECKING:
+    from types import ModuleType
 
 # Plain help text: rich would cost more time than everything else that --help does.
 app = typer.Typer(no_args_is_help=True, rich_markup_mode=None, pretty_exceptions_enable=False)
 
-COMMANDS = (info, estimate, plot, replay, diagnose, convert, simulate, reproduce, compare)
+COMMANDS = (info, estimate, plot, replay, diagnose, batch_report, convert, simulate, reproduce, compare)
 """Modules of the commands, in the order of the help text; each holds ``command``, named as the module, and EXAMPLES."""
 
+
+def name_of(command: "ModuleType") -> str:
+    """Return what a command is called on the command line."""
+    return command.__name__.rpartition(".")[2].replace("_", "-")
+
+
 for module in COMMANDS:
-    name = module.__name__.rpartition(".")[2]
-    app.command(name, cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(with_option_groups(module.command))
+    app.command(name_of(module), cls=GroupedCommand, epilog=f"\b\n{module.EXAMPLES}")(
+        with_option_groups(module.command)
+    )
 
 
 def _show_version(wanted: bool) -> None:

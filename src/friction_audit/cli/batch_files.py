@@ -1,13 +1,16 @@
 """BatchSummary -> files in the folder of its ledger."""
 
+import hashlib
+import json
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.cli import choices
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import DAMAGED, Voice
 from friction_audit.cli.figure_files import draw_files
 from friction_audit.errors import UsageError
 
@@ -15,26 +18,55 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from friction_audit.batch.ledger import Ledger
+    from friction_audit.batch.run_batch import Standing
     from friction_audit.batch.settings import BatchSettings
     from friction_audit.drift.report import ArmDrift
     from friction_audit.report.batch_summary import BatchSummary
 
 DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
 RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)
-"""Files beside the ledger, made anew in every run."""
-REPORTED = "reported_settings"
-"""Note of the ledger: which settings made the results that lie beside it."""
+"""Files beside the ledger, made anew whenever something is new."""
+_COUNTS = re.compile(r"\d+ computed, \d+ known")
+SETTINGS, TOLD = "reported_settings", "reported"
+"""Notes of the ledger: which settings made the results that lie beside it, and what they were and said."""
+EXCEEDED = 5
+"""Exit code: a limit that the user set is exceeded."""
 
 
-def check_results(
-    folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings", *, overwrite: bool
-) -> None:
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Told:
+    """What a batch tells the one who asked.
+
+    Attributes:
+        document: The JSON document.
+        text: The table and the sentences.
+        warnings: What was noticed about the logs as a whole, one sentence each.
+        code: The exit code.
+    """
+
+    document: str
+    text: str
+    warnings: tuple[str, ...]
+    code: int
+
+    def text_of(self, standing: "Standing") -> str:
+        """Return the text, with what was computed and known in this run."""
+        return _COUNTS.sub(f"{standing.new} computed, {standing.known} known", self.text, count=1)
+
+    def document_of(self, standing: "Standing") -> str:
+        """Return the document, with what was computed and known in this run."""
+        from friction_audit.report.document import write_document
+
+        return write_document(json.loads(self.document) | {"computed": standing.new, "known": standing.known})
+
+
+def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings") -> None:
     """Refuse to replace results that this ledger and these settings did not make.
 
     Raises:
-        UsageError: If there are some, and they may not be replaced.
+        UsageError: If there are some.
     """
-    if overwrite or ledger.note(REPORTED) == settings.key():
+    if ledger.note(SETTINGS) == settings.key():
         return
     figures = [found for kind in choices.BATCH_FIGURES for one in formats for found in folder.glob(f"*{kind}.{one}")]
     existing = [str(path) for path in (*(folder / name for name in RESULTS), *sorted(figures)) if path.exists()]
@@ -45,24 +77,36 @@ def check_results(
         )
 
 
+def recall_results(request: object, folder: Path, ledger: "Ledger") -> Told | None:
+    """Return what was told when the same was asked before, if all that was written then is still there; else None."""
+    note = json.loads(ledger.note(TOLD) or "{}")
+    if note.get("request") != _digest(request) or note["files"] != _stamps(folder, note["files"]):
+        return None
+    document = (folder / DOCUMENT).read_text(encoding="utf-8")
+    return Told(document=document, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"])
+
+
 def write_results(
     summary: "BatchSummary",
+    warnings: tuple[str, ...],
+    request: object,
     folder: Path,
     formats: list[str],
     ledger: "Ledger",
     settings: "BatchSettings",
     voice: Voice,
-) -> str:
-    """Write the document, the tables, the page and the figures, each whole or not at all; return the document."""
+) -> Told:
+    """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
     from friction_audit.export.write_columns import write_columns
     from friction_audit.report.batch_document import batch_document
+    from friction_audit.report.batch_table import batch_table
     from friction_audit.report.document import write_document
     from friction_audit.report.html.batch_page import write_page
     from friction_audit.report.session_table import COLUMNS, session_columns, session_csv
     from friction_audit.whole_file import whole_file
 
     document = write_document(batch_document(summary))
-    ledger.write_note(REPORTED, settings.key())  # before anything of it is replaced
+    ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
     for name, text in ((DOCUMENT, document), (CSV, session_csv(summary))):
         with whole_file(folder / name, overwrite=True) as draft:
             draft.write_text(text, encoding="utf-8")
@@ -70,21 +114,57 @@ def write_results(
         write_columns(session_columns(summary), COLUMNS, draft)
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary), encoding="utf-8")
-    _draw(summary, folder, formats, voice)
-    return document
+    drawn = _draw(summary, folder, formats, voice)
+    lines = batch_table(summary, verbose=voice.verbose)
+    told = Told(
+        document=document, text="".join(f"{line.plain}\n" for line in lines), warnings=warnings, code=_code(summary)
+    )
+    _remember(told, request, [*RESULTS, *drawn], folder, ledger)
+    return told
 
 
-def _draw(summary: "BatchSummary", folder: Path, formats: list[str], voice: Voice) -> None:
-    """Draw the figures of each arm that has joints to draw; of several arms under their names."""
+def _remember(told: Told, request: object, names: Sequence[str], folder: Path, ledger: "Ledger") -> None:
+    note = {
+        "request": _digest(request),
+        "files": _stamps(folder, names),
+        "text": told.text,
+        "warnings": told.warnings,
+        "code": told.code,
+    }
+    ledger.write_note(TOLD, json.dumps(note))
+
+
+def _code(summary: "BatchSummary") -> int:
+    """Return the exit code; a limit that is exceeded comes before all else: that is what was asked."""
+    if summary.exceeded:
+        return EXCEEDED
+    return DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
+
+
+def _digest(request: object) -> str:
+    return hashlib.sha256(repr(request).encode()).hexdigest()
+
+
+def _stamps(folder: Path, names: Iterable[str]) -> dict[str, list[int]]:
+    """Return size and time of the last change of files, by name; of those that are there."""
+    states = {name: (folder / name).stat() for name in names if (folder / name).exists()}
+    return {name: [state.st_size, state.st_mtime_ns] for name, state in states.items()}
+
+
+def _draw(summary: "BatchSummary", folder: Path, formats: list[str], voice: Voice) -> list[str]:
+    """Draw the figures of each arm that has joints to draw, of several arms under their names; return the files."""
     from friction_audit.report.figures.batch import BATCH_FIGURES
 
     arms = [arm for arm in summary.arms if arm.joints]
+    drawn = []
     for arm, prefix in zip(arms, _prefixes(arms), strict=True):
         kinds: dict[str, Callable[[int | None], Figure]] = {
             f"{prefix}{kind.name}": partial(kind.draw, arm) for kind in BATCH_FIGURES
         }
         numbers = [joint.joint for joint in arm.joints]
-        draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=True, voice=voice)
+        files = draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=True, voice=voice)
+        drawn += [file.path.name for file in files]
+    return drawn
 
 
 def _prefixes(arms: "Sequence[ArmDrift]") -> list[str]:

@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from friction_audit import __version__
 from friction_audit.cli import chain
-from friction_audit.cli.batch_files import RESULTS, check_results, write_results
+from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import DAMAGED, Voice, print_rich
+from friction_audit.cli.console import Voice
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, InputError, UsageError
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor
     from friction_audit.batch.ledger import Ledger
     from friction_audit.batch.log_file import LogFile
-    from friction_audit.batch.run_batch import BatchResult, Progress
+    from friction_audit.batch.run_batch import BatchResult, Progress, Standing
     from friction_audit.batch.settings import BatchSettings
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
@@ -35,8 +36,8 @@ EXAMPLES = """Examples:
   friction-audit batch-report logs/ --baseline 10 --fail-on coulomb=15% --quiet
   friction-audit batch-report s3://lab/panda/ --scheduler tcp://head:8786"""
 
-EXCEEDED, INTERRUPTED = 5, 130
-"""Exit codes: a limit of the user is exceeded; stopped by the user."""
+INTERRUPTED = 130
+"""Exit code: stopped by the user."""
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
 """Parameters that change nothing in the numbers; what a file of values held is written out."""
 MOST_NAMED = 5
@@ -131,7 +132,7 @@ def command(
     shared: AuditOptions,
     logs: Annotated[
         list[str] | None,
-        typer.Argument(metavar="LOGS...", help="Logs, folders (searched to the bottom), globs, URLs."),
+        typer.Argument(metavar="LOGS", help="Logs, folders (searched to the bottom), globs, URLs."),
     ] = None,
     folder: Annotated[
         Path,
@@ -150,20 +151,23 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
-    settings = _settings(sessions, shared)
+    output, settings = shared.output, _settings(sessions, shared)
     drift_settings, limits = _drift_settings(drift)
     found = _find(logs or [], sessions.manifest, folder)
     with _ledger(folder, running, voice) as (ledger, alone):
-        if not running.rebuild:
-            check_results(folder, figures, ledger, settings, overwrite=shared.output.overwrite)
-        result = _run(found, settings, ledger, _executor(running), voice, alone=alone)
-        if not shared.output.json:
-            voice.warn(result.warnings)
-        _require_an_answer(result)
-        summary = _summarise(result, settings, drift_settings, limits, _command_line(context), voice)
-        document = write_results(summary, folder, figures, ledger, settings, voice)
-    _print(summary, document, json=shared.output.json, verbose=voice.verbose)
-    _exit(summary)
+        if not (output.overwrite or running.rebuild):
+            check_results(folder, figures, ledger, settings)
+        standing = _catch_up(found, settings, ledger, _executor(running), voice, alone=alone)
+        request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
+        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
+        if told is None:
+            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, _command_line(context))
+            told = write_results(summary, warnings, request, folder, figures, ledger, settings, voice)
+    if not output.json:
+        voice.warn(told.warnings)
+    typer.echo(told.document_of(standing) if output.json else told.text_of(standing), nl=False)
+    if told.code:
+        raise typer.Exit(told.code)
 
 
 def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
@@ -231,7 +235,7 @@ def _executor(running: RunningOptions) -> "Executor":
     return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
 
 
-def _run(
+def _catch_up(
     found: "Sequence[LogFile]",
     settings: "BatchSettings",
     ledger: "Ledger",
@@ -239,8 +243,9 @@ def _run(
     voice: Voice,
     *,
     alone: bool,
-) -> "BatchResult":
-    from friction_audit.batch.run_batch import run_batch
+) -> "Standing":
+    """Work on what is new, watched; stopped by the user, say how far it came."""
+    from friction_audit.batch.run_batch import catch_up
 
     last: list[Progress] = []
 
@@ -251,7 +256,7 @@ def _run(
 
     try:
         with voice.count("estimate friction") as count:
-            return run_batch(found, settings, ledger, executor, watch, backwards=not alone)
+            return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
         typer.echo(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there", err=True)
@@ -281,23 +286,26 @@ def _first_of(lines: list[str]) -> str:
 
 
 def _summarise(
-    result: "BatchResult",
+    standing: "Standing",
     settings: "BatchSettings",
+    ledger: "Ledger",
     drift: "DriftSettings",
     limits: "tuple[Limit, ...]",
     command_line: str,
-    voice: Voice,
-) -> "BatchSummary":
+) -> "tuple[BatchSummary, tuple[str, ...]]":
+    """Return what the sessions say together, and what was noticed about the logs as a whole."""
+    from friction_audit.batch.run_batch import gather
     from friction_audit.drift.analyse import analyse_drift
     from friction_audit.drift.fail_on import exceeded
     from friction_audit.report.batch_summary import BatchSummary, FailedLog
     from friction_audit.report.document import to_json
 
-    with voice.step("compare sessions"):
-        report = analyse_drift(result.sessions, drift)
+    result = gather(standing, settings, ledger)
+    _require_an_answer(result)
+    report = analyse_drift(result.sessions, drift)
     every = {"reading": asdict(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
     every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
-    return BatchSummary(
+    summary = BatchSummary(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
@@ -306,6 +314,7 @@ def _summarise(
         computed=result.new,
         known=result.known,
     )
+    return summary, result.warnings
 
 
 def _command_line(context: typer.Context) -> str:
@@ -326,20 +335,3 @@ def _words(option: str, value: object) -> list[str]:
         return [option] if value else []
     values = value if isinstance(value, list | tuple) else [value]
     return [word for item in values for word in ([option, str(item)] if option else [str(item)])]
-
-
-def _print(summary: "BatchSummary", document: str, *, json: bool, verbose: bool) -> None:
-    if json:
-        typer.echo(document, nl=False)
-    else:
-        from friction_audit.report.batch_table import batch_table
-
-        print_rich(batch_table(summary, verbose=verbose))
-
-
-def _exit(summary: "BatchSummary") -> None:
-    """Exit with a limit that is exceeded before all else: that is what was asked."""
-    if summary.exceeded:
-        raise typer.Exit(EXCEEDED)
-    if summary.failed or any(session.damaged for session in summary.sessions):
-        raise typer.Exit(DAMAGED)

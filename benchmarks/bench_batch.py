@@ -1,0 +1,174 @@
+"""`friction-audit batch-report` on many one-minute logs of a seven-joint arm at 1 kHz in Parquet.
+
+    python benchmarks/bench_batch.py [--logs 100] [--runs 3] [--memory 100 1000] [--page docs/commands/batch-report.md]
+
+What two workers gain over one, what a second run on the unchanged folder takes, and whether memory stays flat. Every
+run is the whole command in a process of its own: imports, figures and page included. With ``--page`` the table is
+written into the page between its marks, else it is printed.
+"""
+
+import argparse
+import shutil
+import statistics
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench_parquet import CASES, MEGABYTE, write_log
+from bench_speed import machine
+
+MINUTE_H = 1 / 60
+DISTINCT = 8
+"""Recordings with noise of their own; the others are copies of theirs whose bytes differ in a note."""
+MARK = b"take 000000"
+FASTER, SECOND_RUN_S = 1.8, 5.0
+"""Goals."""
+BEGIN, END = "<!-- batch speed -->", "<!-- end of batch speed -->"
+SAMPLE_S = 0.05
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one command took; the peak is of all its processes together."""
+
+    wall_s: float
+    peak_mb: float
+
+
+def write_logs(folder: Path, count: int) -> None:
+    """Write logs, one an hour; a note in each file makes its content its own."""
+    import pyarrow.parquet as pq  # noqa: PLC0415 (the process that measures stays small)
+
+    folder.mkdir()
+    originals = []
+    for seed in range(min(count, DISTINCT)):
+        path = folder.with_name(f"original{seed}.parquet")
+        write_log(path, CASES[1], MINUTE_H, seed)
+        pq.write_table(pq.read_table(path).replace_schema_metadata({"note": MARK}), path, compression="zstd")
+        originals.append(path)
+    for number in range(count):
+        original = originals[number % len(originals)]
+        content = original.read_bytes().replace(MARK, b"take %06d" % number)
+        day, hour = divmod(number, 24)
+        (folder / f"2026-{1 + day // 28:02d}-{1 + day % 28:02d}T{hour:02d}-00-00.parquet").write_bytes(content)
+
+
+def run(command: Sequence[str]) -> Run:
+    """Run a command and watch the memory of all its processes."""
+    begin = time.perf_counter()
+    process = subprocess.Popen(command, stdout=subprocess.DEVNULL)
+    peak = [0.0]
+    watcher = threading.Thread(target=_watch, args=(process, peak))
+    watcher.start()
+    code = process.wait()
+    wall = time.perf_counter() - begin
+    watcher.join()
+    if code != 0:
+        raise SystemExit(f"{' '.join(command)}: exit status {code}")
+    return Run(wall, peak[0])
+
+
+def _watch(process: "subprocess.Popen[bytes]", peak: list[float]) -> None:
+    while process.poll() is None:
+        peak[0] = max(peak[0], sum(_resident_mb(pid) for pid in _family(process.pid)))
+        time.sleep(SAMPLE_S)
+
+
+def _family(pid: int) -> Iterator[int]:
+    """Yield a process and all that it has started."""
+    yield pid
+    try:
+        children = Path(f"/proc/{pid}/task/{pid}/children").read_text(encoding="ascii").split()
+    except OSError:  # it has ended
+        return
+    for child in children:
+        yield from _family(int(child))
+
+
+def _resident_mb(pid: int) -> float:
+    """Return the memory of a process, what it shares with others in equal parts. [MB]"""
+    try:
+        text = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
+    except OSError:
+        return 0.0
+    return next((int(line.split()[1]) * 1024 / MEGABYTE for line in text.splitlines() if line.startswith("Pss:")), 0.0)
+
+
+def batch(logs: Path, output: Path, workers: int) -> Run:
+    """Run the command on a folder."""
+    words = ["batch-report", str(logs), "-o", str(output), "--workers", str(workers), "--quiet"]
+    return run([sys.executable, "-m", "friction_audit", *words])
+
+
+def speed_rows(folder: Path, count: int, runs: int) -> Iterator[str]:
+    """Compare one worker, two, and a second run, in turns."""
+    write_logs(folder / "logs", count)
+    taken: dict[str, list[Run]] = {"one worker": [], "two workers": [], "again, nothing new": []}
+    for number in range(runs):
+        for workers, name in enumerate(("one worker", "two workers"), start=1):
+            taken[name].append(batch(folder / "logs", folder / f"out{number}-{workers}", workers))
+        taken["again, nothing new"].append(batch(folder / "logs", folder / f"out{number}-2", 2))
+    single = statistics.median(one.wall_s for one in taken["one worker"])
+    for name, results in taken.items():
+        walls = sorted(one.wall_s for one in results)
+        middle, peak = statistics.median(walls), max(one.peak_mb for one in results)
+        goal = {"two workers": f" (goal {FASTER:g})", "again, nothing new": f" (goal: under {SECOND_RUN_S:g} s)"}
+        yield (
+            f"| {count} | {name} | {middle:.1f} ({walls[0]:.1f} to {walls[-1]:.1f}) | {single / middle:.2f}"
+            f"{goal.get(name, '')} | {peak:.0f} |"
+        )
+    shutil.rmtree(folder / "logs")
+
+
+def memory_rows(folder: Path, counts: Sequence[int]) -> Iterator[str]:
+    """Run two workers on more and more logs, each number once."""
+    for count in counts:
+        write_logs(folder / f"logs{count}", count)
+        for name in ("two workers", "again, nothing new"):
+            taken = batch(folder / f"logs{count}", folder / f"many{count}", 2)
+            yield f"| {count} | {name} | {taken.wall_s:.1f} | | {taken.peak_mb:.0f} |"
+        shutil.rmtree(folder / f"logs{count}")
+
+
+def table(arguments: argparse.Namespace) -> Iterator[str]:
+    """Yield the lines of the table."""
+    options = f"--logs {arguments.logs} --runs {arguments.runs} --memory {' '.join(map(str, arguments.memory))}".strip()
+    yield f"Made by `python benchmarks/bench_batch.py {options}`."
+    yield f"Machine: {machine()}"
+    yield "Peaks are of all processes of the command together; walls are medians (and ranges) of runs in turns."
+    yield ""
+    yield "| logs | run | wall [s] | times one worker | peak [MB] |"
+    yield "|---:|---|---:|---:|---:|"
+    with tempfile.TemporaryDirectory() as folder:
+        yield from speed_rows(Path(folder), arguments.logs, arguments.runs)
+        yield from memory_rows(Path(folder), arguments.memory)
+
+
+def main() -> None:
+    """Print the table, or write it into a page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--logs", type=int, default=100)
+    parser.add_argument("--runs", type=int, default=3)
+    parser.add_argument(
+        "--memory", type=int, nargs="*", default=[100, 1000], help="numbers of logs; 10 MB of disk each"
+    )
+    parser.add_argument("--page", type=Path, default=None)
+    arguments = parser.parse_args()
+    lines = []
+    for line in table(arguments):
+        print(line, flush=True)
+        lines.append(line)
+    if arguments.page is not None:
+        before, _, rest = arguments.page.read_text(encoding="utf-8").partition(BEGIN)
+        _, _, after = rest.partition(END)
+        body = "\n".join(lines)
+        arguments.page.write_text(f"{before}{BEGIN}\n\n{body}\n\n{END}{after}", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
