@@ -70,7 +70,12 @@ def session_columns(summary: BatchSummary) -> dict[str, list[Any]]:
     A coefficient is given twice: as the session has it, and as it was compared, at like temperature.
     """
     rows = list(_rows(summary))
-    return {name: [row[name] for row in rows] for name in COLUMNS}
+    return {name: [encodable(row[name]) for row in rows] for name in COLUMNS}
+
+
+def encodable(value: Any) -> Any:  # noqa: ANN401 - any cell
+    """Return text that any file can hold: bytes of a name that are no letters are spelt out; the rest as it is."""
+    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
 
 
 def session_csv(summary: BatchSummary) -> str:

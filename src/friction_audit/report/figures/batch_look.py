@@ -33,7 +33,7 @@ MOST_MARKED = 150
 """Sessions in a panel above which markers would only be a blot; a line takes their place."""
 MOST_TICKS = 6
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
-LONGEST_NAME = 26
+LONGEST_NAME = 16
 """Characters of a name that a panel has room for."""
 
 

@@ -1,6 +1,7 @@
 """BatchSummary -> one HTML page: verdicts, figures, every session, every setting."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.report.batch_summary import BatchSummary
@@ -26,6 +27,8 @@ from friction_audit.report.html.svg import draw_inline
 
 MOST_BYTES = 2_000_000
 """Figures of one page together: a page of many arms shows those that drift, and names the others."""
+ON_A_SHEET = 8
+"""Joints of one figure."""
 WORDS = {
     "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
     "reference": "The sessions that the others are held against: a control chart's normal state.",
@@ -112,7 +115,7 @@ def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
     found: dict[int, tuple[Figure, ...]] = {}
     left = MOST_BYTES
     for k in order:
-        figures = tuple(_figure(arms[k], kind, f"arm-{k + 1}") for kind in BATCH_FIGURES)
+        figures = tuple(_figures(arms[k], f"arm-{k + 1}"))
         left -= sum(len(figure.picture.svg) for figure in figures)
         if left < 0 and found:
             break
@@ -120,9 +123,18 @@ def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
     return found
 
 
-def _figure(arm: ArmDrift, kind: BatchFigure, anchor: str) -> Figure:
-    picture = draw_inline(kind.draw(arm, None), prefix=f"{anchor}-{kind.name}", description=describe(arm, kind.name))
-    return Figure(picture=picture, title=TITLES[kind.name], caption=CAPTIONS[kind.name])
+def _figures(arm: ArmDrift, anchor: str) -> Iterator[Figure]:
+    """Yield the figures of an arm; more joints than fit on a sheet of paper make several of each kind."""
+    for kind in BATCH_FIGURES:
+        for first in range(0, len(arm.joints), ON_A_SHEET):
+            part = replace(arm, joints=arm.joints[first : first + ON_A_SHEET])
+            yield _figure(part, kind, f"{anchor}-{kind.name}-{first + 1}", whole=len(part.joints) == len(arm.joints))
+
+
+def _figure(arm: ArmDrift, kind: BatchFigure, prefix: str, *, whole: bool) -> Figure:
+    picture = draw_inline(kind.draw(arm, None), prefix=prefix, description=describe(arm, kind.name))
+    which = "" if whole else f", joints {arm.joints[0].joint} to {arm.joints[-1].joint}"
+    return Figure(picture=picture, title=f"{TITLES[kind.name]}{which}", caption=CAPTIONS[kind.name])
 
 
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...]) -> Section:

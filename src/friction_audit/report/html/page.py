@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from friction_audit import __version__
 from friction_audit.report.html.colours import colour_rules
 from friction_audit.report.html.parts import Figure, Page, Section
+from friction_audit.report.html.printable import printable_text
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -22,7 +23,7 @@ def render_page(page: Page) -> str:
     """Return the page as text; the same page gives the same bytes."""
     script = _resource(SCRIPT)
     colours = {colour for figure in figures_of(page.sections) for colour in figure.picture.colours}
-    return _environment().get_template(TEMPLATE).render(
+    text = _environment().get_template(TEMPLATE).render(
         page=page,
         version=__version__,
         style=_resource(STYLE),
@@ -31,6 +32,7 @@ def render_page(page: Page) -> str:
         light=colour_rules(colours, dark=False),
         dark=colour_rules(colours, dark=True),
     )  # fmt: skip
+    return printable_text(text)
 
 
 def figures_of(sections: Sequence[Section]) -> Iterator[Figure]:

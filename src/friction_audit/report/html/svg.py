@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
 from friction_audit.report.figures.style import figure_style
+from friction_audit.report.html.printable import printable_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 SVG, XLINK = "http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"
 COLOUR = re.compile(r"#[0-9a-f]{6}\b")
 REFERENCE = re.compile(r"url\(#([^)]+)\)")
-FONT = re.compile(r"font: ((?:[\w.]+ )*?[\d.]+px) [^;]*")
+FONT = re.compile(r"font: ((?:[\w.]+ )*?[\d.]+px) [^;]*|font-family: [^;]*")
 LONG = re.compile(r"\d+\.\d{3,}")
 """A coordinate finer than a hundredth of a point, which nobody sees."""
 BLACK = "#000000"
@@ -47,7 +48,7 @@ def draw_inline(figure: "Figure", *, prefix: str, description: str) -> Picture:
         prefix: Starts every id in it, so that figures of one page do not share any.
         description: What it shows, for those who do not see it.
     """
-    root = ET.fromstring(_draw(figure))  # noqa: S314 - drawn here, not read from anywhere
+    root = ET.fromstring(printable_text(_draw(figure)))  # noqa: S314 - drawn here, not read from anywhere
     _strip(root)
     _rename(root, prefix)
     colours = _recolour(root)
@@ -116,8 +117,12 @@ def _recolour(root: ET.Element) -> frozenset[str]:
             continue
         found.update(COLOUR.findall(style))
         style = COLOUR.sub(lambda match: f"var(--c-{match[0][1:]})", style)
-        element.set("style", FONT.sub(r"font: \1 var(--font)", style))
+        element.set("style", FONT.sub(_font, style))
     return frozenset(found)
+
+
+def _font(match: re.Match[str]) -> str:
+    return f"font: {match[1]} var(--font)" if match[1] else "font-family: var(--font)"
 
 
 def _rounded(match: re.Match[str]) -> str:
@@ -127,7 +132,7 @@ def _rounded(match: re.Match[str]) -> str:
 def _describe(root: ET.Element, prefix: str, description: str) -> None:
     """Give the drawing a name that is read aloud."""
     title = ET.Element(f"{{{SVG}}}title", {"id": f"{prefix}-title"})
-    title.text = description
+    title.text = printable_text(description)
     root.insert(0, title)
     root.set("role", "img")
     root.set("aria-labelledby", f"{prefix}-title")

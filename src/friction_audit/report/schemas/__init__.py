@@ -4,7 +4,9 @@ import json
 from importlib.resources import files
 from typing import Any
 
-KINDS = ("estimate", "info", "plot", "replay", "diagnose", "convert", "simulate", "truth", "reproduce", "compare")
+KINDS = (
+    "estimate", "info", "plot", "replay", "diagnose", "convert", "simulate", "truth", "reproduce", "compare", "batch",
+)  # fmt: skip
 
 
 def load_schema(kind: str) -> dict[str, Any]:
