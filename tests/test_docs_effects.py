@@ -9,6 +9,8 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
+from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.simulate import EFFECTS, SCENARIOS
 from friction_audit.simulate.effects.effect import Effect, Parameter
 from tests.documented_commands import ROOT, blocks, commands
@@ -18,6 +20,8 @@ PAGES = DOCS / "effects"
 IMAGES = DOCS / "images" / "effects"
 COLUMN_PX = 748
 LARGEST_BYTES = 60_000
+WITHOUT = ("stiction", "frictional_lag", "joint_elasticity", "backlash")
+"""Pages that do not say yet how a diagnosis looks for their effect."""
 EVERY_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
 
 
@@ -82,6 +86,16 @@ def test_effects_it_is_confused_with_exist(effect: Effect) -> None:
     names = re.findall(r"^\| \[(\w+)\]", confused, re.MULTILINE)
     assert names
     assert set(names) <= {other.name for other in EFFECTS} - {effect.name}
+
+
+@pytest.mark.parametrize(
+    "candidate", [one for one in CANDIDATES if one.name not in WITHOUT], ids=lambda candidate: candidate.name
+)
+def test_page_says_where_diagnose_looks(candidate: Candidate) -> None:
+    seen = (PAGES / f"{candidate.name}.md").read_text().partition("## In `diagnose`")[2].partition("## Example")[0]
+    rows = dict(re.findall(r"^\| (axis|looked for|untestable where) \| (.+) \|$", seen, re.MULTILINE))
+    assert rows["axis"] == candidate.axis
+    assert set(rows) == {"axis", "looked for", "untestable where"}
 
 
 @EVERY_EFFECT
