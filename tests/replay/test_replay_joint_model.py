@@ -108,6 +108,7 @@ def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) 
     assert fitted.fitted is not None
     given = run(log, assume, fitted.fitted.model)
     assert given.fitted is None
+    assert given.simulated
     assert given.model == fitted.fitted.model
     assert given.model_error == pytest.approx(fitted.model_error, rel=1e-9)
     assert_same(given, fitted, 1e-9)

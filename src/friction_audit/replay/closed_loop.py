@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.forward import LONGEST_STEP_S, advance, forces
+from friction_audit.replay.compensators.kind import JOINT_MODEL
+from friction_audit.replay.feed_forward import tell_friction
 from friction_audit.replay.records import Record
 from friction_audit.replay.tally import count_energy
-from friction_audit.replay.tick import Control, interval, tick
+from friction_audit.replay.tick import Control, interval, tick, write_down
 
 
 class Drive(NamedTuple):
@@ -48,42 +50,42 @@ def run_closed_loop(control: Control, body: Record, inertia_kg_m2: float, drive:
         drive: What drives it.
         motion: Receives the velocity, shape (n,). [rad/s]
     """
+    settings, memory, tally, feed, cuts, course, rows = control
+    t, push = drive.t, drive.push
     q, v = drive.q[0], drive.dq[0]
     sign = direction(v)
-    for i in range(len(drive.t)):
-        interaction = feel(q, v, sign, i, inertia_kg_m2, control.memory.u_nm, drive, body)
+    for i in range(len(t)):
+        acceleration, friction = forces(q, v, sign, push[i], memory.u_nm, body)
+        interaction = inertia_kg_m2 * acceleration + friction + body.offset_nm - memory.u_nm + drive.lacking[i]
+        write_down(course, i, interaction, memory)
         motion[i] = v
-        if begins_again(drive, i):
-            put_back(control.memory, 0.5 * inertia_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
-        if not tick(control, i, interval(drive.t, i), q, v, interaction):
+        again = drive.restart[i] and i > 0
+        if again:
+            put_back(memory, 0.5 * inertia_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
+        if settings.kind == JOINT_MODEL:
+            tell_friction(memory, feed, q, v, i)
+        cut = cuts[i] if len(cuts) > 1 else cuts[0]
+        if not tick(settings, memory, tally, i, interval(t, i), v, interaction, cut, rows):
             return i
-        if begins_again(drive, i):
-            q, v, sign = start_again(control.memory, drive, i)
-        if i + 1 < len(drive.t):
-            before, u = q, control.memory.u_nm
-            q, v, sign, taken = move(q, v, sign, i, u, drive, body)
-            moved, span = q - before, drive.t[i + 1] - drive.t[i]
-            count_energy(control.tally, control.settings, taken, taken - u * moved, moved, span)
-    return len(drive.t)
-
-
-@compiled()
-def feel(q: float, v: float, sign: float, i: int, inertia_kg_m2: float, u: float, drive: Drive, body: Record) -> float:
-    """Return what the sensor feels at a sample. [N m]"""
-    acceleration, friction = forces(q, v, sign, drive.push[i], u, body)
-    return float(inertia_kg_m2 * acceleration + friction + body.offset_nm - u + drive.lacking[i])
+        if again:
+            q, v = drive.q[i], drive.dq[i]
+            sign = begin_again(memory, q, v)
+        if i + 1 < len(t):
+            before, span, u = q, t[i + 1] - t[i], memory.u_nm
+            q, v, sign, taken = move(q, v, sign, span, push[i], push[i + 1], u, body)
+            count_energy(tally, settings, taken, taken - u * (q - before), q - before, span)
+    return len(t)
 
 
 @compiled()
 def move(
-    q: float, v: float, sign: float, i: int, u: float, drive: Drive, body: Record
+    q: float, v: float, sign: float, span: float, push0: float, push1: float, u: float, body: Record
 ) -> tuple[float, float, float, float]:
-    """Move the joint on to the next stamp, in pieces; result as of ``model.forward.advance``."""
-    span = drive.t[i + 1] - drive.t[i]
+    """Move the joint on from one stamp to the next, in pieces; arguments and result as in ``model.forward.advance``."""
     pieces = max(1, int(np.ceil(span / LONGEST_STEP_S - 1e-6)))
-    h, rise, taken = span / pieces, (drive.push[i + 1] - drive.push[i]) / pieces, 0.0
+    h, rise, taken = span / pieces, (push1 - push0) / pieces, 0.0
     for k in range(pieces):
-        start = drive.push[i] + k * rise
+        start = push0 + k * rise
         q, v, sign, lost = advance(q, v, sign, h, start, start + rise, u, body)
         taken += lost
     return q, v, sign, taken
@@ -96,16 +98,10 @@ def direction(v: float) -> float:
 
 
 @compiled()
-def begins_again(drive: Drive, i: int) -> bool:
-    """Return True if the joint starts again from the recording at a sample."""
-    return bool(drive.restart[i] and i > 0)
-
-
-@compiled()
-def start_again(memory: Record, drive: Drive, i: int) -> tuple[float, float, float]:
-    """Return position, velocity and direction as recorded; the compensator's next interval begins there too."""
-    memory.q_rad, memory.dq = drive.q[i], drive.dq[i]
-    return drive.q[i], drive.dq[i], direction(drive.dq[i])
+def begin_again(memory: Record, q: float, v: float) -> float:
+    """Begin the compensator's next interval where the joint starts again from the recording; return its direction."""
+    memory.q_rad, memory.dq = q, v
+    return direction(v)
 
 
 @compiled()

@@ -132,6 +132,7 @@ def _replay_joint(
         model=model,
         fitted=None if scene.joint is None else scene.joint.fitted,
         operator=scene.operator,
+        simulated=scene.joint is not None,
         model_error=model_error(scene, port, without),
         without=without,
         replayed=run.signals,

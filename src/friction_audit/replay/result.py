@@ -196,6 +196,7 @@ class JointReplay:
         model: The joint's model of a file, or None.
         fitted: The joint fitted to the log that moved otherwise than recorded, or None.
         operator: The person who moved it, or None.
+        simulated: True if a joint, fitted or of a file, moved otherwise than recorded.
         model_error: How far the simulated joint without a compensator is from the recorded motion, over this; or NaN.
         reason: Why the replay means nothing for this joint; empty if it does.
     """
@@ -214,6 +215,7 @@ class JointReplay:
     model: JointModel | None = None
     fitted: FittedJoint | None = None
     operator: FittedOperator | None = None
+    simulated: bool = False
     model_error: float = float("nan")
     reason: str = ""
 

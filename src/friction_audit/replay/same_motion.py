@@ -2,10 +2,11 @@
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
+from friction_audit.replay.compensators.kind import JOINT_MODEL
+from friction_audit.replay.feed_forward import tell_friction
 from friction_audit.replay.port import Port
-from friction_audit.replay.records import Record
 from friction_audit.replay.tally import count_energy
-from friction_audit.replay.tick import Control, interval, tick
+from friction_audit.replay.tick import Control, interval, tick, write_down
 
 
 @compiled()
@@ -20,30 +21,21 @@ def run_same_motion(control: Control, port: Port, q: Float) -> int:
         port: The recording.
         q: Position, shape (n,), or empty where the compensator has no use for it. [rad]
     """
+    settings, memory, tally, feed, cuts, course, rows = control
+    t, dq, torque, logged = port
     before = needed_before = 0.0
-    for i in range(len(port.t)):
-        dt, total = interval(port.t, i), total_at(port, i)
-        needed = total - control.memory.u_nm
+    for i in range(len(t)):
+        dt = interval(t, i)
+        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
+        needed = total - memory.u_nm
+        write_down(course, i, needed, memory)
         if i > 0:
-            count_along(control.tally, control.settings, port, i, (before, total), (needed_before, needed))
-        if not tick(control, i, dt, q[i] if len(q) > 0 else 0.0, port.dq[i], needed):
+            moved = 0.5 * (dq[i - 1] + dq[i]) * dt
+            friction, exchange = 0.5 * (before + total) * moved, 0.5 * (needed_before + needed) * moved
+            count_energy(tally, settings, friction, exchange, moved, dt)
+        if settings.kind == JOINT_MODEL:
+            tell_friction(memory, feed, q[i], dq[i], i)
+        if not tick(settings, memory, tally, i, dt, dq[i], needed, cuts[i] if len(cuts) > 1 else cuts[0], rows):
             return i
         before, needed_before = total, needed
-    return len(port.t)
-
-
-@compiled()
-def total_at(port: Port, i: int) -> float:
-    """Return the torque S = F_m + u at a sample. [N m]"""
-    return float(port.torque[i] + port.logged[i] if len(port.logged) > 0 else port.torque[i])
-
-
-@compiled()
-def count_along(
-    tally: Record, settings: Record, port: Port, i: int, total: tuple[float, float], needed: tuple[float, float]
-) -> None:
-    """Add the interval up to sample i, at whose ends the torque was this in all, and this from the person. [N m]"""
-    dt = port.t[i] - port.t[i - 1]
-    moved = 0.5 * (port.dq[i - 1] + port.dq[i]) * dt
-    friction, exchange = 0.5 * (total[0] + total[1]) * moved, 0.5 * (needed[0] + needed[1]) * moved
-    count_energy(tally, settings, friction, exchange, moved, dt)
+    return len(t)

@@ -11,9 +11,11 @@ from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.move import Step, advance, drag, held_torque, taken
 from friction_audit.model.tables import Tables
-from friction_audit.replay.closed_loop import Drive, begins_again, direction, put_back, start_again
+from friction_audit.replay.closed_loop import Drive, begin_again, direction, put_back
+from friction_audit.replay.compensators.kind import JOINT_MODEL
+from friction_audit.replay.feed_forward import tell_friction
 from friction_audit.replay.tally import count_energy
-from friction_audit.replay.tick import Control, interval, tick
+from friction_audit.replay.tick import Control, interval, tick, write_down
 
 
 class TabledJoint(NamedTuple):
@@ -39,56 +41,57 @@ class TabledJoint(NamedTuple):
 @compiled()
 def run_tabled_loop(control: Control, joint: TabledJoint, drive: Drive, motion: Float) -> int:
     """Move the joint and run its compensator at the stamps of a log; arguments and result as of ``run_closed_loop``."""
+    settings, memory, tally, feed, cuts, course, rows = control
+    t, push = drive.t, drive.push
     q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
     own_kg_m2 = joint.tables.inertia_kg_m2 - joint.inertia_kg_m2
     sign = direction(v)
-    for i in range(len(drive.t)):
-        interaction = feel(q, v, sign, i, control.memory.u_nm, bent, drive, joint)
+    for i in range(len(t)):
+        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
+        write_down(course, i, interaction, memory)
         motion[i] = v
-        if begins_again(drive, i):
-            put_back(control.memory, 0.5 * own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
-        if not tick(control, i, interval(drive.t, i), q, v, interaction):
+        again = drive.restart[i] and i > 0
+        if again:
+            put_back(memory, 0.5 * own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
+        if settings.kind == JOINT_MODEL:
+            tell_friction(memory, feed, q, v, i)
+        cut = cuts[i] if len(cuts) > 1 else cuts[0]
+        if not tick(settings, memory, tally, i, interval(t, i), v, interaction, cut, rows):
             return i
-        if begins_again(drive, i):
-            q, v, sign = start_again(control.memory, drive, i)
-            starts += 1
-            bent[:] = joint.bent[starts]
-        if i + 1 < len(drive.t):
-            before, u = q, control.memory.u_nm
-            q, v, sign, lost = move(q, v, sign, i, u, bent, drive, joint)
-            moved, span = q - before, drive.t[i + 1] - drive.t[i]
-            count_energy(control.tally, control.settings, lost, lost - u * moved, moved, span)
-    return len(drive.t)
+        if again:
+            q, v, starts = drive.q[i], drive.dq[i], starts + 1
+            sign, bent[:] = begin_again(memory, q, v), joint.bent[starts]
+        if i + 1 < len(t):
+            before, span, u = q, t[i + 1] - t[i], memory.u_nm
+            q, v, sign, lost = move(q, v, sign, Step(span, push[i] + u, push[i + 1] + u, i, i + 1.0), bent, joint)
+            count_energy(tally, settings, lost, lost - u * (q - before), q - before, span)
+    return len(t)
 
 
 @compiled()
-def feel(q: float, v: float, sign: float, i: int, u: float, bent: Float, drive: Drive, joint: TabledJoint) -> float:
-    """Return what the sensor feels at a sample: the push, less what the operator's own impedance takes of it. [N m]"""
+def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: TabledJoint) -> float:
+    """Return what is felt at a sample of the push: that, less what the operator's own impedance takes of it. [N m]"""
     spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
     if sign != 0.0:
         torque = taken(0 if sign > 0.0 else 1, q, abs(v), float(i), joint.tables)
         torque += held_torque(bent, 0.0, joint.tables) + drag(bent, sign, joint.tables) * v
-        acceleration = (drive.push[i] + u - spring - torque) / joint.tables.inertia_kg_m2
-    impedance = joint.inertia_kg_m2 * acceleration + joint.damping_nms_per_rad * v + spring
-    return float(drive.push[i] + drive.lacking[i] - impedance)
+        acceleration = (push + u - spring - torque) / joint.tables.inertia_kg_m2
+    return float(push - joint.inertia_kg_m2 * acceleration - joint.damping_nms_per_rad * v - spring)
 
 
 @compiled()
 def move(
-    q: float, v: float, sign: float, i: int, u: float, bent: Float, drive: Drive, joint: TabledJoint
+    q: float, v: float, sign: float, whole: Step, bent: Float, joint: TabledJoint
 ) -> tuple[float, float, float, float]:
-    """Move the joint on to the next stamp, in pieces; return place, velocity, direction and what friction took [J]."""
-    span = drive.t[i + 1] - drive.t[i]
-    pieces = max(1, int(np.ceil(span / joint.longest_s - 1e-6)))
-    h, rise, lost = span / pieces, (drive.push[i + 1] - drive.push[i]) / pieces, 0.0
+    """Move the joint on through a step, in pieces; return place, velocity, direction and what friction took [J]."""
+    pieces = max(1, int(np.ceil(whole.h / joint.longest_s - 1e-6)))
+    h, rise, lost = whole.h / pieces, (whole.drive1 - whole.drive0) / pieces, 0.0
     for k in range(pieces):
-        push, begin, end, held = drive.push[i] + k * rise + u, i + k / pieces, i + (k + 1.0) / pieces, bent.copy()
+        before, held, push = q, bent.copy(), whole.drive0 + k * rise
+        begin, end = whole.begin + k / pieces, whole.begin + (k + 1.0) / pieces
         # The operator's spring is read where the joint will be if it goes on: right to the order of the step.
-        springs = joint.stiffness_nm_per_rad * q, joint.stiffness_nm_per_rad * (q + h * v)
-        before = q
-        q, v, sign = advance(
-            q, v, sign, Step(h, push - springs[0], push + rise - springs[1], begin, end), bent, joint.tables
-        )
+        near, far = joint.stiffness_nm_per_rad * q, joint.stiffness_nm_per_rad * (q + h * v)
+        q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, joint.tables)
         lost += dissipated(0.5 * (before + q), q - before, h, 0.5 * (begin + end), 0.5 * (held + bent), joint)
     return q, v, sign, lost
 

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.replay.compensators.kind import JOINT_MODEL
-from friction_audit.replay.feed_forward import Feed, tell_friction
+from friction_audit.replay.feed_forward import Feed
 from friction_audit.replay.kernels import step
 from friction_audit.replay.port import Course
 from friction_audit.replay.records import Record
@@ -38,32 +37,46 @@ class Control(NamedTuple):
 
 
 @compiled()
-def tick(control: Control, i: int, dt: float, q: float, v: float, interaction: float) -> bool:
-    """Write sample i down and run the compensator on it; return False once the loop has diverged.
+def tick(  # noqa: PLR0913
+    settings: Record,
+    memory: Record,
+    tally: Record,
+    i: int,
+    dt: float,
+    v: float,
+    interaction: float,
+    cut: int,
+    rows: Float,
+) -> bool:
+    """Run the compensator on sample i and count what it does; return False once the loop has diverged.
 
     Args:
-        control: What runs.
+        settings: Record of the compensator.
+        memory: Its memory; changed.
+        tally: Record of TALLY; changed.
         i: Sample.
         dt: Time since the sample before. [s]
-        q: Position; only a compensator with a joint's model reads it. [rad]
         v: Velocity. [rad/s]
         interaction: Torque at the sensor. [N m]
+        cut: FIND, or 1 where a cycle ends and 0 elsewhere.
+        rows: Receives a row per cycle, shape (most, COLUMNS).
     """
-    memory, course = control.memory, control.course
-    course.interaction[i] = interaction
-    course.compensation[i], course.passivity[i] = memory.compensation_nm, memory.passivity_nm
     u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
     coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
-    if control.settings.kind == JOINT_MODEL:
-        tell_friction(memory, control.feed, q, v, i)
-    cut = control.cuts[i] if len(control.cuts) > 1 else control.cuts[0]
-    step(control.settings, memory, v, interaction, dt, cut)
+    step(settings, memory, v, interaction, dt, cut)
     if memory.unstable == 1:
         return False
-    count_tick(control.tally, control.settings, memory, u, dt, i)
+    count_tick(tally, settings, memory, u, dt, i)
     if memory.cycle > cycle:
-        close_row(control.tally, memory, coulomb, viscous, acted, i, control.rows)
+        close_row(tally, memory, coulomb, viscous, acted, i, rows)
     return True
+
+
+@compiled()
+def write_down(course: Course, i: int, interaction: float, memory: Record) -> None:
+    """Write down the torques in force at sample i."""
+    course.interaction[i] = interaction
+    course.compensation[i], course.passivity[i] = memory.compensation_nm, memory.passivity_nm
 
 
 @compiled()

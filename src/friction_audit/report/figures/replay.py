@@ -143,7 +143,7 @@ def shade_replay(axes: "Axes", joint: JointReplay) -> None:
 def _draw_velocity(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     """Draw the velocity raw and filtered; return the legend's entries."""
     shown = joint.without if joint.replayed is None else joint.replayed
-    if joint.fitted is not None:
+    if joint.simulated:
         t, signal = thin_extremes(joint.without.t, joint.without.dq, POINTS)
         axes.plot(t, signal, color=FITTED, lw=0.6, ls=DASHED, zorder=3)
     t, signal = thin_extremes(shown.t, shown.dq, POINTS)
