@@ -191,3 +191,34 @@ def test_flanks_that_give_way_a_little_more_look_the_same(gap: float) -> None:
     ]
     soft, hard = (seen(transmitted(motion, RUBBING, link) - rigid(motion, RUBBING)) for link in flanks)
     assert correlation(soft, hard) > 0.95
+
+
+@pytest.mark.parametrize("soft", [0.0, 0.5])
+def test_a_steady_load_only_twists_a_spring(soft: float) -> None:
+    motion = stopping()
+    link = Transmission(stiffness_nm_per_rad=500.0, damping_ratio=0.1, soft_nm=soft)
+    borne = transmitted(replace(motion, load=np.full(len(motion.t), 5.0)), RUBBING, link)
+    # Far from zero torque a spring that is soft at first is as stiff as any.
+    straight = transmitted(motion, RUBBING, replace(link, soft_nm=0.0))
+    assert_allclose(borne, straight, atol=1e-9)
+
+
+def test_a_load_keeps_the_play_closed() -> None:
+    motion = sine(0.5, 0.7)
+    flanks = Transmission(stiffness_nm_per_rad=5e3, damping_ratio=0.5, gap_rad=5e-3)
+    free, held = (
+        added_torque(replace(motion, load=np.full(len(motion.t), load)), RUBBING, flanks) for load in (0.0, 6.0)
+    )
+    assert np.sqrt(np.mean(held[400:] ** 2)) < 0.2 * np.sqrt(np.mean(free[400:] ** 2))
+
+
+def test_where_a_load_changes_its_side_the_far_side_crosses_the_play() -> None:
+    motion = ramp(0.0, 0.5, speed=0.05)
+    far, gap = replace(RUBBING, inertia_kg_m2=1e-3), 0.02
+    flanks = Transmission(stiffness_nm_per_rad=1e4, damping_ratio=0.2, gap_rad=gap)
+    load = 5.0 - 20.0 * motion.q
+    whole = transmitted(replace(motion, load=load), far, flanks) + load
+    crossing = np.abs(whole) < 0.01
+    # Friction, 0.405 N m, is borne by one flank until the load is less than that on the other side.
+    assert motion.q[np.flatnonzero(crossing)[0]] == pytest.approx((5.0 + 0.405) / 20.0, abs=2e-3)
+    assert np.all(whole[-200:] < 0.0)

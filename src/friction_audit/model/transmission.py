@@ -1,8 +1,12 @@
 """Motion of the measured side -> torque through a transmission that twists or has play, friction on its far side.
 
-The far side, inertia B with Coulomb and viscous friction, is drawn along by the measured side:
+The far side, inertia B with Coulomb and viscous friction, is drawn along by the measured side, and bears the load L
+that gravity and the like put on the gear:
 
-    B ddtheta + mu_c sgn(dtheta) + mu_v dtheta = T,    T = K e + D de/dt,    e = dead zone of (q - theta)
+    B ddtheta + mu_c sgn(dtheta) + mu_v dtheta + L = T,    T = K e + D de/dt,    e = dead zone of (q - theta)
+
+What is measured is T - L. A load twists the spring, and keeps the play closed where it is more than friction and
+inertia.
 
 M. W. Spong, Modeling and control of elastic joint robots, J. Dyn. Syst. Meas. Control 109 (1987) 310, eq. (2);
 M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002) 1633: the dead zone, and
@@ -112,7 +116,7 @@ def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
 def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
     """Return the torque that the measured side feels, averaged from half a sample before to half a sample after.
 
-    The far side starts without a twist at the velocity of the measured side.
+    The load is not in it. The far side starts at the velocity of the measured side, twisted by the load alone.
 
     Args:
         motion: Evenly sampled.
@@ -127,6 +131,7 @@ def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Flo
         _follow(
             np.ascontiguousarray(motion.q, dtype=np.float64),
             np.ascontiguousarray(motion.dq, dtype=np.float64),
+            np.zeros(len(motion.t)) if motion.load is None else np.ascontiguousarray(motion.load, dtype=np.float64),
             step,
             _between_samples(step, steps),
             (far.inertia_kg_m2, far.coulomb_nm, far.viscous_nms_per_rad),
@@ -148,6 +153,7 @@ def _between_samples(step: float, steps: int) -> Float:
 def _follow(
     q: Float,
     dq: Float,
+    load: Float,
     step: float,
     between: Float,
     far: tuple[float, float, float],
@@ -158,21 +164,22 @@ def _follow(
     h, damping = step / steps, link[1]
     touching, flying = _pace(far, damping, h), _pace(far, 0.0, h)
     torque = np.zeros(len(q))
-    theta, omega = q[0], dq[0]
+    theta, omega = q[0] - _twist(load[0], link), dq[0]
     for k in range(len(q) - 1):
-        rise = q[k + 1] - q[k]
+        rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
             w = between[i]
             speed = w[3] * rise + w[4] * dq[k] + w[5] * dq[k + 1]
             theta += 0.5 * h * omega
             twist = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1] - theta
             push, drag = _push(twist, speed - omega, link)
+            borne = load[k] + (i + 0.5) / steps * more
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             keep, gain, held = touching if drag > 0.0 else flying
-            before, free = omega, keep * omega + gain * (push + drag * speed)
+            before, free = omega, keep * omega + gain * (push + drag * speed - borne)
             omega = free - min(max(free, -held), held)
             theta += 0.5 * h * omega
-            torque[k if 2 * i < steps else k + 1] += push + drag * (speed - 0.5 * (before + omega))
+            torque[k if 2 * i < steps else k + 1] += push + drag * (speed - 0.5 * (before + omega)) - borne
     torque /= steps
     torque[0] *= 2.0
     torque[-1] *= 2.0
@@ -186,6 +193,17 @@ def _pace(far: tuple[float, float, float], drag: float, h: float) -> tuple[float
     loss = 0.5 * h * (drag + viscous)
     gain = h / (inertia + loss)
     return (inertia - loss) / (inertia + loss), gain, gain * coulomb
+
+
+@compiled()
+def _twist(load: float, link: tuple[float, float, float, float]) -> float:
+    """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
+    stiffness, _, half, soft = link
+    if load == 0.0:
+        return 0.0
+    size = abs(load)
+    twist = half + (size + min(size, soft)) / stiffness
+    return twist if load > 0.0 else -twist
 
 
 @compiled()

@@ -9,9 +9,9 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.backlash import TERM
 
-SPAN_SHARES = np.geomspace(3e-5, 0.02, 24)
-"""Widths of the play as shares of the span of the motion: they set when the flanks strike."""
-CONTACTS_HZ = (20.0, 35.0, 63.0)
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
+"""Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
+CONTACTS_HZ = (22.0, 50.0)
 """Flanks that ring about as fast as a regression sees, and hard ones."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
