@@ -196,7 +196,7 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
         ordered_by="start" if dated else "name",
         autocorrelation=0.05,
         drift=count > STEP_SESSION,
-        message="joints 2 and 5 drift",
+        message=f"{robot}: joints 2 and 5 drift",
         reference=tuple(range(min(REFERENCE, count))),
         left_out=left_out,
         joints=tuple(joint_of(sessions, j + 1, compared) for j in range(joints)),
@@ -209,7 +209,11 @@ def joint_of(sessions: Sequence[Session], joint: int, compared: Sequence[int]) -
     drift = any(one.drift for one in found)
     message = "; ".join(f"{one.coefficient.split('_')[0]}: {one.message}" for one in found)
     return JointDrift(
-        joint=joint, name=sessions[0].joints[joint - 1].name, coefficients=found, drift=drift, message=message
+        joint=joint,
+        name=sessions[0].joints[joint - 1].name,
+        coefficients=found,
+        drift=drift,
+        message=f"joint {joint}: {message}",
     )
 
 

@@ -12,6 +12,7 @@ from friction_audit.report.drift_words import (
     change_text,
     enumerate_words,
     format_p,
+    format_percent,
     format_share,
     format_slope,
     format_start,
@@ -86,6 +87,16 @@ def test_near_a_level_of_zero_numbers_are_absolute() -> None:
     assert trend_text(zero) == "+0.00267 ± 0.00027 N m"
     change = replace(STEP.change_points[0], relative=UNDETERMINED)
     assert change_text(ARM, change).endswith("2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023")
+
+
+def test_names_are_not_said_twice() -> None:
+    text = "\n".join(lines_of(by_hand.batch(ARM), verbose=True))
+    assert "panda-1: 24 sessions, 2026-03-03 to 2026-04-07, 23 compared; joints 2 and 5 drift" in text
+    assert "joint 1: joint 1" not in text
+
+
+def test_a_change_without_an_interval_is_rounded() -> None:
+    assert format_percent(Coefficient(value=-0.06132, low=float("nan"), high=float("nan"))) == "-6.1 %"
 
 
 def test_a_step_between_two_sessions_alone_has_no_range() -> None:

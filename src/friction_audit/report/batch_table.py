@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.report.batch_summary import BatchSummary
 from friction_audit.report.drift_words import (
+    arm_sentence,
     change_text,
     coefficient_name,
     coefficient_unit,
@@ -13,6 +14,7 @@ from friction_audit.report.drift_words import (
     drift_verdict,
     enumerate_words,
     format_slope,
+    joint_sentence,
     smallest_text,
     span_of,
     total_text,
@@ -58,8 +60,8 @@ def _head(summary: BatchSummary) -> str:
 
 def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
     span = span_of(arm.sessions)
-    when = f", {span}" if span else ""
-    yield f"{arm.robot}: {count_of(len(arm.sessions), 'session')}{when}, {len(arm.compared)} compared; {arm.message}"
+    sessions = f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}"
+    yield f"{arm.robot}: {sessions}, {len(arm.compared)} compared; {arm_sentence(arm)}"
     yield "changes are from the reference to the last sessions; intervals are 95 %"
     yield from plain_lines(_table(arm))
     for joint in arm.joints:
@@ -99,7 +101,7 @@ def _joint_lines(arm: ArmDrift, joint: JointDrift, *, verbose: bool) -> Iterator
     """Yield the message of a joint that drifts, or of every one, and its steps."""
     if not (joint.drift or verbose):
         return
-    yield f"joint {joint.joint}: {joint.message}"
+    yield f"joint {joint.joint}: {joint_sentence(joint)}"
     for found in joint.coefficients:
         name = coefficient_name(found.coefficient)
         yield from (f"  {name}: step at {change_text(arm, change)}" for change in found.change_points)

@@ -62,6 +62,16 @@ def strongest(verdicts: Iterable[str]) -> str:
     return min(verdicts, key=VERDICTS.index, default=UNTESTED)
 
 
+def arm_sentence(arm: ArmDrift) -> str:
+    """Return what is to be said of an arm, without its name in front."""
+    return arm.message.removeprefix(f"{arm.robot}: ")
+
+
+def joint_sentence(joint: JointDrift) -> str:
+    """Return what is to be said of a joint, without its number in front."""
+    return joint.message.removeprefix(f"joint {joint.joint}: ")
+
+
 def drifting_joints(arm: ArmDrift) -> tuple[int, ...]:
     """Return the numbers of the joints that drift."""
     return tuple(joint.joint for joint in arm.joints if joint_verdict(joint) == DRIFT)
@@ -98,9 +108,11 @@ def smallest_text(found: CoefficientDrift) -> str:
 
 
 def format_percent(relative: Coefficient) -> str:
-    """Return a relative change with its 95 % interval: ``+15.2 ± 1.9 %``."""
+    """Return a relative change with its 95 % interval: ``+15.2 ± 1.9 %``; rounded where it has none."""
     if math.isnan(relative.value):
         return NOTHING
+    if math.isnan(relative.low + relative.high):
+        return f"{100.0 * relative.value:+.2g} %"
     return f"{signed(scaled(relative, 100.0))} %"
 
 

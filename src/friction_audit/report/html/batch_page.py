@@ -5,7 +5,14 @@ from dataclasses import replace
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.report.batch_summary import BatchSummary
-from friction_audit.report.drift_words import arm_verdict, count_of, drifting_joints, enumerate_words, span_of
+from friction_audit.report.drift_words import (
+    arm_sentence,
+    arm_verdict,
+    count_of,
+    drifting_joints,
+    enumerate_words,
+    span_of,
+)
 from friction_audit.report.figures.batch import BATCH_FIGURES, BatchFigure
 from friction_audit.report.html.batch_captions import CAPTIONS, TITLES, describe
 from friction_audit.report.html.batch_tables import (
@@ -99,7 +106,7 @@ def _verdict_section(summary: BatchSummary) -> Section:
 
 def _verdict(arm: ArmDrift) -> Verdict:
     word = arm_verdict(arm)
-    return Verdict(name=arm.robot, word=word, tone=TONES[word], sentence=arm.message)
+    return Verdict(name=arm.robot, word=word, tone=TONES[word], sentence=arm_sentence(arm))
 
 
 def _arm_sections(summary: BatchSummary) -> Iterator[Section]:

@@ -29,13 +29,11 @@ from friction_audit.report.drift_words import (
     trend_text,
 )
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
+from friction_audit.report.figures.batch_look import shortened
 from friction_audit.report.html.parts import Cell, Table, Tone
 
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
-WITHIN = (
-    "joint", "coefficient", "change within a session", "sessions that show one", "per K, taken out",
-    "compared at [°C]", "scatter between sessions", "what describes it",
-)  # fmt: skip
+WITHIN = ("joint", "coefficient", "in a session", "seen in", "per K", "at [°C]", "scatter", "described by")
 SESSIONS = (
     "session", "started (UTC)", "start from", "length [s]", "part", "temperature [°C]", "recorded and read as",
     "payload", "file", "notes",
@@ -106,9 +104,9 @@ def _with_unit(value: Coefficient, coefficient: str) -> str:
 def step_table(arm: ArmDrift) -> tuple[Table, ...]:
     """Return the steps that were found, if there are any."""
     rows = list(_steps(arm))
-    head = ("joint", "coefficient", "first session after it", "started (UTC)")
-    titles = (*head, "between", "before", "after", "change", "p")
-    caption = "Steps; between which sessions with 95 % confidence"
+    head = ("joint", "coefficient", "session", "started (UTC)", "range")
+    titles = (*head, "change", "before", "after", "p")
+    caption = "Steps: the first session after each, the range that holds it with 95 % confidence, and the levels"
     return (Table(caption=caption, titles=titles, rows=rows, numbers=frozenset({2, 5, 6, 7, 8})),) if rows else ()
 
 
@@ -123,10 +121,10 @@ def _steps(arm: ArmDrift) -> Iterator[tuple[Cell, ...]]:
                     Cell(text=coefficient_name(found.coefficient)),
                     Cell(text=str(change.session + 1), key=change.session),
                     Cell(text=format_start(start_s), key=_start_key(start_s)),
-                    Cell(text=f"{low}" if low == high else f"{low} and {high}", key=low),
+                    Cell(text=f"{low}" if low == high else f"{low} to {high}", key=low),
+                    Cell(text=format_change(change.relative, change.after, change.before), key=change.relative.value),
                     Cell(text=_with_unit(change.before, found.coefficient), key=change.before.value),
                     Cell(text=_with_unit(change.after, found.coefficient), key=change.after.value),
-                    Cell(text=format_change(change.relative, change.after, change.before), key=change.relative.value),
                     Cell(text=format_p(change.p_value), key=change.p_value),
                 )
 
@@ -139,7 +137,9 @@ def within_table(arm: ArmDrift) -> Table:
     """Return the change within a session, over all sessions, and what was done about temperature."""
     rows = [_within_row(arm, joint, found) for joint in arm.joints for found in joint.coefficients]
     return Table(
-        caption="Change from the first to the last third of a session, and with temperature: kept apart from drift",
+        caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
+        "sessions it is seen; the change with temperature that was taken out, and the temperature of the comparison; "
+        "the scatter between sessions",
         titles=WITHIN,
         rows=rows,
         numbers=frozenset(range(2, 7)),
@@ -262,7 +262,7 @@ def _coefficient_table(arm: ArmDrift, coefficient: str, joints: Sequence[JointDr
     which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
     return Table(
         caption=f"{which}, with its 95 % interval [{UNITS[coefficient]}]{_cut(arm)}",
-        titles=("session", *(joint_label(joint.joint, joint.name) for joint in joints)),
+        titles=("session", *(shortened(joint_label(joint.joint, joint.name)) for joint in joints)),
         rows=[
             (Cell(text=str(k + 1), key=k), *(_coefficient_cell(session, joint.joint, coefficient) for joint in joints))
             for k, session in enumerate(arm.sessions[:MOST_ROWS])
