@@ -4,17 +4,21 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.drift.scatter import residual_scatter
 from friction_audit.drift.series import NORMAL_95
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+
+ROUNDS = 4
+"""Mean and scatter in turns; they settle at once."""
 
 
 def change_within(sessions: Sequence[Session], joint: int, coefficient: str) -> Coefficient:
     """Return the relative change of a coefficient within a session, the mean over the sessions that tell it.
 
-    A random-effects mean (DerSimonian and Laird 1986, with the interval of Hartung and Knapp 2001).
+    A random-effects mean with the interval of Hartung and Knapp (2001), never narrower than the sessions' own allow.
     """
-    from statsmodels.stats.meta_analysis import combine_effects
+    from scipy.stats import t
 
     told = [
         summary.within[coefficient]
@@ -29,7 +33,12 @@ def change_within(sessions: Sequence[Session], joint: int, coefficient: str) -> 
         return UNDETERMINED
     if len(rows) == 1:
         return Coefficient(value=float(rows[0, 0]), low=float(rows[0, 1]), high=float(rows[0, 2]))
-    variance = ((rows[:, 2] - rows[:, 1]) / (2 * NORMAL_95)) ** 2
-    found = combine_effects(rows[:, 0], variance, method_re="dl", use_t=True)
-    low, high = found.conf_int(use_t=True)[3]
-    return Coefficient(value=float(found.mean_effect_re), low=float(low), high=float(high))
+    error, freedom = (rows[:, 2] - rows[:, 1]) / (2 * NORMAL_95), len(rows) - 1
+    scatter = 0.0
+    for _ in range(ROUNDS):
+        weight = 1.0 / (error**2 + scatter**2)
+        mean = float(np.average(rows[:, 0], weights=weight))
+        scatter = residual_scatter(rows[:, 0] - mean, error, freedom)
+    spread = float(np.sum(weight * (rows[:, 0] - mean) ** 2)) / freedom
+    half = float(t.ppf(0.975, freedom)) * float(np.sqrt(max(spread, 1.0) / np.sum(weight)))
+    return Coefficient(value=mean, low=mean - half, high=mean + half)

@@ -1,0 +1,101 @@
+"""Arms of seven joints, pooled from sessions of one joint."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.drift.library import OneJoint
+from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift
+from friction_audit.drift.session import JointSummary, Session
+from friction_audit.drift.settings import DriftSettings
+
+JOINTS = 7
+DRIFTING = 3
+A_DAY_S = 86400.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """What was said of one arm.
+
+    Attributes:
+        drift: Whether drift was reported.
+        found: Whether it was reported of the coefficient that drifts.
+        falsely: Whether it was reported of another one.
+        shape: Of the coefficient that drifts.
+        off: Sessions from the true step to the nearest one that was reported, or None.
+        covered: Whether the interval of the moment holds the true one, or None.
+        total: Change of the coefficient that drifts.
+        size_covered: Whether its interval holds the true change.
+    """
+
+    drift: bool
+    found: bool
+    falsely: bool
+    shape: str
+    off: int | None
+    covered: bool | None
+    total: float
+    size_covered: bool
+
+
+def pool(
+    rng: np.random.Generator, null: Sequence[OneJoint], drifting: Sequence[OneJoint] | None, count: int
+) -> list[Session]:
+    """Put sessions of one joint together to sessions of an arm, joint 3 from those that drift, no session twice."""
+    drawn = rng.choice(len(null), size=(count, JOINTS), replace=False)
+    sessions = []
+    for i in range(count):
+        parts = [null[k] for k in drawn[i]]
+        if drifting is not None:
+            parts[DRIFTING - 1] = drifting[i]
+        joints = tuple(replace(part.summary, joint=j + 1, name=f"joint{j + 1}") for j, part in enumerate(parts))
+        sessions.append(make_session(i, joints, parts[0]))
+    return sessions
+
+
+def make_session(i: int, joints: tuple[JointSummary, ...], like: OneJoint) -> Session:
+    """Return the session of the i-th day."""
+    return Session(
+        path=f"day{i}.parquet",
+        sha256=str(i),
+        robot="arm",
+        start_s=1.77e9 + i * A_DAY_S,
+        start_from="log",
+        duration_s=60.0,
+        conditions=like.conditions,
+        joints=joints,
+    )
+
+
+def judge(sessions: Sequence[Session], settings: DriftSettings, true_step: int | None, true_total: float) -> Outcome:
+    """Analyse one arm and compare with the truth; joint 3's Coulomb friction is what drifts."""
+    (arm,) = analyse_drift(sessions, settings).arms
+    mine = coulomb_of(arm, DRIFTING)
+    others = [d for joint in arm.joints for d in joint.coefficients if d is not mine]
+    at = [(point.session, point.low, point.high) for point in mine.change_points]
+    near = min(at, key=lambda point: abs(point[0] - (true_step or 0)), default=None)
+    timed = near is not None and true_step is not None
+    return Outcome(
+        drift=arm.drift,
+        found=mine.drift,
+        falsely=any(drift.drift for drift in others),
+        shape=mine.shape,
+        off=abs(near[0] - true_step) if timed and near and true_step is not None else None,
+        covered=near[1] <= true_step <= near[2] if timed and near and true_step is not None else None,
+        total=mine.total.value,
+        size_covered=mine.total.low <= true_total <= mine.total.high,
+    )
+
+
+def coulomb_of(arm: ArmDrift, number: int) -> CoefficientDrift:
+    """Return the Coulomb friction of a joint."""
+    joint = next(joint for joint in arm.joints if joint.joint == number)
+    return joint.coefficients[0]
+
+
+def repeat(count: int, seed: int, once: Callable[[np.random.Generator], Outcome]) -> list[Outcome]:
+    """Judge so many arms."""
+    return [once(np.random.default_rng((seed, k))) for k in range(count)]
