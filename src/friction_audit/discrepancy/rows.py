@@ -107,7 +107,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
         cycle=cycle[used],
         breakaways=breakaways,
         breakaway_row=at,
-        breakaway_weight=_relative_weight(kernel, breakaways.weights),
+        breakaway_weight=_relative_weight(breakaways.weights, data.step_s),
     )
     return replace(bare, y=bare.of(data.torque))
 
@@ -116,9 +116,12 @@ def _breakaways(data: JointData) -> Breakaways:
     return find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
 
 
-def _relative_weight(kernel: Float, weights: Float) -> float:
-    """Noise that a filter leaves of white noise, over that which other weights leave, at most 1."""
-    return min(float(np.linalg.norm(kernel) / np.linalg.norm(weights)), 1.0)
+def _relative_weight(weights: Float, step_s: float) -> float:
+    """Noise that the rows' highest corner leaves of white noise, over that which other weights leave, at most 1.
+
+    Where the corner is lower the torque's noise is hardly white: a lower weight would be too low.
+    """
+    return min(float(np.sqrt(2.0 * CORNER_HZ * step_s) / np.linalg.norm(weights)), 1.0)
 
 
 def corner_for(data: JointData, inertia_kg_m2: float) -> float:
