@@ -9,7 +9,7 @@ from friction_audit.joint_log import Float
 from friction_audit.model.terms.load_dependent_friction import TERM
 
 EXPONENTS = (1.0, 1.5, 2.0)
-LEAST_CHANGE = 0.25
+LEAST_CHANGE = 0.1
 """Of a high load, what it must change by: a steady load's friction is Coulomb friction."""
 
 
