@@ -7,34 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
-from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import low_pass_for
 from friction_audit.discrepancy.rows import CORNER_HZ, LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
+from tests.discrepancy.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 
 DATA = moved_joint(duration_s=20.0)
-COULOMB_NM, EXCESS_NM, RISE_NM_PER_S = 0.3, 0.2, 1.5
-
-
-def started_and_stopped(noise_nm: float = 0.0, starts: int = 20) -> JointData:
-    """A joint that stands still for half of every second, its torque rising, then slides, the excess lost at once."""
-    t = np.arange(0.0, starts, 1.0 / 400.0)
-    since, way = t % 1.0 - 0.5, np.where(t % 2.0 < 1.0, 1.0, -1.0)
-    slides = since >= 0.0
-    dq = np.where(slides, way * (1.0 - np.cos(4 * np.pi * since)), 0.0)
-    held = COULOMB_NM + EXCESS_NM + RISE_NM_PER_S * since
-    torque = way * np.where(slides, COULOMB_NM, held)
-    q = np.cumsum(dq) / 400.0
-    signed, ddq = signed_rest(dq, np.gradient(dq, t), find_breakaways(q, dq, 3e-3, 1 / 400), 3e-3)
-    noise = noise_nm * np.random.default_rng(0).standard_normal(len(t))
-    return JointData(
-        joint=0, t=t, q=q, dq=signed, ddq=ddq, torque=torque + noise, gravity=None, temperature=None,
-        others_dq=dq[:, None], others_ddq=ddq[:, None], others_torque=torque[:, None],
-        cycle=(t // 1.0).astype(np.int64), moving=np.abs(dq) > 3e-3, valid=np.ones(len(t), bool),
-        dead_speed_rad_s=3e-3,
-    )  # fmt: skip
 
 
 def filtered_by_hand(signal: Float, kernel: Float, every: int) -> Float:

@@ -1,0 +1,43 @@
+"""Stiction as a candidate: what it takes to be seen, and the excess of a joint that breaks away by hand."""
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.candidates.stiction import AT_ONCE_RAD, CANDIDATE, FEWEST_BREAKAWAYS
+from friction_audit.discrepancy.rows import make_rows
+from tests.discrepancy.candidates.joint_data_by_hand import baseline, two_sines
+from tests.discrepancy.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
+
+AT_ONCE = {"ageing_s": 0.01, "renewal_rad": AT_ONCE_RAD}
+
+
+def test_a_joint_that_only_turns_around_is_told_to_stand_still() -> None:
+    data = two_sines()
+    assert "breaks away from a standstill 0 times" in str(CANDIDATE.untestable(data, baseline(data)))
+
+
+@pytest.mark.parametrize("starts", [FEWEST_BREAKAWAYS - 1, FEWEST_BREAKAWAYS])
+def test_so_many_starts_are_enough(starts: int) -> None:
+    data = started_and_stopped(starts=starts)
+    lacking = CANDIDATE.untestable(data, baseline(data))
+    assert (lacking is None) == (starts >= FEWEST_BREAKAWAYS)
+
+
+def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:
+    data = started_and_stopped(noise_nm=0.005, starts=40)
+    rows = make_rows(data)
+    column = rows.of(CANDIDATE.columns(data, baseline(data), AT_ONCE))
+    base = rows.of(np.column_stack([data.ddq, np.sign(data.dq)]))
+    factors = np.linalg.lstsq(np.hstack([base, column]), rows.y, rcond=None)[0]
+    assert factors[1] == pytest.approx(COULOMB_NM, abs=0.005)
+    assert EXCESS_NM - 0.015 * RISE_NM_PER_S < factors[2] < EXCESS_NM + 0.005
+    assert np.abs(column[rows.weight == 1.0]).max() < 0.01
+
+
+def test_the_rest_must_be_long_to_be_worth_much() -> None:
+    data = started_and_stopped()
+    rows = make_rows(data)
+    broke = rows.weight < 1.0
+    half_aged = rows.of(CANDIDATE.columns(data, baseline(data), {**AT_ONCE, "ageing_s": 0.5 / np.log(2.0)}))[broke, 0]
+    assert np.abs(half_aged / rows.weight[broke]) == pytest.approx(0.5, abs=0.04)
+    assert np.array_equal(np.sign(half_aged), np.sign(rows.y[broke]))
