@@ -60,7 +60,8 @@ def test_the_operator_is_fitted_from_quick_reversals() -> None:
         assert hand.inertia.value == pytest.approx(0.3, rel=bound)
         assert hand.damping.value == pytest.approx(9.0, rel=bound)
         assert hand.stiffness.value == pytest.approx(60.0, rel=bound)
-        assert hand.damping.low < hand.damping.value < hand.damping.high
+        for number, truth in ((hand.inertia, 0.3), (hand.damping, 9.0), (hand.stiffness, 60.0)):
+            assert number.low < truth < number.high
 
 
 def test_a_person_who_pauses_cannot_be_fitted() -> None:
