@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.data_audit import DataFinding
-from friction_audit.discrepancy.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
+from friction_audit.discrepancy.diagnose_joint import FEWEST_CYCLES, Subject, anything_taken, diagnose_joint
+from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.result import JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
 from tests.discrepancy.moved_joint import INERTIA_KG_M2, TRUTH, moved_joint
-from tests.discrepancy.toy_candidates import BUMP, LOCKED_OUT, SQUARE, TOYS
+from tests.discrepancy.toy_candidates import BUMP, LOCKED_OUT, SQUARE, STEP, TOYS
 
 NOISE_NM = 0.02
 ENERGY = {
@@ -89,6 +91,15 @@ def test_what_nobody_can_name_is_unexplained_with_its_place() -> None:
     assert found.verdict == "unexplained"
     assert "nothing in the catalogue explains" in found.message
     assert " rad, " in found.message
+
+
+def test_what_comes_late_is_taken_by_what_the_rows_are_worth_and_noise_is_not() -> None:
+    late = subject(lambda data: 0.08 * np.sign(data.dq) * (data.t >= 54.0))
+    taken = []
+    for data in (late.data, subject().data):
+        ground = make_ground(data, None, 0)
+        taken.append(anything_taken(ground, build_library([STEP, SQUARE], data, ground.baseline(), ground.rows)))
+    assert taken == [True, False]
 
 
 def test_a_name_with_a_twin_is_ambiguous() -> None:

@@ -9,10 +9,10 @@ import pytest
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
-from friction_audit.discrepancy.naming import Names, find_names, worth
+from friction_audit.discrepancy.naming import Names, find_names, with_moments_of_all_cycles, worth
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
-from tests.discrepancy.toy_candidates import BUMP, SQUARE, TOYS
+from tests.discrepancy.toy_candidates import BUMP, SQUARE, STEP, TOYS
 
 
 def bump(data: JointData) -> Float:
@@ -74,6 +74,27 @@ def test_twins_are_alternatives() -> None:
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
     assert found.naming.alternatives == ("bump",)
+
+
+def test_a_moment_in_a_locked_cycle_is_told_from_all_cycles() -> None:
+    clean = ground_of(None)
+    cycle = int(np.median(clean.rows.cycle[clean.locked]))
+    inside = clean.data.t[clean.data.cycle == cycle]
+    assert np.isin(cycle, clean.rows.cycle[clean.locked])
+    moment = float(inside[0] + 0.3 * (inside[-1] - inside[0]))
+    ground = ground_of(lambda data: 0.1 * np.sign(data.dq) * (data.t >= moment))
+    toys = (STEP, BUMP)
+    library = build_library(toys, ground.data, ground.baseline(), ground.rows)
+    names = find_names(ground, toys, library, 0.05, np.random.default_rng(0))
+    (told,) = with_moments_of_all_cycles(ground, names)
+    assert told.shape["moment_s"] == pytest.approx(moment, abs=0.1)
+    assert inside[0] - 0.1 < names.found[0].shape["moment_s"] < inside[-1] + 0.1
+
+
+def test_what_is_no_function_of_time_is_told_as_it_was_proven() -> None:
+    ground = ground_of(bump)
+    names = names_of(ground)
+    assert with_moments_of_all_cycles(ground, names) == names.found
 
 
 def test_rows_are_worth_their_number_over_the_memory() -> None:

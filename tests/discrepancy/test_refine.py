@@ -42,6 +42,11 @@ def test_one_number_is_found_between_its_neighbours(place: float) -> None:
     assert found["width_rad"] == 0.2
 
 
+def test_a_number_between_the_values_of_the_grid_may_be_refined_again() -> None:
+    found = refined(ground_of(bump(0.41, 0.2)), BUMP, {"place_rad": 0.22, "width_rad": 0.2})
+    assert found["place_rad"] == pytest.approx(0.41, abs=0.003)
+
+
 def test_two_numbers_are_found_together() -> None:
     found = refined(ground_of(bump(0.36, 0.24)), WIDE, {"place_rad": 0.3, "width_rad": 0.3})
     assert found == pytest.approx({"place_rad": 0.36, "width_rad": 0.24}, rel=0.05)

@@ -15,6 +15,10 @@ def _wave(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
     return np.column_stack([np.sin(shape["rate"] * data.t), np.cos(shape["rate"] * data.t)])
 
 
+def _step(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+    return (np.sign(data.dq) * (data.t >= shape["moment_s"]))[:, None]
+
+
 def _square(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
     return (data.dq * np.abs(data.dq))[:, None]
 
@@ -48,6 +52,16 @@ SQUARE = Candidate(
     untestable=lambda _data, _baseline: None,
     admissible=lambda _factors, _shape: True,
     axis="speed",
+)
+STEP = Candidate(
+    name="step",
+    label="friction changes at one moment",
+    shapes=tuple({"moment_s": moment} for moment in (10.0, 20.0, 30.0, 40.0, 50.0)),
+    columns=_step,
+    column_units=("nm",),
+    untestable=lambda _data, _baseline: None,
+    admissible=lambda _factors, _shape: True,
+    axis="time",
 )
 LOCKED_OUT = Candidate(
     name="locked_out",

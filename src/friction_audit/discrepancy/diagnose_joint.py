@@ -17,8 +17,8 @@ from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import build_library
-from friction_audit.discrepancy.naming import Names, find_names, worth
+from friction_audit.discrepancy.library import Library, build_library
+from friction_audit.discrepancy.naming import Names, find_names, search_library, with_moments_of_all_cycles, worth
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
@@ -130,19 +130,20 @@ def _judge(
     ground = undisturbed.ground
     names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
     first = _test(ground, names, rng)
-    if names.library.entries and (first.p_value <= settings.alpha or _is_plain(ground)):
+    if names.library.entries and (first.p_value <= settings.alpha or anything_taken(ground, names.library)):
         names = find_names(ground, candidates, names.library, settings.alpha, rng)
     last = _test(ground, names, rng) if names.found else first
     return _told(subject, ground, names, events, (first, last), settings.alpha)
 
 
-def _is_plain(ground: Ground) -> bool:
-    """Whether curves learnt on the working cycles leave clearly less of the locked ones than the declared model does.
+def anything_taken(ground: Ground, library: Library) -> bool:
+    """Whether a search takes anything, by what the rows are worth.
 
-    A slow drift, which is in a few cycles only, may be plain to see and not significant with random signs per cycle.
+    What happens in a few cycles only, as a late step or a slow drift, may be plain and yet not significant with random
+    signs per cycle.
     """
-    left = float(np.sqrt(np.mean(ground.residual()[ground.locked] ** 2)))
-    return left > OVER_FLOOR * noise_floor(ground, ground.curves)
+    _, outcome, _ = search_library(ground, library)
+    return bool(outcome.chosen)
 
 
 def _told(
@@ -158,7 +159,7 @@ def _told(
     before, after, cycle = ground.residual(), ground.residual(*columns), ground.rows.cycle
     floor = noise_floor(ground, ground.curves, *columns)
     gap = measure_gap(before[ground.locked], after[ground.locked], floor, cycle[ground.locked])
-    numbers = parameters_of(ground, names.found, names.baseline)
+    numbers = parameters_of(ground, with_moments_of_all_cycles(ground, names), names.baseline)
     effects = (*events, *effects_of(ground, names, ground.curves, numbers))
     declared = dict(zip(ground.declared.names, coefficients(ground.base, ground.y, cycle), strict=True))
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]

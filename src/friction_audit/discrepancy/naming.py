@@ -89,6 +89,24 @@ def find_names(
     return Names(found=_accept(ground, found, alpha, rng), library=library, baseline=baseline)
 
 
+def with_moments_of_all_cycles(ground: Ground, names: Names) -> tuple[Found, ...]:
+    """The accepted effects, the numbers of those that are functions of time refined once more, on all cycles.
+
+    What happens at one moment may happen in a locked cycle: the others only tell that it was between them. For the
+    numbers that are told, not for the proof.
+    """
+    every = replace(ground, working=np.ones_like(ground.working))
+    found = list(names.found)
+    for k, f in enumerate(found):
+        if f.candidate.axis != "time" or not f.shape:
+            continue
+        base = np.hstack([ground.base, *(g.columns for g in found if g is not f)])
+        shape = refine(f.candidate, f.shape, f.candidate.tried(ground.data), every, names.baseline, base)
+        columns = ground.rows.of(f.candidate.columns(ground.data, names.baseline, shape))
+        found[k] = replace(f, shape=shape, columns=columns)
+    return tuple(found)
+
+
 def worth(ground: Ground, *effects: Float) -> float:
     """What the working rows are worth: their number over the memory of the noise."""
     return float(ground.working.sum()) / ground.memory(*effects)

@@ -86,9 +86,9 @@ def _free(candidate: Candidate, shape: Shape, tried: Sequence[Shape]) -> dict[st
 
 
 def _neighbours(name: str, shape: Shape, tried: Sequence[Shape]) -> tuple[float, float]:
-    """The values of the grid on either side of one number; a step beyond where it is the last."""
+    """The values of the grid on either side of the nearest one; a step beyond where it is the last."""
     grid = sorted({other[name] for other in tried if name in other})
-    at = grid.index(shape[name])
+    at = int(np.argmin(np.abs(np.array(grid) - shape[name])))
     if len(grid) == 1:
         return grid[0], grid[0]
     low = grid[at - 1] if at > 0 else grid[0] - BEYOND_EDGE * (grid[1] - grid[0])
