@@ -194,5 +194,15 @@ def test_ticks_are_few_and_begin_with_the_first() -> None:
     assert all(len(tick_places(n)) <= 6 for n in range(1, 400))
 
 
+def test_ticks_name_the_day_or_over_years_the_month() -> None:
+    axes = draw_drift(ARM, 2)
+    assert axes.get_supxlabel() == "Session (month-day, 2026)"
+    assert axes.axes[1].get_xticklabels()[1].get_text() == "5\n03-09"
+    long = draw_drift(by_hand.arm(300, 2), 2)
+    assert long.get_supxlabel() == "Session (year-month)"
+    assert long.axes[1].get_xticklabels()[-1].get_text() == "251\n2027-03"
+    assert draw_drift(by_hand.arm(3, 2, dated=False), 2).get_supxlabel() == "Session"
+
+
 def test_runs_of_sessions() -> None:
     assert runs([5.0, 1.0, 2.0]) == [(1.0, 2.0), (5.0, 5.0)]

@@ -127,9 +127,10 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     button.click()
     dialog = opened.page.get_by_role("dialog")
     assert dialog.get_by_role("img").is_visible()
-    dialog.get_by_role("button", name="Zoom in").click()
     inside = "document.querySelector('dialog svg').getAttribute('viewBox').split(' ').map(Number)"
-    width = float(whole.split()[2])
+    width = opened.evaluate(inside)[2]
+    assert width >= float(whole.split()[2])
+    dialog.get_by_role("button", name="Zoom in").click()
     left, _, zoomed, _ = opened.evaluate(inside)
     assert zoomed == pytest.approx(0.8 * width)
     opened.page.locator(".stage").focus()
@@ -143,6 +144,8 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     opened.page.mouse.move(740, 500)
     opened.page.mouse.up()
     assert opened.evaluate(inside)[0] < before
+    dialog.get_by_role("button", name="Whole figure").click()
+    assert opened.evaluate(inside)[2] == pytest.approx(width)
     opened.page.keyboard.press("Escape")
     assert opened.evaluate("document.querySelectorAll('figure svg').length") == len(BATCH_FIGURES)
     assert opened.evaluate("document.querySelectorAll('figure svg')[1].getAttribute('viewBox')") == whole

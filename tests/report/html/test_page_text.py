@@ -64,6 +64,20 @@ def test_a_page_is_whole_small_and_points_nowhere() -> None:
     assert not re.search(r"@import|@font-face|url\((?!#)", html)
 
 
+def test_a_page_of_a_thousand_sessions_is_small_and_says_what_it_leaves_out() -> None:
+    html = write_page(by_hand.batch(by_hand.arm(1000)))
+    assert len(html.encode()) < MOST_BYTES
+    assert "the last 857 of 1000, all of them are in the tidy table" in html
+    assert outline(html).open == []
+
+
+def test_a_page_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(batch_page, "MOST_BYTES", 50_000)  # the figures of one arm: they take long to draw
+    html = write_page(by_hand.batch(*(by_hand.arm(30, 7, robot=f"arm-{k}") for k in range(40))))
+    assert len(html.encode()) < MOST_BYTES
+    assert "the last 21 of 30" in html
+
+
 def test_the_same_batch_gives_the_same_page() -> None:
     assert write_page(SMALL) == write_page(SMALL)
 

@@ -80,11 +80,14 @@ def _draw_points(axes: "Axes", control: tuple[ControlPoint, ...], *, relative: b
     scale = 100.0 if relative else 1.0
     value, low, high = (scale * np.array([getattr(one, end) for one in numbers]) for end in ("value", "low", "high"))
     outside = np.array([point.outside for point in control])
-    band = axes.fill_between(place, low, high, step="mid", color=LEFT_OUT, alpha=0.16, lw=0, label=LIMITS)
+    many = len(place) > MOST_MARKED
+    band = axes.fill_between(
+        place, low, high, step=None if many else "mid", color=LEFT_OUT, alpha=0.16, lw=0, label=LIMITS
+    )
     axes.axhline(0.0, color=LEFT_OUT, lw=0.6)
-    line = {"lw": 0.7} if len(place) > MOST_MARKED else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
+    line = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
     handles: list[Artist] = [band, *axes.plot(place, value, color=ESTIMATE, label=INSIDE, **line)]
     if outside.any():
-        mark = {"ls": "none", "marker": "s", "ms": 3.4, "mew": 0.0}
+        mark = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0}
         handles += axes.plot(place[outside], value[outside], color=OUTSIDE, label=OUT, zorder=4, **mark)  # type: ignore[arg-type]
     return [*handles, Patch(facecolor=REFERENCE, alpha=0.25, lw=0, label=BASELINE)]

@@ -114,14 +114,22 @@ def tick_places(count: int) -> list[int]:
 
 def _tick(arm: ArmDrift, place: int) -> str:
     date = format_date(arm.sessions[place - 1].start_s)
-    # The year stands in the caption and in the table; a tick has no room for it.
-    return str(place) if date == NOTHING else f"{place}\n{date[5:]}"
+    # A tick has room for two of the three.
+    short = date[:7] if len(_years(arm)) > 1 else date[5:]
+    return str(place) if date == NOTHING else f"{place}\n{short}"
+
+
+def _years(arm: ArmDrift) -> set[str]:
+    dates = {format_date(session.start_s) for session in arm.sessions}
+    return {date[:4] for date in dates - {NOTHING}}
 
 
 def session_label(arm: ArmDrift) -> str:
     """Return the name of the axis of sessions."""
-    dated = any(format_date(session.start_s) != NOTHING for session in arm.sessions)
-    return "Session (month-day)" if dated else "Session"
+    years = _years(arm)
+    if not years:
+        return "Session"
+    return "Session (year-month)" if len(years) > 1 else f"Session (month-day, {years.pop()})"
 
 
 def name_axis(figure: "Figure", label: str) -> None:

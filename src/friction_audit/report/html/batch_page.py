@@ -22,6 +22,7 @@ from friction_audit.report.html.batch_tables import (
     failed_table,
     joint_tables,
     left_out_table,
+    rows_for,
     session_table,
     step_table,
     within_table,
@@ -32,7 +33,7 @@ from friction_audit.report.html.parts import Figure, Page, Part, Section, Table,
 from friction_audit.report.html.settings_section import settings_section
 from friction_audit.report.html.svg import draw_inline
 
-MOST_BYTES = 2_000_000
+MOST_BYTES = 1_600_000
 """Figures of one page together: a page of many arms shows those that drift, and names the others."""
 ON_A_SHEET = 8
 """Joints of one figure."""
@@ -111,9 +112,9 @@ def _verdict(arm: ArmDrift) -> Verdict:
 
 def _arm_sections(summary: BatchSummary) -> Iterator[Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
-    pictures = _pictures(summary.arms)
+    pictures, most = _pictures(summary.arms), rows_for(summary.arms)
     for number, arm in enumerate(summary.arms, start=1):
-        yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()))
+        yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
 
 
 def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
@@ -144,7 +145,7 @@ def _figure(arm: ArmDrift, kind: BatchFigure, prefix: str, *, whole: bool) -> Fi
     return Figure(picture=picture, title=f"{TITLES[kind.name]}{which}", caption=CAPTIONS[kind.name])
 
 
-def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...]) -> Section:
+def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: int) -> Section:
     span = span_of(arm.sessions)
     counts = f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared."
     notes: list[Part] = [Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
@@ -160,7 +161,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...]) -> Sec
             Section(
                 anchor=f"{anchor}-sessions",
                 title="Sessions",
-                parts=(*left_out_table(arm), session_table(arm), *coefficient_tables(arm)),
+                parts=(*left_out_table(arm), session_table(arm, most), *coefficient_tables(arm, most)),
             ),
         ),
     )

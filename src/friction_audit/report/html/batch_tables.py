@@ -40,8 +40,14 @@ SESSIONS = (
 )  # fmt: skip
 ACROSS = 7
 """Joints side by side in a table of coefficients; more make another table."""
-MOST_ROWS = 2000
-"""Sessions that a page lists; all of them are in the tidy table beside it."""
+MOST_CELLS = 12_000
+"""Coefficients that a page lists; all of them are in the tidy table beside it."""
+
+
+def rows_for(arms: Sequence[ArmDrift]) -> int:
+    """Return how many sessions of each arm a page has room for."""
+    cells = sum(len(UNITS) * max(len(arm.joints), 1) for arm in arms)
+    return max(1, MOST_CELLS // max(cells, 1))
 
 
 def joint_tables(arm: ArmDrift) -> tuple[Table, Table]:
@@ -207,19 +213,24 @@ def left_out_table(arm: ArmDrift) -> tuple[Table, ...]:
     return (table,) if rows else ()
 
 
-def session_table(arm: ArmDrift) -> Table:
-    """Return the sessions, the files they are from, and under what they were recorded."""
+def session_table(arm: ArmDrift, most: int) -> Table:
+    """Return the last ``most`` sessions, the files they are from, and under what they were recorded."""
     return Table(
-        caption=f"All sessions, in the order of their {arm.ordered_by}s{_cut(arm)}",
+        caption=f"Sessions, in the order of their {arm.ordered_by}s{_cut(arm, most)}",
         titles=SESSIONS,
-        rows=[_session_row(arm, k, session) for k, session in enumerate(arm.sessions[:MOST_ROWS])],
+        rows=[_session_row(arm, k, arm.sessions[k]) for k in _last(arm, most)],
         numbers=frozenset({3, 5}),
         folded=len(arm.sessions) > ACROSS,
     )
 
 
-def _cut(arm: ArmDrift) -> str:
-    return f"; the first {MOST_ROWS}, all of them are in the tidy table" if len(arm.sessions) > MOST_ROWS else ""
+def _last(arm: ArmDrift, most: int) -> range:
+    return range(max(0, len(arm.sessions) - most), len(arm.sessions))
+
+
+def _cut(arm: ArmDrift, most: int) -> str:
+    cut = len(arm.sessions) > most
+    return f"; the last {most} of {len(arm.sessions)}, all of them are in the tidy table" if cut else ""
 
 
 def _session_row(arm: ArmDrift, index: int, session: Session) -> tuple[Cell, ...]:
@@ -250,22 +261,25 @@ def session_temperature(session: Session) -> float:
     return math.fsum(logged) / len(logged) if logged else math.nan
 
 
-def coefficient_tables(arm: ArmDrift) -> Iterator[Table]:
-    """Yield the coefficients of every session as it has them: a table per coefficient and ACROSS joints."""
+def coefficient_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
+    """Yield the coefficients of the last ``most`` sessions: a table per coefficient and ACROSS joints."""
     for coefficient in UNITS:
         for first in range(0, len(arm.joints), ACROSS):
-            yield _coefficient_table(arm, coefficient, arm.joints[first : first + ACROSS])
+            yield _coefficient_table(arm, coefficient, arm.joints[first : first + ACROSS], most)
 
 
-def _coefficient_table(arm: ArmDrift, coefficient: str, joints: Sequence[JointDrift]) -> Table:
+def _coefficient_table(arm: ArmDrift, coefficient: str, joints: Sequence[JointDrift], most: int) -> Table:
     kind = f"{coefficient_name(coefficient)} coefficient"
     which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
     return Table(
-        caption=f"{which}, with its 95 % interval [{UNITS[coefficient]}]{_cut(arm)}",
+        caption=f"{which}, with its 95 % interval [{UNITS[coefficient]}]{_cut(arm, most)}",
         titles=("session", *(shortened(joint_label(joint.joint, joint.name)) for joint in joints)),
         rows=[
-            (Cell(text=str(k + 1), key=k), *(_coefficient_cell(session, joint.joint, coefficient) for joint in joints))
-            for k, session in enumerate(arm.sessions[:MOST_ROWS])
+            (
+                Cell(text=str(k + 1), key=k),
+                *(_coefficient_cell(arm.sessions[k], joint.joint, coefficient) for joint in joints),
+            )
+            for k in _last(arm, most)
         ],
         numbers=frozenset(range(1, len(joints) + 1)),
         folded=True,

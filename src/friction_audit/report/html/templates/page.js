@@ -41,6 +41,7 @@
   const dialog = document.getElementById("enlarged");
   const stage = dialog.querySelector(".stage");
   let home = null;
+  let given = null;
   let whole = null;
   const drawing = () => stage.querySelector("svg");
   const view = () => drawing().getAttribute("viewBox").split(" ").map(Number);
@@ -55,15 +56,25 @@
     const [left, top, width, height] = view();
     show([left + x * width, top + y * height, width, height]);
   };
+  // The whole figure in a window of the stage's shape, so that zooming in fills the stage.
+  const filling = ([left, top, width, height]) => {
+    const box = drawing().getBoundingClientRect();
+    const scale = Math.max(width / box.width, height / box.height);
+    const [wide, high] = [box.width * scale, box.height * scale];
+    return [left - (wide - width) / 2, top - (high - height) / 2, wide, high];
+  };
+  const nameOf = (figure) => figure.querySelector("figcaption strong").textContent.replace(/\.$/, "");
   const open = (figure) => {
     home = figure.querySelector(".sheet");
-    document.getElementById("enlarged-title").textContent = figure.querySelector("figcaption strong").textContent;
+    document.getElementById("enlarged-title").textContent = nameOf(figure);
     stage.append(home.querySelector("svg"));
-    whole = view();
+    given = view();
     dialog.showModal();
+    whole = filling(given);
+    show(whole);
   };
   dialog.addEventListener("close", () => {
-    show(whole);
+    show(given);
     home.append(drawing());
     home.closest("figure").querySelector("button").focus();
   });
@@ -108,7 +119,7 @@
     const button = document.createElement("button");
     button.type = "button";
     button.textContent = "Enlarge";
-    button.setAttribute("aria-label", `Enlarge: ${figure.querySelector("figcaption strong").textContent}`);
+    button.setAttribute("aria-label", `Enlarge: ${nameOf(figure)}`);
     button.addEventListener("click", () => open(figure));
     figure.append(button);
   }
