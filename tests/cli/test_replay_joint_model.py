@@ -47,6 +47,24 @@ def test_a_better_model_buys_more(run: Run, log: str) -> None:
     assert better["fitted_joint"] is None
 
 
+def test_the_model_of_a_diagnosis_is_taken(run: Run, log: str) -> None:
+    assert run("diagnose", log, "--candidates", "stribeck", "-o", "found", "-q").code == 0
+    words = ("--compensator", "model", "--joint-model", "found/model.toml", "--json")
+    (joint,) = run("replay", log, *words).document()["joints"]
+    assert joint["joint_model"]["provenance"]["method"] == "diagnose"
+    assert list(joint["compensator"]["terms"]) == ["coulomb", "viscous", "stribeck"]
+    assert joint["dissipation_removed"] > 0.97
+
+
+def test_terms_that_tell_of_another_recording_are_named(run: Run, log: str) -> None:
+    stepped = replace(STRIBECK, terms=(*STRIBECK.terms, FittedTerm("friction_step", (0.1, 0.0, 20.0, 0.0))))
+    save(stepped, path="stepped.toml")
+    message = "joint 1: friction_step of the model tells of moments of first.parquet, not of this log"
+    assert message in " ".join(run("replay", log, *APPLIED[:3], "stepped.toml").err.split())
+    save(replace(stepped, provenance=Provenance()), path="hand.toml")
+    assert "moments" not in run("replay", log, *APPLIED[:3], "hand.toml").err
+
+
 def test_the_joint_of_the_file_moves(run: Run, log: str) -> None:
     (fitted,) = run("replay", log, *OPERATOR, "--json").document()["joints"]
     document = run("replay", log, *OPERATOR, "--joint-model", "model.toml", "--json").document()

@@ -67,6 +67,7 @@ def command(
         found = replay_estimate(estimate, settings)
     if not output.json:
         _warn(found, voice)
+        _warn_of_moments(settings.joint_model, recorded, voice)
     _require_a_joint(found)
     text = _document(found, chain.reading_settings(reading))
     if folder is not None:
@@ -93,6 +94,22 @@ def _warn(found: "LogReplay", voice: Voice) -> None:
     from friction_audit.report.notices import replay_notices
 
     voice.warn(str(notice) for notice in replay_notices(found) if notice.code != TABLED)
+
+
+MOMENTS = ("friction_step", "torque_drift")
+"""Terms that tell of moments of the recording on which they were found."""
+
+
+def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:
+    """Say which terms of a model tell of another recording than this one."""
+    for number, joint in enumerate(() if given is None else given.model.joints, start=1):
+        if joint is None or joint.provenance.sha256 in ("", log.source.sha256):
+            continue
+        names = ", ".join(term.name for term in joint.terms if term.name in MOMENTS)
+        if names:
+            voice.warn(
+                [f"joint {number}: {names} of the model tells of moments of {joint.provenance.log}, not of this log"]
+            )
 
 
 TABLED = "not_replayed"
