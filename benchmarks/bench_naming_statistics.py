@@ -20,8 +20,8 @@ import numpy as np
 from scipy.stats import binomtest
 
 from friction_audit.discrepancy.alternatives import name_effects
-from friction_audit.discrepancy.omnibus import independent_clusters, omnibus_test
-from friction_audit.discrepancy.search import Group, cycle_products, inclusion_frequency, search
+from friction_audit.discrepancy.omnibus import independent_clusters, neighbours_remember, omnibus_test
+from friction_audit.discrepancy.search import Group, cross_products, search
 from tests.discrepancy.synthetic_columns import synthetic_columns
 
 ALPHA = 0.05
@@ -40,8 +40,9 @@ def one_set(seed: int, *, cycles: int, memory: float, n_eff_rho2: float) -> Outc
     size = np.sqrt(n_eff_rho2 / data.n_eff)
     y = data.noise + size * data.partial(truth, shape)
     cluster = independent_clusters(data.cycle, len(y) / data.n_eff)
-    rejected = omnibus_test(y, data.base, data.groups, cluster, rng, draws=399).p_value <= ALPHA
-    products = cycle_products(y, data.base, data.groups, data.cycle)
+    remember = neighbours_remember(cluster, len(y) / data.n_eff)
+    rejected = omnibus_test(y, data.base, data.groups, cluster, rng, draws=399, remember=remember).p_value <= ALPHA
+    products = cross_products(y, data.base, data.groups)
     found = search(products, data.n_eff)
     namings = name_effects(products, found, data.n_eff, {})
     held = {name for naming in namings for name in (naming.name, *naming.alternatives)}
@@ -87,12 +88,11 @@ def speed() -> list[str]:
         for i in range(30)
     ]
     y += 0.2 * groups[4].shapes[3][:, 0] + 0.2 * groups[7].shapes[1][:, 0]
-    products = cycle_products(y, base, groups, cycle)
+    products = cross_products(y, base, groups)
     steps: dict[str, Callable[[], object]] = {
         "omnibus test, 999 draws": lambda: omnibus_test(y, base, groups, cycle, rng),
-        "cross products": lambda: cycle_products(y, base, groups, cycle),
+        "cross products": lambda: cross_products(y, base, groups),
         "search, two effects found": lambda: search(products, 2000.0),
-        "inclusion frequency, 100 draws": lambda: inclusion_frequency(products, 2000.0, rng),
     }
     lines = ["| step | wall s | CPU s |", "|---|---|---|"]
     for name, step in steps.items():

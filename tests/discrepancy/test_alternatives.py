@@ -4,10 +4,8 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.alternatives import Naming, evidence, name_effects, preferred
-from friction_audit.discrepancy.search import Group, Ranking, cycle_products, search
+from friction_audit.discrepancy.search import Group, Ranking, cross_products, search
 from friction_audit.joint_log import Float
-
-CYCLES = np.repeat(np.arange(20), 100)
 
 
 def named(noise: float, *, same_as: dict[str, tuple[str, ...]] | None = None) -> Naming:
@@ -18,7 +16,7 @@ def named(noise: float, *, same_as: dict[str, tuple[str, ...]] | None = None) ->
     groups = [
         Group(name=n, shapes=(w[:, None],)) for n, w in (("effect", effect), ("near", near), ("stranger", stranger))
     ]
-    products = cycle_products(effect + noise * e, np.ones((2000, 1)), groups, CYCLES)
+    products = cross_products(effect + noise * e, np.ones((2000, 1)), groups)
     found = search(products, 2000.0)
     (naming,) = name_effects(products, found, 2000.0, same_as or {})
     return naming
@@ -52,8 +50,8 @@ def test_delta_bic_by_hand() -> None:
         Group(name="bc", shapes=(np.column_stack([b, c]),)),
     ]
     y = 0.5 * a + 0.3 * b + 0.2 * c + e
-    products = cycle_products(y, np.ones((2000, 1)), groups, CYCLES)
-    ranking = Ranking(products, products.total(), 500.0)
+    products = cross_products(y, np.ones((2000, 1)), groups)
+    ranking = Ranking(products, 500.0)
     one, two = gain_of(y, a), gain_of(y, b, c)
     # The one has a factor and a number of its shape, the other two factors.
     assert evidence(ranking, [], 0) == pytest.approx(one - 2 * np.log(one / 2))
@@ -68,13 +66,12 @@ def test_a_number_costs_a_weak_effect_less_than_a_strong_one() -> None:
     wide = np.column_stack([a, other, rng.standard_normal((2000, 2))])
     costs = []
     for size in (0.3, 3.0):
-        products = cycle_products(
+        products = cross_products(
             size * a + e,
             np.ones((2000, 1)),
             [Group(name="a", shapes=(a[:, None],)), Group(name="wide", shapes=(wide,))],
-            CYCLES,
         )
-        (naming,) = name_effects(products, Ranking(products, products.total(), 500.0).result([0]), 500.0, {})
+        (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
         costs.append(naming.rivals[0].delta_bic)
     assert costs[0] < 6 < costs[1]
 
@@ -84,8 +81,8 @@ def test_of_two_that_fit_alike_the_one_with_fewer_numbers_takes_the_place() -> N
     a, e = rng.standard_normal((2, 2000))
     wide = np.column_stack([a, *rng.standard_normal((3, 2000))])
     groups = [Group(name="wide", shapes=(wide,)), Group(name="a", shapes=(a[:, None],))]
-    products = cycle_products(a + e, np.ones((2000, 1)), groups, CYCLES)
-    found = Ranking(products, products.total(), 500.0).result([0])
+    products = cross_products(a + e, np.ones((2000, 1)), groups)
+    found = Ranking(products, 500.0).result([0])
     assert [chosen.name for chosen in preferred(products, found, 500.0).chosen] == ["a"]
     assert [chosen.name for chosen in preferred(products, preferred(products, found, 500.0), 500.0).chosen] == ["a"]
 

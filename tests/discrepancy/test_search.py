@@ -9,13 +9,13 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 from statsmodels.api import OLS
 
-from friction_audit.discrepancy.search import Group, Ranking, Search, cycle_products, search
+from friction_audit.discrepancy.search import Group, Ranking, Search, cross_products, search
 from friction_audit.errors import AnalysisError
 from tests.discrepancy.synthetic_columns import SyntheticColumns, synthetic_columns
 
 
 def found_in(data: SyntheticColumns, y: np.ndarray) -> Search:
-    return search(cycle_products(y, data.base, data.groups, data.cycle), data.n_eff)
+    return search(cross_products(y, data.base, data.groups), data.n_eff)
 
 
 def names(found: Search) -> list[str]:
@@ -32,7 +32,7 @@ def test_factors_and_score_are_those_of_ordinary_least_squares() -> None:
     assert found.chosen[0].factors == pytest.approx(large.params[3:])
     assert found.rss == pytest.approx(large.ssr)
     gain = data.n_eff * np.log(small.ssr / large.ssr)
-    trials = cycle_products(y, data.base, data.groups, data.cycle).trials[5]
+    trials = cross_products(y, data.base, data.groups).trials[5]
     assert 1.0 < trials <= len(data.groups[5].shapes)
     assert found.chosen[0].score == pytest.approx(gain - chi2.isf(0.01 / (12 * trials), 2))
 
@@ -46,7 +46,7 @@ def test_shapes_are_worth_as_many_trials_as_are_independent() -> None:
         Group(name="pairs", shapes=(two[:, :2], two[:, 2:])),
         Group(name="nothing", shapes=(np.zeros((20000, 1)),)),
     ]
-    products = cycle_products(one[:, 0], np.ones((20000, 1)), groups, np.repeat(np.arange(20), 1000))
+    products = cross_products(one[:, 0], np.ones((20000, 1)), groups)
     assert products.trials == pytest.approx((1.0, 4.0, 2.0, 1.0), rel=0.01)
 
 
@@ -59,8 +59,8 @@ def test_every_candidate_has_the_same_chance_to_enter_by_accident() -> None:
             Group(name="many", shapes=tuple(c[:, None] for c in columns[:40])),
             Group(name="wide", shapes=(np.column_stack(columns[40:]),)),
         ]
-        products = cycle_products(y, np.ones((400, 1)), groups, np.repeat(np.arange(20), 20))
-        ranking = Ranking(products, products.total(), 400.0)
+        products = cross_products(y, np.ones((400, 1)), groups)
+        ranking = Ranking(products, 400.0)
         best = ranking.scores([]) + 8.0
         entered["many"] += bool(best[:40].max() > 0)
         entered["wide"] += bool(best[40] > 0)
@@ -101,9 +101,9 @@ def test_a_stand_in_that_came_first_leaves_when_the_two_real_effects_are_in() ->
     both = a + b + 0.05 * rng.standard_normal(n)  # nearer to the response than either alone
     groups = [Group(name=name, shapes=(w[:, None],)) for name, w in (("both", both), ("a", a), ("b", b))]
     y = a + b + 0.01 * rng.standard_normal(n)
-    found = search(cycle_products(y, np.ones((n, 1)), groups, np.repeat(np.arange(20), 200)), float(n))
+    found = search(cross_products(y, np.ones((n, 1)), groups), float(n))
     assert sorted(names(found)) == ["a", "b"]
-    alone = search(cycle_products(both, np.ones((n, 1)), groups, np.repeat(np.arange(20), 200)), float(n), start=(1, 2))
+    alone = search(cross_products(both, np.ones((n, 1)), groups), float(n), start=(1, 2))
     assert names(alone) == ["both"]  # and two that stand in for one leave too
 
 
@@ -113,7 +113,7 @@ def test_impossible_factors_are_skipped_for_the_next_best() -> None:
     groups = [
         replace(g, admissible=lambda factors, _: bool(factors[0] > 0)) if g.name == "square" else g for g in data.groups
     ]
-    found = search(cycle_products(y, data.base, groups, data.cycle), data.n_eff)
+    found = search(cross_products(y, data.base, groups), data.n_eff)
     assert names(found_in(data, y)) == ["square"]
     assert found.chosen
     assert "square" not in names(found)
@@ -126,18 +126,18 @@ def test_a_copy_of_the_base_or_an_empty_column_never_enters() -> None:
         Group(name="empty", shapes=(np.zeros((2000, 1)),)),
     ]
     y = data.noise + data.base @ [5.0, 5.0, 5.0]
-    assert search(cycle_products(y, data.base, groups, data.cycle), 2000.0).chosen == ()
+    assert search(cross_products(y, data.base, groups), 2000.0).chosen == ()
 
 
 def test_values_that_are_not_finite_are_refused() -> None:
     data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
     with pytest.raises(AnalysisError, match="not finite"):
-        cycle_products(np.where(data.cycle == 2, np.nan, data.noise), data.base, data.groups, data.cycle)
+        cross_products(np.where(data.cycle == 2, np.nan, data.noise), data.base, data.groups)
 
 
 def test_without_candidates_only_the_base_is_fitted() -> None:
     data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
-    found = search(cycle_products(data.noise, data.base, [], data.cycle), data.n_eff)
+    found = search(cross_products(data.noise, data.base, []), data.n_eff)
     assert found.chosen == ()
     assert found.rss == pytest.approx(OLS(data.noise, data.base).fit().ssr)
 
@@ -145,23 +145,13 @@ def test_without_candidates_only_the_base_is_fitted() -> None:
 def test_what_nearly_came_in_is_told_with_its_best_shape() -> None:
     data = synthetic_columns(np.random.default_rng(9), cycles=20, memory=0.0)
     y = data.noise + 0.07 * data.partial(5, 1)
-    products = cycle_products(y, data.base, data.groups, data.cycle)
-    ranking = Ranking(products, products.total(), data.n_eff)
+    products = cross_products(y, data.base, data.groups)
+    ranking = Ranking(products, data.n_eff)
     assert search(products, data.n_eff).chosen == ()
     best = max((u for u in range(25) if products.units[u].group == 5), key=lambda u: ranking.scores([])[u])
     lacking = -float(ranking.scores([])[best])
     assert ("wave", products.units[best].shape) in ranking.nearly([], lacking + 0.1)
     assert "wave" not in dict(ranking.nearly([], lacking - 0.1))
-
-
-def test_more_than_forty_cycles_are_put_together_and_give_the_same_search() -> None:
-    data = synthetic_columns(np.random.default_rng(10), cycles=90, memory=0.5, per_cycle=40)
-    y = data.noise + data.partial(4, 2)
-    products = cycle_products(y, data.base, data.groups, data.cycle)
-    assert len(products.gram) == 40
-    assert products.samples.sum() == len(y)
-    one = cycle_products(y, data.base, data.groups, np.zeros(len(y), dtype=np.int64))
-    assert search(products, data.n_eff).chosen[0].factors == pytest.approx(search(one, data.n_eff).chosen[0].factors)
 
 
 @settings(max_examples=15, deadline=None)
@@ -176,10 +166,9 @@ def test_neither_units_nor_the_order_of_anything_matters(seed: int, unit: float,
         replace(g, shapes=tuple((w @ turn if w.shape[1] == 2 else w * unit)[shuffled] for w in g.shapes))
         for g in data.groups
     ]
-    renamed = rng.permutation(20)[data.cycle]
     plain = found_in(data, y)
     other = search(
-        cycle_products((3 * y)[shuffled], (data.base / unit)[shuffled], [turned[i] for i in order], renamed[shuffled]),
+        cross_products((3 * y)[shuffled], (data.base / unit)[shuffled], [turned[i] for i in order]),
         data.n_eff,
     )
     assert [(c.name, c.shape) for c in other.chosen] == [(c.name, c.shape) for c in plain.chosen]

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.discrepancy.search import CycleProducts, Ranking, Search
+from friction_audit.discrepancy.search import CrossProducts, Ranking, Search
 
 CLEARLY = 1e-6
 """Difference in BIC that is no rounding."""
@@ -63,7 +63,7 @@ class Naming:
 
 
 def name_effects(
-    products: CycleProducts,
+    products: CrossProducts,
     found: Search,
     n_eff: float,
     same_as: Mapping[str, Sequence[str]],
@@ -93,14 +93,14 @@ def name_effects(
     return tuple(entries)
 
 
-def preferred(products: CycleProducts, found: Search, n_eff: float) -> Search:
+def preferred(products: CrossProducts, found: Search, n_eff: float) -> Search:
     """The same with rivals that run alike and for which more speaks in the place of effects, as a search finds others.
 
     A search lets in what brings more than chance does; of two that both bring plenty, the one that had to be fitted
     less is the better name.
     """
     active = [chosen.unit for chosen in found.chosen]
-    ranking = Ranking(products, products.total(), n_eff)
+    ranking = Ranking(products, n_eff)
     for place in range(len(active)):
         taken = {products.units[u].group for u in active}
         better = [
@@ -115,10 +115,10 @@ def preferred(products: CycleProducts, found: Search, n_eff: float) -> Search:
     return ranking.result(active)
 
 
-def _rivals(products: CycleProducts, active: list[int], unit: int, n_eff: float) -> tuple[Rival, ...]:
+def _rivals(products: CrossProducts, active: list[int], unit: int, n_eff: float) -> tuple[Rival, ...]:
     """Every other candidate in the place of one effect, with its best admissible shape."""
     others = [u for u in active if u != unit]
-    ranking = Ranking(products, products.total(), n_eff)
+    ranking = Ranking(products, n_eff)
     scores = ranking.scores(others)
     best: dict[int, int] = {products.units[unit].group: unit}
     for u in np.argsort(-scores, kind="stable"):
@@ -129,7 +129,7 @@ def _rivals(products: CycleProducts, active: list[int], unit: int, n_eff: float)
     return tuple(_rival(products, ranking, others, unit, u) for u in pairs)
 
 
-def _rival(products: CycleProducts, ranking: Ranking, others: list[int], unit: int, rival: int) -> Rival:
+def _rival(products: CrossProducts, ranking: Ranking, others: list[int], unit: int, rival: int) -> Rival:
     entry = products.units[rival]
     return Rival(
         name=products.names[entry.group],

@@ -11,7 +11,7 @@ from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
-from friction_audit.discrepancy.search import CycleProducts, Ranking, Search, cycle_products, search
+from friction_audit.discrepancy.search import CrossProducts, Ranking, Search, cross_products, search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -112,11 +112,11 @@ def worth(ground: Ground, *effects: Float) -> float:
     return float(ground.working.sum()) / ground.memory(*effects)
 
 
-def search_library(ground: Ground, library: Library) -> tuple[CycleProducts, Search, float]:
+def search_library(ground: Ground, library: Library) -> tuple[CrossProducts, Search, float]:
     """Search on the working cycles until what they are worth is settled; products, outcome and that number."""
     w = ground.working
     groups = [replace(entry.group.keep(w), numbers=_numbers(entry.shapes)) for entry in library.entries]
-    products = cycle_products(ground.y[w], ground.base[w], groups, ground.rows.cycle[w])
+    products = cross_products(ground.y[w], ground.base[w], groups)
     n_eff = worth(ground)
     outcome = search(products, n_eff)
     for _ in range(MOST_ROUNDS):
@@ -138,7 +138,7 @@ def _columns(library: Library, outcome: Search) -> list[Float]:
 
 
 def _sharpened(
-    ground: Ground, library: Library, outcome: Search, products: CycleProducts, n_eff: float, baseline: Baseline
+    ground: Ground, library: Library, outcome: Search, products: CrossProducts, n_eff: float, baseline: Baseline
 ) -> Iterator[tuple[str, Shape, Float]]:
     """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
     columns = _columns(library, outcome)
@@ -147,7 +147,7 @@ def _sharpened(
         near = [r for r in naming.rivals if r.correlation > ALIKE and r.delta_bic < NEAR][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
             yield from _sharper(ground, library, name, at, baseline, base)
-    ranking = Ranking(products, products.total(), n_eff)
+    ranking = Ranking(products, n_eff)
     for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
         yield from _sharper(ground, library, name, at, baseline, np.hstack([ground.base, *columns]))
 

@@ -9,7 +9,7 @@ References:
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,6 @@ from friction_audit.joint_log import Float
 Index = NDArray[np.int64]
 MIN_FRACTION_LEFT = 1e-8
 """Share of a column's square that must be left after what is in the model: below it, the column is a copy."""
-MAX_BLOCKS = 40
-"""More blocks of cycles than this add nothing to a bootstrap and cost memory with the square of the columns."""
 PROMISING = 8
 """Candidates that are tried as the first of two in the place of one."""
 BY_CHANCE = 0.01
@@ -81,16 +79,15 @@ class Unit:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class CycleProducts:
-    """Cross products of response, base and candidates by block of cycles: all that a search needs of the samples.
+class CrossProducts:
+    """Cross products of response, base and candidates: all that a search needs of the samples.
 
     Columns are in the order response, base (b), units, and have a root mean square of 1, so that nothing depends on
     units of measurement.
 
     Attributes:
-        gram: Cross products of each block, shape (g, k, k).
+        gram: Shape (k, k).
         scale: Root mean square of each column, shape (k,).
-        samples: Samples of each block, shape (g,).
         base: Number of base columns.
         names: Names of the candidates.
         units: All candidates with all their shapes.
@@ -101,7 +98,6 @@ class CycleProducts:
 
     gram: Float
     scale: Float
-    samples: Index
     base: int
     names: tuple[str, ...]
     units: tuple[Unit, ...]
@@ -113,11 +109,6 @@ class CycleProducts:
     def always(self) -> Index:
         """Columns of the base, shape (b,)."""
         return np.arange(1, 1 + self.base)
-
-    def total(self, weights: Float | None = None) -> Float:
-        """Cross products over all blocks, each taken so many times, shape (k, k)."""
-        summed: Float = self.gram.sum(axis=0) if weights is None else np.tensordot(weights, self.gram, axes=1)
-        return summed
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -152,17 +143,13 @@ class Search:
     rss: float
 
 
-def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index) -> CycleProducts:
-    """Reads the samples once: cross products by block of whole cycles.
+def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProducts:
+    """Reads the samples once.
 
     Args:
         y: Response, shape (n,).
         base: Columns that are always in the model, shape (n, b).
         groups: Candidates.
-        cycle: Number of the cycle of each sample, shape (n,).
-
-    Returns:
-        The products; neighbouring cycles are put together where there are more than 40.
 
     Raises:
         AnalysisError: A value is not finite.
@@ -173,37 +160,21 @@ def cycle_products(y: Float, base: Float, groups: Sequence[Group], cycle: Index)
         raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
     scale[scale == 0.0] = 1.0
     rows /= scale[:, None]
-    block = _blocks(cycle)
-    # A log is in the order of its cycles nearly always: then nothing need be copied.
-    order = slice(None) if np.all(np.diff(block) >= 0) else np.argsort(block, kind="stable")
-    rows = rows[:, order]
-    bounds = np.searchsorted(block[order], np.arange(block.max() + 2))
-    gram = np.empty((len(bounds) - 1, len(rows), len(rows)))
-    for block_gram, (i, j) in zip(gram, pairwise(bounds), strict=True):
-        np.matmul(rows[:, i:j], rows[:, i:j].T, out=block_gram)
-    total = gram.sum(axis=0)
-    return CycleProducts(
+    gram: Float = rows @ rows.T
+    shapes = [[unit.columns for unit in units if unit.group == g] for g in range(len(groups))]
+    return CrossProducts(
         gram=gram,
         scale=scale,
-        samples=np.diff(bounds),
         base=base.shape[1],
         names=tuple(group.name for group in groups),
         units=units,
-        trials=tuple(
-            _trials(total, base.shape[1], [u.columns for u in units if u.group == g]) for g in range(len(groups))
-        ),
+        trials=tuple(_trials(gram, base.shape[1], own) for own in shapes),
         numbers=tuple(group.numbers for group in groups),
         admissible=tuple(group.admissible for group in groups),
     )
 
 
-def search(
-    products: CycleProducts,
-    n_eff: float,
-    weights: Float | None = None,
-    *,
-    start: Sequence[int] = (),
-) -> Search:
+def search(products: CrossProducts, n_eff: float, *, start: Sequence[int] = ()) -> Search:
     """Adds effects while the score allows it; after each, exchanges and deletes.
 
     A candidate enters with all its p columns and its best admissible shape if ``n_eff ln(RSS0 / RSS1)`` is larger than
@@ -217,13 +188,12 @@ def search(
     Args:
         products: Cross products of the data.
         n_eff: Number of independent samples that the data are worth.
-        weights: How many times each block counts, shape (g,); once each if None.
         start: Indices of the units to begin with; they must hold their place like all others.
 
     Returns:
         The effects found.
     """
-    state = Ranking(products, products.total(weights), n_eff)
+    state = Ranking(products, n_eff)
     active = state.settle(list(start))
     seen: set[frozenset[int]] = {frozenset(active)}
     while (best := state.best_addition(active)) is not None:
@@ -236,13 +206,13 @@ def search(
 
 
 class Ranking:
-    """Scores of sets of units on one total of cross products."""
+    """Scores of sets of units."""
 
-    def __init__(self, products: CycleProducts, gram: Float, n_eff: float) -> None:
+    def __init__(self, products: CrossProducts, n_eff: float) -> None:
         self.products = products
-        self.gram = gram
+        self.gram = products.gram
         self.n_eff = n_eff
-        self.diagonal = np.diag(gram)
+        self.diagonal = np.diag(self.gram)
         self.by_width = _by_width(products.units)
         # A term may have more factors than one of its shapes uses; columns that are zero cost nothing.
         self.width = np.array([np.count_nonzero(self.diagonal[unit.columns]) for unit in products.units])
@@ -455,20 +425,13 @@ def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:
     return max(1.0, columns * len(shapes) / int(left.sum()))
 
 
-def _by_chance(products: CycleProducts, width: Index) -> Float:
+def _by_chance(products: CrossProducts, width: Index) -> Float:
     """What each unit is allowed to bring by chance, shape (m,)."""
     from scipy.special import chdtri
 
     trials = len(products.names) * np.array([products.trials[unit.group] for unit in products.units])
     quantile: Float = chdtri(np.maximum(width, 1), BY_CHANCE / np.maximum(trials, 1.0))
     return quantile
-
-
-def _blocks(cycle: Index) -> Index:
-    """Numbers of blocks of neighbouring whole cycles, at most 40 of them, shape (n,)."""
-    _, number = np.unique(cycle, return_inverse=True)
-    cycles = int(number.max()) + 1
-    return np.asarray(number * min(cycles, MAX_BLOCKS) // cycles, dtype=np.int64)
 
 
 def _by_width(units: Sequence[Unit]) -> list[tuple[Index, Index]]:
