@@ -18,7 +18,7 @@ PATIENCE_S = 60.0
 
 @pytest.fixture(autouse=True)
 def work_that_processes_find(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.syspath_prepend(str(Path(__file__).parents[2]))
+    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
 
 
 def fragile(task: Task) -> Worked:

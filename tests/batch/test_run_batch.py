@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.audit import AuditSettings
+from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.batch import work
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.settings import BatchSettings
@@ -108,7 +108,7 @@ def test_what_was_lost_is_tried_again(rig: Path, batch: Batch) -> None:
 def test_a_bug_that_one_log_shows_does_not_cost_the_others(
     rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    real = work.estimate_log
+    real = estimate_log
 
     def fall_over(log: JointLog, settings: AuditSettings) -> object:
         if "2026-03-02" in log.source.path:

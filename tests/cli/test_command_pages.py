@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, cast
 import pytest
 import typer
 
-from friction_audit.cli.app import COMMANDS, app
+from friction_audit.cli.app import COMMANDS, app, name_of
 
 if TYPE_CHECKING:
     from types import ModuleType
@@ -23,9 +23,9 @@ def options_of(name: str) -> set[str]:
     return {max(p.opts, key=len) for p in group.commands[name].params if p.param_type_name == "option"}
 
 
-@pytest.mark.parametrize("module", COMMANDS, ids=lambda module: module.__name__.rpartition(".")[2])
+@pytest.mark.parametrize("module", COMMANDS, ids=name_of)
 def test_page_and_command_agree(module: "ModuleType") -> None:
-    name = module.__name__.rpartition(".")[2]
+    name = name_of(module)
     prose = CONSOLE.sub("", (PAGES / f"{name}.md").read_text())
     named = {SHORT.get(word, word) for word in OPTION.findall(prose)}
     assert options_of(name) - {"--help"} <= named

@@ -6,10 +6,10 @@ import pytest
 
 from friction_audit import __version__
 from friction_audit.cli import main
-from friction_audit.cli.app import COMMANDS
+from friction_audit.cli.app import COMMANDS, name_of
 from tests.cli.conftest import Run
 
-NAMES = [module.__name__.rpartition(".")[2] for module in COMMANDS]
+NAMES = [name_of(module) for module in COMMANDS]
 
 TABLE = [
     # asked for

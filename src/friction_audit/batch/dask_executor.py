@@ -52,7 +52,7 @@ def _run(
     waiting: Iterator[Task],
     pending: dict[Any, Task],
 ) -> Generator[tuple[Task, Worked | Lost]]:
-    done = _distributed().as_completed([])
+    done = _distributed().as_completed([], loop=client.loop)
     while True:
         room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
         for task in islice(waiting, max(room, 0)):

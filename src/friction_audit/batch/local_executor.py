@@ -6,22 +6,23 @@ beside it (most often memory was short); if that fails too, it is lost.
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterable
 from contextlib import closing
 from dataclasses import dataclass, field
-from multiprocessing import connection, get_context
+from multiprocessing import Pipe, connection
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 
 from friction_audit.batch.executor import Lost, Outcomes, Work
+from friction_audit.batch.local_worker import labour
 from friction_audit.batch.recorded import Worked
 from friction_audit.batch.work import Task
 
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+"""Processes share the cores; threads inside a product would only wait for each other."""
 PATIENCE_S = 5.0
 """For a process that was asked to end."""
-
-_SPAWN = get_context("spawn")
-"""A forked copy of a process with threads may stop for ever."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -52,42 +53,55 @@ class LocalExecutor:
 class _Worker:
     """A process and what it is working on."""
 
-    process: BaseProcess
+    process: "subprocess.Popen[bytes]"
     pipe: Connection
     task: Task | None = None
 
     @classmethod
     def start(cls, work: Work) -> "_Worker":
-        ours, theirs = _SPAWN.Pipe()
-        process = _SPAWN.Process(target=_labour, args=(theirs, work), daemon=True)
-        process.start()
-        theirs.close()  # the end of the process is then the end of the pipe
-        return cls(process, ours)
+        ours, theirs = Pipe()
+        with theirs:  # only the process keeps it: its end is then the end of the pipe, and ours the end of the process
+            handle = theirs.fileno()
+            code = f"from {labour.__module__} import {labour.__name__}; {labour.__name__}({handle})"
+            process = subprocess.Popen(  # noqa: S603 - this program itself
+                [sys.executable, "-P", "-c", code],
+                pass_fds=[handle],
+                env=os.environ | ONE_THREAD,
+                stdin=subprocess.DEVNULL,
+                stdout=subprocess.DEVNULL,  # results are printed by one process alone
+                start_new_session=True,  # what Ctrl-C means, the main process decides
+            )
+        worker = cls(process, ours)
+        worker._send(work)
+        return worker
 
     def give(self, task: Task) -> None:
         self.task = task
-        try:
-            self.pipe.send(task)
-        except OSError:
-            return  # it has died; the end of its pipe will tell
+        self._send(task)
 
     def take(self) -> Worked | Lost:
         try:
             outcome: Worked = self.pipe.recv()
         except (EOFError, OSError):
-            self.process.join()
-            return Lost(_how_it_ended(self.process.exitcode))
+            return Lost(_how_it_ended(self.process.wait()))
         return outcome
 
     def dismiss(self) -> None:
         """End the process: at once if it is at work, else as soon as it notices that there is none any more."""
         self.pipe.close()
         if self.task is not None:
-            self.process.terminate()
-        self.process.join(PATIENCE_S)
-        self.process.kill()
-        self.process.join()
-        self.process.close()
+            self.process.kill()
+        try:
+            self.process.wait(PATIENCE_S)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            self.process.wait()
+
+    def _send(self, what: object) -> None:
+        try:
+            self.pipe.send(what)
+        except OSError:
+            return  # it has died; the end of its pipe will tell
 
 
 def _run(work: Work, tasks: Iterable[Task], workers: int) -> Outcomes:
@@ -126,23 +140,8 @@ def _employ(team: list[_Worker], work: Work, waiting: Iterable[Task], workers: i
         worker.give(task)
 
 
-def _labour(pipe: Connection, work: Work) -> None:
-    """Work until there is nothing left to do, or nobody left to do it for."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the main process decides
-    while True:
-        try:
-            task = pipe.recv()
-        except (EOFError, OSError):
-            return
-        outcome = work(task)
-        try:
-            pipe.send(outcome)
-        except OSError:
-            return
-
-
-def _how_it_ended(code: int | None) -> str:
-    if code is not None and code < 0:
+def _how_it_ended(code: int) -> str:
+    if code < 0:
         name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
         return (
             f"the process that worked on it was ended by {name} twice, the second time with nothing beside it; "

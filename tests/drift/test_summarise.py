@@ -1,0 +1,133 @@
+"""Estimates made by hand, whose summaries are known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.audit import AuditSettings, Estimate, estimate_log
+from friction_audit.drift.session import JointSummary
+from friction_audit.drift.summarise import BINS, bin_torque, conditions_of, summarise_joints
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.simulate import BenchSettings, simulate
+from tests.report.conftest import COULOMB, VISCOUS, build_estimate
+
+
+def summaries(estimate: Estimate) -> tuple[JointSummary, ...]:
+    return summarise_joints(estimate.log, estimate.interaction, estimate.cycles, estimate.friction)
+
+
+@pytest.fixture(scope="module")
+def log() -> JointLog:
+    """Return one joint moved by hand for a minute."""
+    return simulate(BenchSettings(duration_s=60.0, rate_hz=250.0), seed=3).log
+
+
+@pytest.fixture(scope="module")
+def estimate(log: JointLog) -> Estimate:
+    return estimate_log(log, AuditSettings())
+
+
+def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
+    seven = build_estimate(7)
+    found = summaries(seven)
+    assert [one.joint for one in found] == list(range(1, 8))
+    assert [one.name for one in found] == list(seven.interaction.joint_names)
+    assert found[0].coefficients["coulomb_nm"] == seven.friction.joints[0].coulomb
+    assert found[0].coefficients["viscous_nms_per_rad"] == seven.friction.joints[0].viscous
+    assert [one.reason != "" for one in found] == [False, False, True, False, False, False, False]
+    assert np.isnan(found[2].coefficients["coulomb_nm"].value)
+    assert (found[2].curve.speed_rad_s, found[0].verdict, found[0].effects) == ((), None, ())
+    assert np.isnan(found[2].speed_rad_s).all()
+
+
+def test_quartiles_of_the_speed_are_those_in_motion() -> None:
+    found = summaries(build_estimate(1))[0]
+    low, median, high = found.speed_rad_s
+    assert 0.05 < low < median < high < 2.0
+
+
+def test_the_mean_temperature_is_of_the_joint(estimate: Estimate) -> None:
+    assert summaries(estimate)[0].temperature_c is None
+    warm = replace(estimate, log=replace(estimate.log, temperature=np.full_like(estimate.log.q, 31.5)))
+    assert summaries(warm)[0].temperature_c == 31.5
+
+
+def test_joints_selected_keep_their_numbers_and_their_temperature() -> None:
+    log = build_estimate(2, count=20, rate=250.0).log
+    log = replace(log, temperature=np.tile([20.0, 40.0], (len(log.t), 1)))
+    found = summaries(estimate_log(log, AuditSettings(joints=(2,))))
+    assert [(one.joint, one.temperature_c) for one in found] == [(2, 40.0)]
+
+
+def test_the_curve_shows_both_sides_of_the_friction() -> None:
+    found = summaries(build_estimate(1))[0]
+    speed, torque = np.array(found.curve.speed_rad_s), np.array(found.curve.torque_nm)
+    assert 20 <= len(speed) <= BINS
+    assert (np.diff(speed) > 0).all()
+    expected = COULOMB[0] * np.sign(speed) + VISCOUS[0] * speed
+    middle = (np.abs(speed) > 0.2) & (np.abs(speed) < 0.8)
+    assert np.abs(torque - expected)[middle].max() < 0.05
+    assert min(found.curve.spread_nm) > 0.0
+
+
+def test_bins_hold_means_and_spreads() -> None:
+    velocity = np.repeat([-1.0, 1.0], 100)
+    torque = np.where(velocity > 0, 0.5, -0.3) + np.tile([0.1, -0.1], 100)
+    curve = bin_torque(velocity, torque)
+    assert curve.speed_rad_s == (-1.0, 1.0)
+    assert curve.torque_nm == pytest.approx((-0.3, 0.5))
+    assert curve.spread_nm == pytest.approx((0.1, 0.1))
+
+
+@pytest.mark.parametrize("samples", [0, 5])
+def test_too_few_samples_make_no_curve(samples: int) -> None:
+    assert bin_torque(np.ones(samples), np.ones(samples)).speed_rad_s == ()
+
+
+def test_one_speed_is_one_bin() -> None:
+    curve = bin_torque(np.full(50, 0.4), np.full(50, 0.3))
+    assert curve.speed_rad_s == pytest.approx((0.4,))
+    assert curve.torque_nm == pytest.approx((0.3,))
+
+
+def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
+    bare = build_estimate(1)
+    help_nm = np.full_like(bare.interaction.torque, 0.1)
+    helped = replace(bare, interaction=replace(bare.interaction, compensation=help_nm))
+    pairs = zip(summaries(helped)[0].curve.torque_nm, summaries(bare)[0].curve.torque_nm, strict=True)
+    assert all(a == pytest.approx(b + 0.1) for a, b in pairs)
+
+
+def warmed(log: JointLog, change: Float) -> Estimate:
+    """Return the estimate of a log whose torque is multiplied."""
+    assert log.tau_interaction is not None
+    return estimate_log(replace(log, tau_interaction=log.tau_interaction * change[:, None]), AuditSettings())
+
+
+def test_what_changes_within_a_session_is_told(log: JointLog, estimate: Estimate) -> None:
+    steady = summaries(estimate)[0].within["coulomb_nm"]
+    assert steady.low < 0.0 < steady.high
+    falling = summaries(warmed(log, 1.0 - 0.3 * log.t / log.t[-1]))[0].within["coulomb_nm"]
+    # From the middle of the first third to the middle of the last one: 0.75 / 0.95 - 1.
+    assert falling.low < 0.75 / 0.95 - 1.0 < falling.high < 0.0
+
+
+def test_short_sessions_have_nothing_within(log: JointLog) -> None:
+    short = estimate_log(log.take_window(0.0, 15.0), AuditSettings())
+    assert short.friction.joints[0].reason == ""
+    assert np.isnan(summaries(short)[0].within["coulomb_nm"].value)
+
+
+def test_a_model_without_a_coefficient_has_no_change_of_it(log: JointLog) -> None:
+    settings = AuditSettings(friction=FrictionSettings(model="coulomb"))
+    within = summaries(estimate_log(log, settings))[0].within
+    assert np.isfinite(within["coulomb_nm"].value)
+    assert np.isnan(within["viscous_nms_per_rad"].value)
+
+
+def test_conditions(estimate: Estimate) -> None:
+    found = conditions_of(estimate.log, estimate.interaction, payload="0.7 kg")
+    assert (found.drive, found.torque, found.gravity, found.payload) == ("hand", "interaction", "absent", "0.7 kg")
+    assert found.rate_hz == pytest.approx(250.0, rel=0.01)
