@@ -83,7 +83,7 @@ def joint_summary(joint: int, session: int, name: str, rng: np.random.Generator)
         cycles=24,
         moving_s=41.0,
         speed_rad_s=(0.2, 0.4, 0.7),
-        temperature_c=31.0 + 0.1 * session,
+        temperature_c=31.0 + 2.0 * float(np.sin(1.7 * session)),
         within=within,
         curve=speed_curve(values["coulomb_nm"].value, values["viscous_nms_per_rad"].value),
         verdict="named" if joint == 3 else "none",

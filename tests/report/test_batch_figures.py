@@ -164,6 +164,19 @@ def test_changes_stand_at_their_size_over_what_is_too_small_to_be_seen() -> None
     assert (bar.get_x(), bar.get_width()) == pytest.approx((-3.3, 6.6))  # type: ignore[attr-defined]
 
 
+def test_a_change_with_temperature_has_a_mark_of_its_own() -> None:
+    warm = replace(RISE, shape="temperature", drift=False)
+    arm = replace(ARM, joints=(replace(ARM.joints[4], coefficients=(warm,)),))
+    place, _ = line(draw_changes(arm, 5).axes[0], "changes with temperature")
+    assert place.tolist() == pytest.approx([23.0])
+
+
+def test_what_can_hardly_be_seen_does_not_flatten_the_others() -> None:
+    blind = replace(STEP, smallest_drift=500.0)
+    axes = draw_changes(replace(ARM, joints=(replace(ARM.joints[1], coefficients=(blind,)),)), 2).axes[0]
+    assert axes.get_xlim()[1] == pytest.approx(1.15 * 2 * 16.5)
+
+
 def test_curves_of_first_reference_and_last_lie_on_one_another() -> None:
     axes = draw_curves(ARM, 2).axes[0]
     _, first = line(axes, "first (session 1)")

@@ -45,7 +45,7 @@ def test_what_drifts_is_told_with_its_step() -> None:
     (row,) = [line for line in lines if line.startswith("2 ")]
     assert " ".join(row.split()) == "2 Coulomb drift +15.0 ± 1.5 % 13 +0.00 ± 0.10 % 3.3 %"
     assert "  Coulomb: step at session 13 (12 to 14), 2026-03-21: +15.0 ± 1.5 %" in lines
-    assert "  Coulomb: +0.00267 ± 0.00027 N m per session, +0.00178 ± 0.00019 per day" in lines
+    assert "  Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 per day" in lines
 
 
 def test_what_was_left_out_exceeded_and_failed_is_told() -> None:
@@ -84,9 +84,17 @@ def test_near_a_level_of_zero_numbers_are_absolute() -> None:
         RISE, total=UNDETERMINED, change=Coefficient(value=0.02, low=0.01, high=0.03), smallest_drift=float("nan")
     )
     assert total_text(zero) == "+0.020 ± 0.010 N m"
-    assert trend_text(zero) == "+0.00267 ± 0.00027 N m"
+    assert trend_text(zero) == "+0.0027 ± 0.0003 N m"
     change = replace(STEP.change_points[0], relative=UNDETERMINED)
     assert change_text(ARM, change).endswith("2026-03-21: 0.1520 ± 0.0023 to 0.1748 ± 0.0023")
+
+
+def test_a_change_that_follows_temperature_is_no_drift() -> None:
+    warm = replace(RISE, shape="temperature", drift=False)
+    still = replace(ARM.joints[4], coefficients=(warm,), drift=False)
+    lines = lines_of(by_hand.batch(replace(ARM, joints=(still,))))
+    (row,) = [line for line in lines if line.startswith("5 ")]
+    assert " temperature " in row
 
 
 def test_names_are_not_said_twice() -> None:
@@ -121,10 +129,10 @@ def test_starts(start_s: float | None, shown: str, iso: str | None) -> None:
 
 
 def test_numbers_have_the_digits_that_they_deserve() -> None:
-    assert format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)) == "+0.00267 ± 0.00027"
+    assert format_slope(Coefficient(value=0.0026712, low=0.0024, high=0.0029424)) == "+0.0027 ± 0.0003"
     assert format_slope(Coefficient(value=-1.0, low=-1.0, high=-1.0)) == "-1"
     assert format_slope(UNDETERMINED) == format_share(float("nan")) == format_p(float("nan")) == "-"
-    assert [format_share(share) for share in (0.0333, 0.132, 1.5)] == ["3.3 %", "13 %", "150 %"]
+    assert [format_share(share) for share in (0.0333, 0.132, 0.95, 9e4)] == ["3.3 %", "13 %", "95 %", ">100 %"]
     assert [format_p(p) for p in (1e-9, 0.0432, 1.0)] == ["< 0.001", "0.043", "1"]
 
 

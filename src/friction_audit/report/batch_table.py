@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-TITLES = ("joint", "coefficient", "verdict", "change", "step", "trend\n/session", "would\nshow")
+TITLES = ("joint", "friction", "verdict", "change", "step", "trend\n/session", "would\nshow")
 WORDS = 3
 """Columns of words; the others hold numbers."""
 MOST_NAMED = 8
@@ -77,7 +77,9 @@ def _table(arm: ArmDrift) -> "Table":
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
     for column, title in enumerate(TITLES):
-        table.add_column(Text(title), justify="left" if column < WORDS else "right", no_wrap=title != "step")
+        table.add_column(
+            Text(title), justify="left" if column < WORDS else "right", no_wrap=title != "step", min_width=4
+        )
     for joint in arm.joints:
         for row, found in enumerate(joint.coefficients):
             label = joint_label(joint.joint, joint.name) if row == 0 else ""

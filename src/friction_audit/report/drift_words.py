@@ -11,7 +11,7 @@ from friction_audit.report.estimate_table import NOTHING, format_coefficient
 
 NAMES = {"coulomb_nm": "Coulomb", "viscous_nms_per_rad": "viscous"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
-DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "follows temperature", "not testable"
+DRIFT, STEADY, TEMPERATURE, UNTESTED = "drift", "no drift found", "temperature", "not testable"
 VERDICTS = (DRIFT, TEMPERATURE, STEADY, UNTESTED)
 """Verdicts, the strongest first."""
 SHAPES = {
@@ -24,6 +24,10 @@ SHAPES = {
     "too_few": "too few sessions",
 }
 """What describes a coefficient over the sessions, in words."""
+ROUGH = 2.0
+"""First figure of a slope's interval from which on one figure will do."""
+LARGE = 1.0
+"""Share above which a percentage says nothing but that it is large."""
 SMALL = 0.1
 """Share below which a percentage is given with a decimal."""
 LAST_S = 253402300799.0
@@ -131,6 +135,8 @@ def format_share(share: float) -> str:
     """Return a share as a percentage; a dash for NaN."""
     if math.isnan(share):
         return NOTHING
+    if share > LARGE:
+        return f">{100 * LARGE:.0f} %"
     return f"{100 * share:.2g} %" if share < SMALL else f"{100 * share:.0f} %"
 
 
@@ -141,7 +147,8 @@ def format_slope(slope: Coefficient) -> str:
     half = 0.5 * (slope.high - slope.low)
     if not half > 0.0:
         return f"{slope.value:+.2g}"
-    digits = max(0, 1 - math.floor(math.log10(half)))
+    size = math.floor(math.log10(half))
+    digits = max(0, 1 - size if half < ROUGH * 10.0**size else -size)
     return f"{slope.value:+.{digits}f} ± {half:.{digits}f}"
 
 
@@ -160,7 +167,7 @@ def _per(found: CoefficientDrift, slope: Coefficient) -> str:
         return NOTHING
     if math.isnan(found.total.value) or not found.level.value > 0.0:
         return f"{format_slope(slope)} {coefficient_unit(found.coefficient)}"
-    return format_percent(scaled(slope, 1.0 / found.level.value))
+    return f"{format_slope(scaled(slope, 100.0 / found.level.value))} %"
 
 
 def format_p(p_value: float) -> str:

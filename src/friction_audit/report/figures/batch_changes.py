@@ -4,7 +4,7 @@ import math
 from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
-from friction_audit.report.drift_words import DRIFT, drift_verdict, total_text
+from friction_audit.report.drift_words import DRIFT, STEADY, TEMPERATURE, UNTESTED, drift_verdict, total_text
 from friction_audit.report.estimate_table import NOTHING
 from friction_audit.report.figures.batch_look import (
     COEFFICIENTS,
@@ -19,7 +19,7 @@ from friction_audit.report.figures.batch_look import (
     of_coefficient,
 )
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
-from friction_audit.report.figures.style import COLUMN_IN, MUTED, SHEET_IN
+from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, MUTED, SHEET_IN
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -27,10 +27,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 HEAD_IN, ROW_IN, LEAST_IN = 0.85, 0.24, 0.6
-CHANGED, STEADY, UNSEEN = "changed", "no drift found", "too small to be seen, at 90 % power"
-LEGEND = (CHANGED, STEADY, UNSEEN)
+UNSEEN = "too small to be seen, at 90 % power"
+MARKS = {
+    DRIFT: (OUTSIDE, "s", "changed"),
+    TEMPERATURE: (DISSIPATED, "^", "changes with temperature"),
+    STEADY: (ESTIMATE, "o", "no drift found"),
+}
+"""Colour, marker and label of each verdict that comes with a change."""
+LEGEND = (*(label for _, _, label in MARKS.values()), UNSEEN)
 NARROWEST = 5.0
 """Percent either side of no change that a panel shows at least."""
+FARTHEST = 2.0
+"""Times the changes and their intervals that a bar of what cannot be seen may stretch a panel; there it is cut."""
 ROOM = 1.15
 
 
@@ -57,15 +65,17 @@ def _draw_panel(axes: "Axes", joints: tuple[JointDrift, ...], coefficient: str) 
     axes.tick_params(axis="y", length=0)
     axes.axvline(0.0, color=MUTED, lw=0.5, zorder=0)
     handles: list[Artist] = []
-    reach = NARROWEST
+    reach, unseen = NARROWEST, [0.0]
     for place, joint in enumerate(joints):
         found = of_coefficient(joint, coefficient)
-        if found is None or math.isnan(found.total.value):
+        if found is None or math.isnan(found.total.value) or drift_verdict(found) == UNTESTED:
             _say(axes, place, found)
             continue
         handles += _draw_row(axes, place, found)
-        ends = (found.total.low, found.total.high, found.total.value, found.smallest_drift)
+        ends = (found.total.low, found.total.high, found.total.value)
         reach = max(reach, *(100.0 * abs(end) for end in ends if math.isfinite(end)))
+        unseen.append(100.0 * found.smallest_drift)
+    reach = max(reach, *(min(one, FARTHEST * reach) for one in unseen if math.isfinite(one)))
     axes.set_xlim(-ROOM * reach, ROOM * reach)
     return handles
 
@@ -78,8 +88,7 @@ def _draw_row(axes: "Axes", place: int, found: CoefficientDrift) -> "list[Artist
         bar = axes.barh(place, width, left=-width / 2, height=0.7, color=LEFT_OUT, alpha=0.18, lw=0, label=UNSEEN)
         handles.append(bar.patches[0])
         bar.patches[0].set_label(UNSEEN)
-    drifts = drift_verdict(found) == DRIFT
-    colour, label, marker = (OUTSIDE, CHANGED, "s") if drifts else (ESTIMATE, STEADY, "o")
+    colour, marker, label = MARKS[drift_verdict(found)]
     axes.hlines(place, 100.0 * found.total.low, 100.0 * found.total.high, color=colour, lw=1.0)
     handles += axes.plot(
         100.0 * found.total.value, place, color=colour, marker=marker, ms=3.8, mew=0.0, ls="none", label=label

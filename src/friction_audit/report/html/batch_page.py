@@ -45,6 +45,7 @@ WORDS = {
     "step": "A change between two sessions. The session named is the first one after it, beside it the range that "
     "holds it with 95 % confidence.",
     "drift": "The change is too large and too steady for chance. All joints of an arm are tested together.",
+    "temperature": "It changes together with the temperature, so that drift cannot be told from it.",
     "no drift found": "No proof that nothing changed: what is smaller than the value under \u201cwould show\u201d can "
     "be missed.",
     "would show": "The smallest straight change, start to end, that so many sessions show with 90 % power.",
