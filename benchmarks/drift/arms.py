@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.drift.library import OneJoint
 from friction_audit.drift.analyse import analyse_drift
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
-from friction_audit.drift.session import JointSummary, Session
+from friction_audit.drift.session import Conditions, JointSummary, Session
 from friction_audit.drift.settings import DriftSettings
 
 JOINTS = 7
@@ -52,11 +52,11 @@ def pool(
         if drifting is not None:
             parts[DRIFTING - 1] = drifting[i]
         joints = tuple(replace(part.summary, joint=j + 1, name=f"joint{j + 1}") for j, part in enumerate(parts))
-        sessions.append(make_session(i, joints, parts[0]))
+        sessions.append(make_session(i, joints, parts[0].conditions))
     return sessions
 
 
-def make_session(i: int, joints: tuple[JointSummary, ...], like: OneJoint) -> Session:
+def make_session(i: int, joints: tuple[JointSummary, ...], conditions: Conditions) -> Session:
     """Return the session of the i-th day."""
     return Session(
         path=f"day{i}.parquet",
@@ -65,7 +65,7 @@ def make_session(i: int, joints: tuple[JointSummary, ...], like: OneJoint) -> Se
         start_s=1.77e9 + i * A_DAY_S,
         start_from="log",
         duration_s=60.0,
-        conditions=like.conditions,
+        conditions=conditions,
         joints=joints,
     )
 

@@ -52,10 +52,11 @@ def page(sessions: int, arms: int, workers: int) -> Iterator[str]:
         record_many(1.0 + RISE * i, max(sessions // 60, 4), 2_000_000 + 1000 * i, workers) for i in range(FOUND_BY)
     ]
     yield from heading(
-        f"`python -m benchmarks.drift.chain --sessions {sessions} --arms {arms}`: each session of a joint is a "
-        f"simulated log of {DURATION_S:g} s through `estimate`; {sessions} sessions without drift are pooled into arms of seven "
-        "joints. Room temperature (22 degC, standard deviation 3 K, logged), speed (0.5 to 1.3 rad/s) and sensor noise "
-        "(0.7 to 1.5 times a Panda's) differ from session to session; joints warm up within a session."
+        f"`python -m benchmarks.drift.chain --sessions {sessions} --arms {arms}`: each session of a joint is a\n"
+        f"simulated log of {DURATION_S:g} s through `estimate`; {sessions} sessions without drift are pooled into\n"
+        "arms of seven joints. Room temperature (22 degC, standard deviation 3 K, logged), speed (0.5 to 1.3 rad/s)\n"
+        "and sensor noise (0.7 to 1.5 times a Panda's) differ from session to session; joints warm up in a session.\n"
+        "Shares in per cent, with 95 % intervals."
     )
     yield row(f"nothing changes, {SESSIONS} sessions", repeat(arms, 1, lambda rng: nothing(rng, null)))
     yield row(

@@ -90,7 +90,7 @@ def describe_series(
     fit = fit_model(counted, found.model.columns, verdict.memory.inflation)
     level = to_level(fit.interval(found.model.level), series)
     y = _at_like_temperature(series, counted, fit)
-    change = fit.interval(found.model.change) if np.any(found.model.change) else UNDETERMINED
+    change = _change(counted, found.model, fit, reference, verdict.memory.inflation)
     smallest = smallest_change(
         counted, fit, critical=verdict.critical, growth=verdict.memory.growth, power=settings.power
     )
@@ -121,6 +121,17 @@ def describe_series(
         message="",
     )
     return replace(drift, message=describe(drift, sessions, _circumstances(warm, found, verdict, settings)))
+
+
+def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], inflation: float) -> Coefficient:
+    """Return the change of y from the reference to the last sessions.
+
+    By the model; where it has them on one level, by the sessions themselves; NaN if all are of the reference.
+    """
+    if np.any(model.change):
+        return fit.interval(model.change)
+    ends = ends_model(series, reference)
+    return fit_model(series, ends.columns, inflation).interval(ends.change) if np.any(ends.change) else UNDETERMINED
 
 
 def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings) -> Described:

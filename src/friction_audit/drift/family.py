@@ -83,7 +83,7 @@ def draw_null(directions: Directions, keys: Float, rng: np.random.Generator) -> 
     return directions.residual[np.argsort(keys, axis=1)]
 
 
-def score(statistic: Float, freedom: int) -> Float:
+def score(statistic: Float | float, freedom: int) -> Float:
     """Return minus the logarithm of the probability of |t|, by which series of unlike lengths are compared."""
     from scipy.stats import t
 

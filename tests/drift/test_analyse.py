@@ -1,0 +1,272 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.drift.analyse import analyse_drift, choose_reference
+from friction_audit.drift.report import ArmDrift, CoefficientDrift
+from friction_audit.drift.session import Session
+from friction_audit.drift.settings import DriftSettings
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from tests.drift.made_sessions import A_DAY_S, FIRST_S, HAND, about, make_joint, make_session, make_sessions, noisy
+
+QUICK = DriftSettings(permutations=199)
+
+
+def analyse(sessions: list[Session], chosen: DriftSettings = QUICK) -> ArmDrift:
+    (arm,) = analyse_drift(sessions, chosen).arms
+    return arm
+
+
+def coulomb(sessions: list[Session], chosen: DriftSettings = QUICK) -> CoefficientDrift:
+    return analyse(sessions, chosen).joints[0].coefficients[0]
+
+
+def test_step_of_15_percent_is_found_sized_and_dated() -> None:
+    level = noisy(24) * np.where(np.arange(24) >= 14, 1.15, 1.0)
+    found = coulomb(make_sessions(level))
+    assert (found.drift, found.shape) == (True, "step")
+    (step,) = found.change_points
+    assert (step.session, step.low, step.high) == (14, 14, 14)
+    assert step.relative.low < 0.15 < step.relative.high
+    assert step.relative.high - step.relative.low < 0.03
+    assert found.total.value == pytest.approx(0.15, abs=0.01)
+    assert "Coulomb friction rose by 15 %" in found.message
+    assert "between 2026-03-14 and 2026-03-15" in found.message
+
+
+def test_step_of_one_joint_leaves_the_others_alone() -> None:
+    sessions = []
+    for i in range(20):
+        levels = [noisy(20, seed)[i] for seed in range(7)]
+        levels[2] *= 1.15 if i >= 2 else 1.0
+        viscous = [noisy(20, 10 + seed, level=0.07)[i] for seed in range(7)]
+        sessions.append(make_session(i, [make_joint(j + 1, levels[j], viscous[j]) for j in range(7)]))
+    arm = analyse(sessions)
+    assert [joint.joint for joint in arm.joints if joint.drift] == [3]
+    assert arm.joints[2].message.startswith("joint 3: Coulomb friction rose by 1")
+    assert arm.joints[2].message.endswith("; nothing else changed")
+
+
+def test_slow_rise_is_a_ramp() -> None:
+    found = coulomb(make_sessions(noisy(20) * (1.0 + 0.01 * np.arange(20))))
+    assert (found.drift, found.shape, found.change_points) == (True, "ramp", ())
+    assert found.trend_per_session.low < 0.003 < found.trend_per_session.high
+    assert found.trend_per_day.value == pytest.approx(found.trend_per_session.value)
+    assert found.total.value == pytest.approx(1.19 / 1.02 - 1, abs=0.02)
+
+
+def test_two_steps_are_two() -> None:
+    level = noisy(30) + np.where(np.arange(30) >= 10, 0.06, 0.0) + np.where(np.arange(30) >= 20, 0.03, 0.0)
+    found = coulomb(make_sessions(level))
+    assert found.shape == "steps"
+    assert [point.session for point in found.change_points] == [10, 20]
+    assert found.total.low < 0.3 < found.total.high
+
+
+def test_nothing_changes() -> None:
+    arm = analyse(make_sessions(noisy(30, 3)))
+    assert not arm.drift
+    found = arm.joints[0].coefficients[0]
+    assert found.shape == "none"
+    assert not any(point.outside for point in found.control)
+    assert 0.005 < found.smallest_drift < 0.04
+    assert arm.message.startswith("arm: no drift in 30 sessions: changes of ")
+
+
+@pytest.mark.parametrize("at", [0, 13, 29])
+def test_one_broken_estimate_is_no_drift(at: int) -> None:
+    level = noisy(30, 1)
+    level[at] *= 1.6
+    found = coulomb(make_sessions(level))
+    assert (found.drift, found.isolated) == (False, (at,))
+    assert found.control[at].outside
+    if at == 29:
+        assert "the last session lies 6" in found.message
+
+
+def test_one_negative_estimate_is_no_drift() -> None:
+    level = noisy(20, 1)
+    level[8] = -0.1
+    found = coulomb(make_sessions(level))
+    assert (found.drift, found.isolated) == (False, (8,))
+    assert found.total.low < 0.0 < found.total.high
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
+    arm = analyse(make_sessions(noisy(count)))
+    assert arm.joints[0].coefficients[0].shape == "too_few"
+    assert not arm.drift
+    assert "at least 4 are needed" in arm.message
+
+
+def test_no_session_is_no_arm() -> None:
+    assert analyse_drift([], QUICK).arms == ()
+
+
+def test_arms_are_never_mixed() -> None:
+    low = make_sessions(noisy(8))
+    high = [replace(session, robot="other") for session in make_sessions(noisy(8, level=0.6))]
+    report = analyse_drift([*low, *high], QUICK)
+    assert [arm.robot for arm in report.arms] == ["arm", "other"]
+    assert not report.drift
+
+
+def test_sessions_without_an_estimate_are_passed_over() -> None:
+    sessions = make_sessions(noisy(12))
+    lost = replace(sessions[4].joints[0], coefficients={"coulomb_nm": UNDETERMINED})
+    sessions[4] = replace(sessions[4], joints=(lost,))
+    arm = analyse(sessions)
+    assert arm.joints[0].coefficients[0].sessions == (0, 1, 2, 3, 5, 6, 7, 8, 9, 10, 11)
+    assert not arm.drift
+
+
+def test_temperature_that_varies_explains_the_changes() -> None:
+    warmth = 25.0 + 4.0 * np.random.default_rng(4).standard_normal(24)
+    level = noisy(24) * np.exp(-0.01 * (warmth - 25.0))
+    found = coulomb(make_sessions(level, temperature=warmth))
+    assert not found.drift
+    assert found.temperature_slope.low < -0.01 < found.temperature_slope.high
+    stepped = coulomb(make_sessions(level * np.where(np.arange(24) >= 9, 1.15, 1.0), temperature=warmth))
+    assert (stepped.shape, stepped.change_points[0].session) == ("step", 9)
+    values = np.array([value.value for value in stepped.values])
+    assert np.std(values[:9]) < 0.02 * 0.3
+
+
+def test_temperature_that_rises_with_time_cannot_be_told_from_drift() -> None:
+    warmth = 20.0 + np.arange(20.0)
+    found = coulomb(make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth))
+    assert (found.drift, found.shape) == (False, "temperature")
+    assert "cannot be told apart" in found.message
+    assert "+1" in found.message  # warmer
+
+
+def test_coefficient_near_zero_has_no_relative_change() -> None:
+    level = noisy(20, 2, level=0.0) + np.where(np.arange(20) >= 10, 0.02, 0.0)
+    found = coulomb(make_sessions(level))
+    assert found.drift
+    assert np.isnan(found.total.value)
+    assert found.change.low < 0.02 < found.change.high
+    assert "N m" in found.message
+    assert "%" not in found.message
+
+
+def test_warm_up_within_sessions_is_told_apart() -> None:
+    rng = np.random.default_rng(0)
+    sessions = [
+        make_session(
+            i,
+            [make_joint(1, c, 0.07 + 0.003 * rng.standard_normal(), within={"coulomb_nm": about(-0.08, 0.02)})],
+        )
+        for i, c in enumerate(noisy(12))
+    ]
+    found = coulomb(sessions)
+    assert not found.drift
+    assert found.within.value == pytest.approx(-0.08)
+    assert found.within.high < 0.0
+    assert "within a session it falls by 8 %" in found.message
+
+
+def test_days_and_sessions_are_two_clocks() -> None:
+    days = np.concatenate([np.arange(10.0), 100.0 + np.arange(10.0)])
+    level = noisy(20) * (1.0 + 0.002 * days)
+    sessions = [
+        replace(session, start_s=FIRST_S + day * A_DAY_S)
+        for session, day in zip(make_sessions(level), days, strict=True)
+    ]
+    found = coulomb(sessions)
+    assert found.trend_per_day.low < 0.0006 < found.trend_per_day.high
+
+
+def test_change_of_speed_with_the_drift_is_told() -> None:
+    level = noisy(20) * np.where(np.arange(20) >= 10, 1.15, 1.0)
+    sessions = [make_session(i, [make_joint(1, c, speed=0.4 if i >= 10 else 0.8)]) for i, c in enumerate(level)]
+    assert "the speed of motion changed with it (0.5 times)" in coulomb(sessions).message
+
+
+def test_reference_is_the_first_sessions_or_those_asked_for() -> None:
+    level = noisy(20) * np.where(np.arange(20) >= 3, 1.15, 1.0)
+    sessions = make_sessions(level)
+    assert analyse(sessions).reference == (0, 1, 2, 3, 4)
+    chosen = replace(QUICK, baseline=(10, 11, 12))
+    assert analyse(sessions, chosen).reference == (10, 11, 12)
+    assert coulomb(sessions, chosen).total.low < 0.0 < coulomb(sessions, chosen).total.high
+    assert coulomb(sessions, chosen).level.value == pytest.approx(0.345, abs=0.004)
+
+
+def test_reference_that_is_not_there() -> None:
+    assert choose_reference((0, 1, 2, 3), 5) == ((0, 1), ())
+    chosen, (warning,) = choose_reference((0, 1, 2, 3), (1, 9))
+    assert (chosen, warning) == ((1,), "session 10 of the reference cannot be compared")
+    assert choose_reference((0, 1, 2, 3), (9,))[0] == (0, 1)
+
+
+def test_unlike_sessions_are_listed() -> None:
+    sessions = make_sessions(noisy(12))
+    sessions[3] = replace(sessions[3], conditions=replace(HAND, gravity="model"))
+    arm = analyse(sessions)
+    assert arm.left_out == ((3, "gravity model, of the others absent"),)
+    assert 3 not in arm.joints[0].coefficients[0].sessions
+
+
+@settings(max_examples=4, deadline=None)
+@given(factor=st.floats(0.01, 100.0), seed=st.integers(0, 100))
+def test_scale_changes_nothing(factor: float, seed: int) -> None:
+    level = noisy(14, seed) * np.where(np.arange(14) >= 7, 1.08, 1.0)
+    one, other = (
+        coulomb(make_sessions(scale * level, error=scale * 0.003), replace(QUICK, permutations=99))
+        for scale in (1.0, factor)
+    )
+    assert one.shape == other.shape
+    assert one.p_value == other.p_value
+    assert one.total.value == pytest.approx(other.total.value, rel=1e-6)
+    assert one.message.partition(";")[0] == other.message.partition(";")[0]
+
+
+@settings(max_examples=4, deadline=None)
+@given(order=st.permutations(range(10)))
+def test_order_of_the_arguments_changes_nothing(order: list[int]) -> None:
+    sessions = [replace(session, start_s=FIRST_S + i // 3) for i, session in enumerate(make_sessions(noisy(10)))]
+    quick = replace(QUICK, permutations=99)
+    assert repr(analyse([sessions[i] for i in order], quick)) == repr(analyse(sessions, quick))  # NaN is not NaN
+
+
+@settings(max_examples=8, deadline=None)
+@given(value=st.floats(1e-4, 1e4), error=st.floats(1e-9, 1e-2), count=st.integers(1, 15))
+def test_what_is_constant_never_drifts(value: float, error: float, count: int) -> None:
+    sessions = [
+        make_session(i, [make_joint(1, value, 0.07, error=error * value)], start=FIRST_S + i * A_DAY_S)
+        for i in range(count)
+    ]
+    found = coulomb(sessions, replace(QUICK, permutations=99))
+    assert not found.drift
+    assert found.change_points == ()
+
+
+def test_false_alarms_are_as_rare_as_said() -> None:
+    """Of 40 arms on which nothing changes, at most 5 % drift; 7 or more have probability 0.003 then."""
+    alarms = 0
+    for k in range(40):
+        rng = np.random.default_rng((9, k))
+        rows = 0.3 + 0.003 * rng.standard_normal((16, 2))
+        sessions = [make_session(i, [make_joint(j + 1, row[j]) for j in range(2)]) for i, row in enumerate(rows)]
+        alarms += analyse(sessions, DriftSettings(permutations=99)).drift
+    assert alarms < 7
+
+
+def test_intervals_without_width_are_no_division_by_zero() -> None:
+    level = np.where(np.arange(12) >= 6, 0.33, 0.3)
+    found = coulomb(make_sessions(level, error=0.0))
+    assert (found.drift, found.shape) == (True, "step")
+    assert found.change_points[0].relative.value == pytest.approx(0.1)
+
+
+def test_missing_intervals_are_taken_from_the_others() -> None:
+    sessions = make_sessions(noisy(12) * np.where(np.arange(12) >= 6, 1.15, 1.0))
+    bare = Coefficient(value=0.3, low=float("nan"), high=float("nan"))
+    own = sessions[2].joints[0]
+    sessions[2] = replace(sessions[2], joints=(replace(own, coefficients={**own.coefficients, "coulomb_nm": bare}),))
+    assert coulomb(sessions).change_points[0].session == 6

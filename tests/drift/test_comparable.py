@@ -1,0 +1,86 @@
+from dataclasses import replace
+
+import pytest
+
+from friction_audit.drift.comparable import choose_comparable
+from friction_audit.drift.order import natural, put_in_order
+from friction_audit.drift.session import Conditions, Session
+from tests.drift.made_sessions import FIRST_S, HAND, make_joint, make_session
+
+
+def session(i: int, conditions: Conditions = HAND, *, known: bool = True, speed: float = 0.7) -> Session:
+    return make_session(i, [make_joint(1, 0.3 + 0.001 * i, speed=speed)], conditions=conditions, known=known)
+
+
+def left_out(sessions: list[Session]) -> dict[int, str]:
+    return dict(choose_comparable(put_in_order(sessions)).left_out)
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "reason"),
+    [
+        ("drive", "robot", "drive robot, of the others hand"),
+        ("torque", "tau_J", "torque tau_J, of the others interaction"),
+        ("gravity", "model", "gravity model, of the others absent"),
+        ("inertia", "model", "inertia model, of the others none"),
+        ("payload", "2 kg", "payload 2 kg, of the others none given"),
+        ("rate_hz", 100.0, "100 samples a second, of the others 1000"),
+    ],
+)
+def test_unlike_sessions_are_left_out_with_the_reason(name: str, value: object, reason: str) -> None:
+    odd = replace(HAND, **{name: value})  # type: ignore[arg-type]
+    assert left_out([session(0), session(1), session(2, odd), session(3)]) == {2: reason}
+
+
+def test_other_joints_are_another_arm() -> None:
+    two = make_session(1, [make_joint(1, 0.3), make_joint(2, 0.3)])
+    assert left_out([session(0), two, session(2)]) == {1: "joints 1-2, of the others 1"}
+
+
+def test_latest_of_equal_groups_is_compared() -> None:
+    odd = replace(HAND, gravity="model")
+    assert set(left_out([session(0), session(1), session(2, odd), session(3, odd)])) == {0, 1}
+
+
+def test_like_rates_are_compared() -> None:
+    assert left_out([session(0), session(1, replace(HAND, rate_hz=700.0))]) == {}
+
+
+def test_same_content_counts_once() -> None:
+    again = replace(session(1), path="copy.csv")
+    assert left_out([session(0), session(1), again]) == {2: "the same recording as copy.csv"}
+
+
+def test_same_start_and_estimates_in_another_format_count_once() -> None:
+    again = replace(session(1), path="run1.mcap", sha256="other bytes")
+    assert left_out([session(0), session(1), again]) == {2: "the same recording as run1.csv"}
+
+
+def test_same_start_alone_is_no_repetition() -> None:
+    assert left_out([replace(session(i), start_s=FIRST_S) for i in range(4)]) == {}
+
+
+def test_most_without_a_start_are_ordered_by_name() -> None:
+    order = put_in_order([session(10, known=False), session(9, known=False), session(1)])
+    assert order.by == "name"
+    assert [s.path for s in order.sessions] == ["run1.csv", "run9.csv", "run10.csv"]
+    assert "order of their names" in choose_comparable(order).warnings[0]
+
+
+def test_few_without_a_start_are_left_out() -> None:
+    order = put_in_order([session(0, known=False), session(2), session(1)])
+    assert [s.path for s in order.sessions] == ["run1.csv", "run2.csv", "run0.csv"]
+    ((index, reason),) = order.left_out
+    assert index == 2
+    assert "manifest" in reason
+
+
+def test_natural_order() -> None:
+    assert sorted(["b2", "B10", "b1x", "a", "1"], key=natural) == ["a", "b1x", "b2", "B10", "1"]
+
+
+def test_other_speeds_are_told() -> None:
+    alike = choose_comparable(put_in_order([session(0), session(1), session(2), session(3, speed=0.1)]))
+    assert len(alike.compared) == 4
+    (warning,) = alike.warnings
+    assert warning.startswith("joint 1: 1 of 4 sessions move at other speeds than the usual 0.35 to 1 rad/s; ")

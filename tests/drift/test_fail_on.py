@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from friction_audit.drift.analyse import analyse_drift
+from friction_audit.drift.fail_on import Limit, exceeded, parse_limit
+from friction_audit.drift.report import DriftReport
+from friction_audit.drift.settings import DriftSettings
+from friction_audit.errors import UsageError
+from tests.drift.made_sessions import make_sessions, noisy
+
+
+@pytest.fixture(scope="module")
+def stepped() -> DriftReport:
+    level = noisy(16) * np.where(np.arange(16) >= 9, 1.15, 1.0)
+    return analyse_drift(make_sessions(level), DriftSettings(permutations=199))
+
+
+@pytest.mark.parametrize(
+    ("text", "joint", "coefficient", "size", "relative"),
+    [
+        ("coulomb=15%", None, "coulomb_nm", 0.15, True),
+        ("viscous=0.05", None, "viscous_nms_per_rad", 0.05, False),
+        ("joint3.coulomb=10%", 3, "coulomb_nm", 0.10, True),
+        ("any=20 %", None, None, 0.20, True),
+        (" Joint12.Any=2e1%", 12, None, 0.20, True),
+    ],
+)
+def test_limits(text: str, joint: int | None, coefficient: str | None, size: float, relative: bool) -> None:
+    found = parse_limit(text)
+    assert (found.joint, found.coefficient, found.relative) == (joint, coefficient, relative)
+    assert found.size == pytest.approx(size)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "coulomb", "coulomb=", "coulomb=x%", "coulomb=-3%", "coulomb=nan%", "any=0.1", "joint0.any=3%", "gap=3%"],
+)
+def test_what_is_no_limit_is_refused(text: str) -> None:
+    with pytest.raises(UsageError, match=r"^--fail-on .*expected .*any=20%"):
+        parse_limit(text)
+
+
+@pytest.mark.parametrize("text", ["coulomb=10%", "joint1.coulomb=12%", "any=10%", "coulomb=0.03"])
+def test_proven_change_beyond_the_limit(stepped: DriftReport, text: str) -> None:
+    (sentence,) = exceeded(stepped, [parse_limit(text)])
+    assert sentence.startswith("arm, joint 1: Coulomb friction rose by ")
+    assert sentence.endswith(f"surely beyond the limit {text}")
+
+
+@pytest.mark.parametrize("text", ["coulomb=20%", "joint2.coulomb=10%", "coulomb=0.06"])
+def test_change_below_the_limit_or_not_proven(stepped: DriftReport, text: str) -> None:
+    assert exceeded(stepped, [parse_limit(text)]) == ()
+
+
+def test_estimate_beyond_an_interval_across() -> None:
+    level = noisy(16) * np.where(np.arange(16) >= 9, 1.15, 1.0)
+    report = analyse_drift(make_sessions(level), DriftSettings(permutations=199))
+    total = report.arms[0].joints[0].coefficients[0].total
+    close = Limit(joint=None, coefficient="coulomb_nm", size=total.value - 1e-4, relative=True, text="coulomb=close")
+    (sentence,) = exceeded(report, [close])
+    assert "probably beyond" in sentence

@@ -1,0 +1,154 @@
+"""The parts of the drift tests, each against numbers known by hand."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from friction_audit.drift.change_points import Search, find_steps, holm, segmentation
+from friction_audit.drift.family import score, statistic_of, step_down
+from friction_audit.drift.fit import fit_model
+from friction_audit.drift.isolated import find_isolated
+from friction_audit.drift.memory import find_memory, growth_with_lag
+from friction_audit.drift.model import tell_apart
+from friction_audit.drift.scatter import residual_scatter, steps_scatter
+from friction_audit.drift.series import Series, make_series
+from friction_audit.drift.shapes import make_directions, step_places, studentise
+from friction_audit.drift.smallest_drift import noncentrality
+from friction_audit.drift.temperature import without_temperature
+from friction_audit.drift.words import percent
+from tests.drift.made_sessions import make_sessions, noisy
+
+
+def series_of(level: np.ndarray, error: float = 0.003) -> Series:
+    sessions = make_sessions(level, error=error)
+    return without_temperature(make_series(sessions, range(len(level)), 1, "coulomb_nm", by_start=True))
+
+
+def test_scatter_of_equal_errors_is_the_variance_less_theirs() -> None:
+    residual = np.array([-3.0, -1.0, 1.0, 3.0])  # sum of squares 20, 4 - 1 degrees of freedom
+    assert residual_scatter(residual, np.full(4, 2.0), 3) == pytest.approx(np.sqrt(20 / 3 - 4))
+    assert residual_scatter(residual, np.full(4, 3.0), 3) == 0.0
+
+
+def test_scatter_between_neighbours_passes_over_a_step() -> None:
+    level = noisy(200, 1) + np.where(np.arange(200) >= 90, 1.0, 0.0)
+    assert steps_scatter(level, np.zeros(200)) == pytest.approx(0.003, rel=0.2)
+    assert steps_scatter(level, np.full(200, 0.01)) == 0.0
+
+
+def test_step_statistic_is_the_two_sample_t() -> None:
+    level = noisy(12, 5)
+    directions = make_directions(series_of(level, error=1e-9))
+    t = studentise(directions.residual[None, :], directions)[0]
+    k = int(np.flatnonzero(directions.split == 5)[0])
+    y = np.log(level)
+    weight = directions.weight  # equal to 1e-6: errors are far below the scatter
+    assert np.ptp(weight) < 1e-6 * weight[0]
+    assert t[k] == pytest.approx(stats.ttest_ind(y[5:], y[:5]).statistic, rel=1e-4)
+
+
+def test_ramp_statistic_is_the_slope_of_a_regression() -> None:
+    level = noisy(12, 5)
+    directions = make_directions(series_of(level, error=1e-9))
+    t = studentise(directions.residual[None, :], directions)[0]
+    line = stats.linregress(np.arange(12), np.log(level))
+    assert t[directions.ramps] == pytest.approx(line.slope / line.stderr, rel=1e-4)
+
+
+def test_places_of_steps() -> None:
+    assert step_places(3).tolist() == []
+    assert step_places(4).tolist() == [2]
+    assert step_places(7).tolist() == [2, 3, 4, 5]
+    many = step_places(1000)
+    assert (many[0], many[-1]) == (2, 998)
+    assert len(many) <= 80
+
+
+def test_step_down_by_hand() -> None:
+    null = np.array([[1.0, 5.0], [2.0, 2.5], [3.0, 0.5]])
+    # 4 against the maxima 5, 2.5, 3: one is as large; 2 against 1, 2, 3: two are.
+    assert step_down(np.array([2.0, 4.0]), null).tolist() == [3 / 4, 2 / 4]
+
+
+def test_score_is_minus_log_of_p() -> None:
+    assert score(2.0, 10) == pytest.approx(-np.log(stats.t.sf(2.0, 10)))
+    assert statistic_of(float(score(2.0, 10)), 10) == pytest.approx(2.0)
+
+
+def test_holm_by_hand() -> None:
+    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
+
+
+def test_isolated_session_and_step() -> None:
+    y = np.array([0.0, 0.1, -0.1, 9.0, 0.05, -0.05, 0.0, 0.1])
+    error = np.full(8, 0.1)
+    assert np.flatnonzero(find_isolated(y, error)).tolist() == [3]
+    assert not np.any(find_isolated(np.array([0.0, 0.1, -0.1, 0.0, 9.0, 9.1]), np.full(6, 0.1)))
+    assert not np.any(find_isolated(np.arange(10.0), np.full(10, 0.1)))
+
+
+def test_segmentation_of_plain_steps() -> None:
+    y = np.repeat([0.0, 1.0, 0.0], [5, 6, 7])
+    assert segmentation(y, 2) == [5, 11]
+
+
+def test_hardly_a_step_more_than_there_are() -> None:
+    """One step each: another one is told in 5 % of the series, in four or more of 20 with probability 0.016."""
+    search = Search(alpha=0.05, permutations=99, seed=0, growth=1.0)
+    stepped = np.where(np.arange(30) >= 12, 1.1, 1.0)
+    found = [find_steps(series_of(noisy(30, seed) * stepped), search) for seed in range(20)]
+    assert all(12 in {step.place for step in steps} for steps in found)
+    assert sum(len(steps) > 1 for steps in found) < 4
+    assert found[0][0].p_value == pytest.approx(1 / 100)
+
+
+def test_weighted_mean_by_hand() -> None:
+    fit = fit_model(series_of(np.array([0.30, 0.31, 0.29, 0.30]), 0.05), np.ones((4, 1)))
+    # The errors are far beyond the differences: no scatter, weights as the values squared over the errors squared.
+    values = np.array([0.30, 0.31, 0.29, 0.30])
+    weight = (values / 0.05) ** 2
+    assert fit.scatter == 0.0
+    assert fit.value[0] == pytest.approx(np.sum(weight * np.log(values)) / np.sum(weight))
+    assert fit.covariance[0, 0] == pytest.approx(1 / np.sum(weight), rel=1e-3)
+
+
+def test_noncentrality_gives_the_power() -> None:
+    shift = noncentrality(2.5, 20, 0.9)
+    assert stats.nct.sf(2.5, 20, shift) == pytest.approx(0.9)
+    assert noncentrality(1.96, 100_000, 0.9) == pytest.approx(1.96 + stats.norm.ppf(0.9), abs=0.01)
+
+
+def test_differences_grow_with_the_lag_where_the_scatter_remembers() -> None:
+    rng = np.random.default_rng(0)
+    white = rng.standard_normal((300, 40))
+    wandering = np.cumsum(white, axis=1)
+    assert np.median(growth_with_lag(white)) == pytest.approx(0.0, abs=0.05)
+    assert np.median(growth_with_lag(wandering)) == pytest.approx(np.mean(np.log(np.sqrt([2, 3, 4]))), abs=0.1)
+    ramp = white + 5.0 * np.arange(40)
+    assert growth_with_lag(ramp) == pytest.approx(growth_with_lag(white))
+
+
+def test_memory_of_many_series() -> None:
+    rng = np.random.default_rng(1)
+    family = []
+    for _ in range(14):
+        noise = rng.standard_normal(60)
+        for i in range(1, 60):
+            noise[i] = 0.7 * noise[i - 1] + np.sqrt(1 - 0.49) * noise[i]
+        family.append(make_directions(series_of(0.3 + 0.003 * noise, 1e-5)))
+    nulls = [d.residual[np.argsort(rng.random((200, 60)), axis=1)] for d in family]
+    memory = find_memory(family, nulls, rng)
+    assert 0.5 < memory.correlation < 0.85
+    assert memory.growth > 1.3
+
+
+@pytest.mark.parametrize(
+    ("steps", "ramp", "count", "shape"),
+    [(0.0, 10.0, 1, "step"), (0.0, 10.0, 3, "steps"), (10.0, 0.0, 1, "ramp"), (0.0, 3.0, 1, "step_or_ramp")],
+)
+def test_the_better_description(steps: float, ramp: float, count: int, shape: str) -> None:
+    assert tell_apart(steps, ramp, count) == shape
+
+
+def test_percent_for_people() -> None:
+    assert [percent(share) for share in (0.0123, 0.15, 0.999, 2.34)] == ["1.2", "15", "100", "234"]
