@@ -15,6 +15,7 @@ from friction_audit.discrepancy.candidates import (
 )
 from friction_audit.joint_log import Float
 from friction_audit.model.rigid_body import RigidBody
+from friction_audit.model.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH
 from tests.discrepancy.candidates.explained import share_explained
 from tests.discrepancy.candidates.joint_data_by_hand import baseline, two_sines
 
@@ -65,6 +66,13 @@ def test_joints_at_the_ends_of_an_arm_try_the_neighbour_that_there_is() -> None:
     first, last = replace(PLAIN, others_joint=0), replace(PLAIN, others_joint=2)
     assert [shape["crosstalk_side"] for shape in torque_crosstalk.CANDIDATE.tried(first)] == [1.0]
     assert [shape["crosstalk_side"] for shape in torque_crosstalk.CANDIDATE.tried(last)] == [-1.0]
+
+
+def test_couplings_with_many_factors_take_many_cycles() -> None:
+    tried = [shape["coupling_source"] for shape in inertial_coupling.CANDIDATE.tried(PLAIN)]
+    assert tried == [BEFORE, AFTER, BOTH, ALL]
+    few = replace(PLAIN, cycle=np.minimum(PLAIN.cycle, 6))
+    assert [shape["coupling_source"] for shape in inertial_coupling.CANDIDATE.tried(few)] == [BEFORE, AFTER, BOTH]
 
 
 def test_what_needs_stated_numbers_names_them() -> None:

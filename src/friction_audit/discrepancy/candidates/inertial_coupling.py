@@ -1,9 +1,12 @@
 """Inertial coupling: accelerations of other joints, or the inertial torque that the arm's model tells."""
 
+import numpy as np
+
 from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import neighbours_move
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.rigid_body import INERTIAL_PARAMETERS
 from friction_audit.model.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH, MODEL, TERM, TIP
 
 NAMES = tuple(parameter.name for parameter in TERM.linear)
@@ -13,17 +16,22 @@ LARGEST_MASS_KG = 10.0
 """What columns that nearly cancel may make of the last link is no body."""
 
 
+CYCLES_PER_COLUMN = 2
+"""A dozen factors from as many cycles fit whatever there is, with masses that no arm carries."""
+
+
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """The neighbours that there are, all joints, and what the model knows."""
+    """The neighbours that there are, and what the model knows; with many factors where there are many cycles."""
     joints, joint = data.others_dq.shape[1], data.own_column
     model = data.rigid is not None and data.rigid.inertial is not None
+    columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
     sources = (
         (BEFORE, joint > 0),
         (AFTER, joint + 1 < joints),
         (BOTH, 0 < joint < joints - 1),
-        (ALL, joints > 1),
+        (ALL, joints > 1 and 2 * (joints - 1) <= columns),
         (MODEL, model),
-        (TIP, model),
+        (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
     )
     return tuple({"coupling_source": float(source)} for source, there in sources if there)
 
