@@ -1,7 +1,6 @@
 """The same batch on a Dask cluster of this machine."""
 
 import os
-import signal
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -22,6 +21,7 @@ from friction_audit.batch.settings import BatchSettings
 from friction_audit.batch.work import Task
 from friction_audit.errors import UsageError
 from tests.batch.conftest import Batch
+from tests.batch.fragile_work import deadly_once
 
 pytest.importorskip("distributed")
 pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.xdist_group("dask")]
@@ -40,16 +40,6 @@ def cluster() -> Iterator[Any]:
         del os.environ["PYTHONPATH"]
     else:
         os.environ["PYTHONPATH"] = before
-
-
-def deadly_once(task: Task) -> Worked:
-    """Kill the worker on one of the tasks, the first time."""
-    if task.path == "3" and not Path(task.place).exists():
-        Path(task.place).touch()
-        os.kill(os.getpid(), signal.SIGKILL)
-    if task.path == "bug":
-        raise ZeroDivisionError("by nought")
-    return Worked(sha256=task.path)
 
 
 def test_the_same_numbers_to_the_bit(cluster: Any, rig: Path, batch: Batch, tmp_path: Path) -> None:
@@ -102,7 +92,7 @@ def test_other_versions_are_refused() -> None:
 
 def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(dask_executor, "PATIENCE_S", 0.5)
-    with pytest.raises(UsageError, match=r"--scheduler tcp://127\.0\.0\.1:9: no scheduler answers .*expected an address"):
+    with pytest.raises(UsageError, match=r"--scheduler tcp://127\.0\.0\.1:9: no scheduler answers"):
         next(DaskExecutor(address="tcp://127.0.0.1:9").run(deadly_once, iter(())))
 
 

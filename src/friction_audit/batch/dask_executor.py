@@ -6,6 +6,7 @@ from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import islice
+from queue import SimpleQueue
 from typing import Any
 
 from friction_audit import __version__
@@ -52,16 +53,16 @@ def _run(
     waiting: Iterator[Task],
     pending: dict[Any, Task],
 ) -> Generator[tuple[Task, Worked | Lost]]:
-    done = _distributed().as_completed([], loop=client.loop)
+    done: SimpleQueue[Any] = SimpleQueue()
     while True:
         room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
         for task in islice(waiting, max(room, 0)):
             future = client.submit(work, task, pure=False)
             pending[future] = task
-            done.add(future)
+            future.add_done_callback(done.put)
         if not pending:
             return
-        future = next(done)
+        future = done.get()
         task = pending.pop(future)
         yield task, _outcome(future)
 

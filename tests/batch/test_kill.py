@@ -1,0 +1,99 @@
+"""Runs that are killed, and runs side by side: the ledger is whole, and nothing finished is done again."""
+
+import random
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.export import write_log
+from friction_audit.joint_log import JointLog
+
+LOGS = 24
+KILLS = 3
+PATIENCE_S = 120.0
+
+RUN = """
+import sys
+from pathlib import Path
+from friction_audit.batch.find_logs import find_logs
+from friction_audit.batch.ledger import Ledger
+from friction_audit.batch.local_executor import LocalExecutor
+from friction_audit.batch.run_batch import catch_up, gather
+from friction_audit.batch.run_lock import run_lock
+from friction_audit.batch.settings import BatchSettings
+
+logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
+folder.mkdir(exist_ok=True)
+with run_lock(folder) as alone, Ledger(folder / "ledger.sqlite") as ledger:
+    executor = LocalExecutor(workers=1)
+    standing = catch_up(logs, BatchSettings(), ledger, executor, lambda _: None, backwards=not alone)
+    print(standing.new, len(gather(standing, BatchSettings(), ledger).sessions))
+"""
+
+
+def start(logs: Path, output: Path) -> "subprocess.Popen[str]":
+    return subprocess.Popen([sys.executable, "-c", RUN, str(logs), str(output)], stdout=subprocess.PIPE, text=True)
+
+
+def finished(output: Path) -> int:
+    """Return how many sessions the ledger holds, each with all its rows."""
+    path = output / "ledger.sqlite"
+    if not path.exists():
+        return 0
+    with closing(sqlite3.connect(path, timeout=30.0)) as database:
+        if not database.execute("SELECT 1 FROM sqlite_master WHERE name = 'coefficients'").fetchone():
+            return 0
+        assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        counts = [database.execute(f"SELECT COUNT(*) FROM {table}").fetchone()[0] for table in ("sessions", "joints")]
+        pairs = database.execute("SELECT COUNT(*) FROM coefficients").fetchone()[0]
+    assert counts[0] == counts[1]
+    assert pairs == 2 * counts[0]
+    return int(counts[0])
+
+
+@pytest.fixture(scope="module")
+def many(recordings: tuple[JointLog, ...], tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of many logs."""
+    folder = tmp_path_factory.mktemp("many")
+    log = recordings[0]
+    assert log.tau_interaction is not None
+    for number in range(LOGS):
+        torque = log.tau_interaction * (1.0 + 0.01 * number)
+        write_log(replace(log, tau_interaction=np.asfortranarray(torque)), folder / f"run{number}.npz")
+    return folder
+
+
+def test_killed_at_any_moment_nothing_finished_is_lost_or_done_again(many: Path, tmp_path: Path) -> None:
+    moments, output, before = random.Random(6), tmp_path / "out", 0
+    for kill in range(KILLS):
+        process = start(many, output)
+        target, begin = before + moments.randint(0, LOGS // KILLS - 1), time.monotonic()
+        while finished(output) <= target and process.poll() is None:
+            assert time.monotonic() < begin + PATIENCE_S
+            time.sleep(moments.uniform(0.0, 0.05))
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+        after = finished(output)
+        assert after >= before, kill
+        before = after
+    assert 0 < before <= LOGS
+    out, _ = start(many, output).communicate(timeout=PATIENCE_S)
+    assert [int(number) for number in out.split()] == [LOGS - before, LOGS]
+    assert finished(output) == LOGS
+
+
+def test_two_runs_on_one_ledger_share_the_work(many: Path, tmp_path: Path) -> None:
+    runs = [start(many, tmp_path / "out") for _ in range(2)]
+    for run in runs:
+        out, _ = run.communicate(timeout=PATIENCE_S)
+        assert run.returncode == 0
+        assert out.split()[1] == str(LOGS)
+    assert finished(tmp_path / "out") == LOGS
