@@ -117,3 +117,28 @@ def test_factors_agree_with_what_the_column_was_built_for() -> None:
 def test_one_stroke_back_and_forth_is_not_enough() -> None:
     once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
     assert "reversals" in str(backlash.CANDIDATE.untestable(once, baseline(once)))
+
+
+def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() -> None:
+    rate = 2 * np.pi * 28.0
+    shiver = 1e-4 * np.sin(rate * DATA.t)
+    shaken = replace(
+        DATA, q=DATA.q + shiver, dq=DATA.dq + 1e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
+    )
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "soft_nm": 0.0}
+
+    def change(shape: Shape) -> float:
+        still, moved = (
+            joint_elasticity.CANDIDATE.columns(one, baseline(one), shape)[400:-400] for one in (DATA, shaken)
+        )
+        return float(np.sqrt(np.mean((moved - still) ** 2) / np.mean(still**2)))
+
+    assert change(spring) > 1.0
+    assert change({**spring, "motion_below_hz": 18.0}) < 0.1
+
+
+def test_springs_that_ring_slowly_are_tried_along_the_measured_motion_only() -> None:
+    smooth = [shape for shape in joint_elasticity.CANDIDATE.tried(DATA) if "motion_below_hz" in shape]
+    assert smooth
+    ringing = [np.sqrt(shape["spring_nm_per_rad"] / 0.3) / (2 * np.pi) for shape in smooth]
+    assert min(ringing) > 18.0

@@ -1,8 +1,10 @@
 """Elasticity: a spring between what is measured and what rubs."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
@@ -17,6 +19,11 @@ SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
 """A rubber band, a steel shaft."""
 USUAL_INERTIA_KG_M2 = 0.3
 """Of an arm's drive, where the torque tells none."""
+MOTION_BELOW_HZ = 18.0
+"""A spring that rings faster amplifies the noise of the position, ten times and more, and what people and motors mean
+to do is below 4 Hz; unless the measured side rings with the far one, it is better taken as smooth."""
+FILTER_S = 0.2
+"""Reach of the low-pass to either side."""
 SOFT_SHARES = (1e-3, 0.3, 1.0, 3.0)
 """Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring."""
 LARGEST_SHARE = 1.6
@@ -26,20 +33,48 @@ LEAST_SHARE = 0.5
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """Linear springs of all stiffnesses, and of every fourth one springs that are soft at first."""
+    """Linear springs of all stiffnesses, and of every fourth one springs that are soft at first.
+
+    Those that ring where hardly more than noise moves the measured side are tried with a smooth motion too, more
+    coarsely: it does not ring.
+    """
     usual = float(np.sqrt(np.mean(data.torque**2))) or 1.0
-    stiffnesses = _stiffnesses(data)
+    every, fast = _stiffnesses(data, 0.0), _stiffnesses(data, MOTION_BELOW_HZ)
+    tries: tuple[tuple[Float, dict[str, float]], ...] = (
+        (every, {}),
+        (fast[::2], {"motion_below_hz": MOTION_BELOW_HZ}),
+    )
     return tuple(
-        {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual}
+        {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual, **motion}
+        for tried, motion in tries
         for k, share in enumerate(SOFT_SHARES)
-        for stiffness in stiffnesses[:: 4 if k else 1]
+        for stiffness in tried[:: 4 if k else 1]
     )
 
 
-def _stiffnesses(data: JointData) -> Float:
-    """Stiffnesses on which the inertia that the torque tells rings slowly to fast, and the stiffest. [N m/rad]"""
+def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+    """What the spring adds to the torque per compliance, along the motion as measured or below a frequency."""
+    motion = data.motion(baseline.torque)
+    if (below_hz := shape.get("motion_below_hz")) is not None:
+        q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
+        friction = baseline.coulomb_nm * np.sign(dq) + baseline.viscous_nms_per_rad * dq
+        motion = replace(motion, q=q, dq=dq, ddq=ddq, rest=baseline.inertia_kg_m2 * ddq + friction)
+    return TERM.regressor(motion, tuple(shape[parameter.name] for parameter in TERM.shape))
+
+
+def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
+    """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
+    from scipy.signal import firwin, oaconvolve
+
+    half = round(FILTER_S / step_s)
+    kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
+    return np.asarray(oaconvolve(np.pad(signal, half, mode="edge"), kernel, "valid"))
+
+
+def _stiffnesses(data: JointData, above_hz: float) -> Float:
+    """The stiffest, and falling those on which the inertia that the torque tells rings above a frequency. [N m/rad]"""
     inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
-    ringing = inertia * (2.0 * np.pi * RINGING_HZ) ** 2
+    ringing = inertia * (2.0 * np.pi * RINGING_HZ[above_hz < RINGING_HZ]) ** 2
     between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
     return np.append(STIFFEST_NM_PER_RAD, between[::-1])
 
@@ -60,7 +95,7 @@ CANDIDATE = Candidate(
     name="joint_elasticity",
     label="a spring between motor and link",
     shapes=shapes,
-    columns=columns_of(TERM),
+    columns=columns,
     column_units=("rad_per_nm",),
     untestable=untestable,
     admissible=admissible,
