@@ -1,6 +1,5 @@
 """The same batch on a Dask cluster of this machine."""
 
-import os
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -29,17 +28,13 @@ pytestmark = [pytest.mark.filterwarnings("ignore"), pytest.mark.xdist_group("das
 
 @pytest.fixture(scope="module")
 def cluster() -> Iterator[Any]:
-    """Return two workers in processes of their own, that find the tests' modules."""
+    """Return two workers in processes of their own, that find the tests' modules where this process does."""
     root = str(Path(__file__).parents[2])
-    before = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = root
+    sys.path.insert(0, root)
     distributed: Any = import_module("distributed")
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as running:
         yield running
-    if before is None:
-        del os.environ["PYTHONPATH"]
-    else:
-        os.environ["PYTHONPATH"] = before
+    sys.path.remove(root)
 
 
 def test_the_same_numbers_to_the_bit(cluster: Any, rig: Path, batch: Batch, tmp_path: Path) -> None:

@@ -14,6 +14,11 @@ from friction_audit.simulate import BenchSettings, simulate
 from tests.report.conftest import COULOMB, VISCOUS, build_estimate
 
 
+def estimated(joints: int) -> Estimate:
+    """Return the estimate of strokes made by hand; of seven joints the third stands still."""
+    return estimate_log(build_estimate(joints, rate=250.0).log, AuditSettings())
+
+
 def summaries(estimate: Estimate) -> tuple[JointSummary, ...]:
     return summarise_joints(estimate.log, estimate.interaction, estimate.cycles, estimate.friction)
 
@@ -30,7 +35,7 @@ def estimate(log: JointLog) -> Estimate:
 
 
 def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
-    seven = build_estimate(7)
+    seven = estimated(7)
     found = summaries(seven)
     assert [one.joint for one in found] == list(range(1, 8))
     assert [one.name for one in found] == list(seven.interaction.joint_names)
@@ -43,7 +48,7 @@ def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
 
 
 def test_quartiles_of_the_speed_are_those_in_motion() -> None:
-    found = summaries(build_estimate(1))[0]
+    found = summaries(estimated(1))[0]
     low, median, high = found.speed_rad_s
     assert 0.05 < low < median < high < 2.0
 
@@ -62,7 +67,7 @@ def test_joints_selected_keep_their_numbers_and_their_temperature() -> None:
 
 
 def test_the_curve_shows_both_sides_of_the_friction() -> None:
-    found = summaries(build_estimate(1))[0]
+    found = summaries(estimated(1))[0]
     speed, torque = np.array(found.curve.speed_rad_s), np.array(found.curve.torque_nm)
     assert 20 <= len(speed) <= BINS
     assert (np.diff(speed) > 0).all()
@@ -93,7 +98,7 @@ def test_one_speed_is_one_bin() -> None:
 
 
 def test_a_compensator_s_torque_counts_with_the_hand_s() -> None:
-    bare = build_estimate(1)
+    bare = estimated(1)
     help_nm = np.full_like(bare.interaction.torque, 0.1)
     helped = replace(bare, interaction=replace(bare.interaction, compensation=help_nm))
     pairs = zip(summaries(helped)[0].curve.torque_nm, summaries(bare)[0].curve.torque_nm, strict=True)

@@ -1,0 +1,175 @@
+"""``batch-report`` from words to files and exit codes."""
+
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import sys
+import time
+from contextlib import closing
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.cli import choices
+from friction_audit.cli.batch_files import RESULTS
+from friction_audit.export import write_log
+from friction_audit.report.figures.batch import BATCH_FIGURES
+from friction_audit.simulate import BenchSettings, simulate
+from tests.cli.conftest import Run
+
+DAYS, STEP = 8, 5
+PATIENCE_S = 120.0
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder of days of one joint, its friction 30 % higher from the sixth on."""
+    folder = tmp_path_factory.mktemp("days") / "rig"
+    settings = BenchSettings(duration_s=20.0, rate_hz=200.0)
+    for day in range(DAYS):
+        log = simulate(settings, seed=day).log
+        assert log.tau_interaction is not None
+        torque = np.asfortranarray(log.tau_interaction * (1.3 if day >= STEP else 1.0))
+        write_log(replace(log, tau_interaction=torque), folder / f"2026-03-{day + 1:02d}.npz")
+    return folder
+
+
+@pytest.fixture
+def rig(written: Path, run: Run, tmp_path: Path) -> Path:
+    """Return a copy of it where the command runs."""
+    assert run("--version").code == 0
+    shutil.copytree(written, tmp_path / "rig")
+    return Path("rig")
+
+
+def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
+    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    answer = run("batch-report", rig, "--json", "-q", "--workers", "2")
+    assert answer.code == 6
+    document = answer.document()
+    assert (document["computed"], document["known"]) == (DAYS + 1, 0)
+    assert [failed["path"] for failed in document["failed"]] == ["rig/bad.csv"]
+    assert document["joints"][0]["drift"] is True
+    assert document["joints"][0]["coefficients"]["coulomb_nm"]["change_points"][0]["session"] == STEP + 1
+    folder = Path("friction-drift")
+    figures = {f"{kind.name}.png" for kind in BATCH_FIGURES}
+    assert {path.name for path in folder.iterdir()} == {"ledger.sqlite", *RESULTS, *figures}
+    assert json.loads((folder / "batch.json").read_text()) == document
+    table = pd.read_parquet(folder / "sessions.parquet")
+    assert len(table) == 2 * DAYS
+    assert table["value"].to_numpy() == pytest.approx(pd.read_csv(folder / "sessions.csv")["value"].to_numpy())
+    first = {path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name in (*RESULTS, *figures)}
+    again = run("batch-report", rig, "-q")
+    assert again.code == 6
+    assert f"{DAYS} sessions of 1 arm: 0 computed, {DAYS + 1} known from the ledger, 1 failed" in again.out
+    assert {path.name: path.stat().st_mtime_ns for path in folder.iterdir() if path.name in first} == first
+    assert run("batch-report", rig, "--json", "-q").document()["known"] == DAYS + 1
+
+
+def test_limits_come_before_failures(rig: Path, run: Run) -> None:
+    (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    answer = run("batch-report", rig, "--fail-on", "coulomb=15%", "-q")
+    assert answer.code == 5
+    assert "limit exceeded:" in answer.out
+    assert "failed: rig/bad.csv: no column for dq" in answer.out
+    assert run("batch-report", rig, "--fail-on", "coulomb=60%", "-q").code == 6
+
+
+def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run) -> None:
+    assert run("batch-report", rig, "-q").code == 0
+    before = Path("friction-drift/batch.json").read_bytes()
+    answer = run("batch-report", rig, "-q", "--model", "coulomb")
+    assert answer.code == 2
+    assert "friction-drift/batch.json" in answer.err
+    assert "made with other settings" in answer.err
+    assert Path("friction-drift/batch.json").read_bytes() == before
+    assert run("batch-report", rig, "-q", "--model", "coulomb", "--overwrite").code == 0
+    assert Path("friction-drift/batch.json").read_bytes() != before
+    (rig / "2026-03-08.npz").unlink()
+    other = run("batch-report", rig, "-q", "--overwrite")
+    assert "7 sessions of 1 arm: 0 computed, 7 known" in other.out
+
+
+def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
+    assert run("batch-report", rig / "2026-03-01.npz", "-q").code == 0
+    answer = run("batch-report", rig / "2026-03-01.npz", "--rebuild")
+    assert answer.code == 0
+    assert "1 computed, 0 known" in answer.out
+    assert "warning: the ledger that was there is kept as friction-drift/ledger-1.sqlite" in answer.err
+    Path("friction-drift/ledger.sqlite").write_text("no ledger at all, but some text")
+    broken = run("batch-report", rig / "2026-03-01.npz")
+    assert broken.code == 3
+    assert "--rebuild to move it aside" in broken.err
+    assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
+
+
+def test_a_manifest_tells_what_logs_do_not(rig: Path, run: Run) -> None:
+    Path("manifest.csv").write_text("path,robot,start,note\nrig/2026-03-02.npz,R7,2025-01-01,found again\n")
+    document = run("batch-report", "--manifest", "manifest.csv", "--json", "-q").document()
+    session = document["sessions"][0]
+    assert (session["robot"], session["start_from"], session["note"]) == ("R7", "manifest", "found again")
+    assert "--manifest manifest.csv" in document["command"]
+    assert rig.exists()
+
+
+TABLE = [
+    ("batch-report", 2, "no logs named"),
+    ("batch-report absent", 3, "absent: no such file or directory"),
+    ("batch-report empty", 3, "empty: no log in this folder or below"),
+    ("batch-report bad.csv", 3, "none of 1 logs can be used:\n  bad.csv: no column for dq"),
+    ("batch-report {logs}/still.csv", 4, "no joint of any session has an estimate:\n  {logs}/still.csv: joint 1: "),
+    ("batch-report bad.csv --manifest wrong.csv", 3, "wrong.csv: no column path"),
+    ("batch-report bad.csv --baseline x", 2, "--baseline x"),
+    ("batch-report bad.csv --fail-on coulomb", 2, "--fail-on coulomb"),
+    ("batch-report bad.csv --workers 0", 2, "--workers"),
+    ("batch-report bad.csv --workers 2 --scheduler tcp://a:1", 2, "a cluster has its own workers"),
+    ("batch-report bad.csv -o wrong.csv/deep", 2, "wrong.csv is a file"),
+]
+
+
+@pytest.mark.parametrize(("words", "code", "text"), TABLE, ids=[row[0] for row in TABLE])
+def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
+    (tmp_path / "wrong.csv").write_text("robot\nleft\n")
+    answer = run(*(word.format(logs=logs) for word in words.split()))
+    assert answer.code == code, answer
+    assert text.format(logs=logs) in answer.err
+    assert answer.out == ""
+
+
+def test_stopped_by_the_user_it_says_how_far_it_came(written: Path, tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "friction_audit", "batch-report", str(written), "-o", "out", "--workers", "1"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True, env=os.environ)
+    ledger, begin = tmp_path / "out" / "ledger.sqlite", time.monotonic()
+    while _sessions(ledger) < 1:
+        assert process.poll() is None
+        assert time.monotonic() < begin + PATIENCE_S
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=PATIENCE_S)
+    assert process.returncode in (0, 130)
+    if process.returncode == 130:
+        assert f"of {DAYS} new logs are finished; out/ledger.sqlite keeps them" in said
+    assert 1 <= _sessions(ledger) <= DAYS
+    assert "Traceback" not in said
+
+
+def _sessions(ledger: Path) -> int:
+    if not ledger.exists():
+        return 0
+    with closing(sqlite3.connect(ledger, timeout=30.0)) as database:
+        try:
+            return int(database.execute("SELECT COUNT(*) FROM sessions").fetchone()[0])
+        except sqlite3.OperationalError:  # before its tables are there
+            return 0
+
+
+def test_names_of_figures_are_those_of_the_report() -> None:
+    assert tuple(kind.name for kind in BATCH_FIGURES) == choices.BATCH_FIGURES
