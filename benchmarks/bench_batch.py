@@ -1,6 +1,6 @@
 """`friction-audit batch-report` on many one-minute logs of a seven-joint arm at 1 kHz in Parquet.
 
-    python benchmarks/bench_batch.py [--logs 100] [--runs 3] [--memory 100 1000] [--page docs/commands/batch-report.md]
+    python -m benchmarks.bench_batch [--logs 100] [--runs 3] [--memory 100 1000] [--page docs/commands/batch-report.md]
 
 What two workers gain over one, what a second run on the unchanged folder takes, and whether memory stays flat. Every
 run is the whole command in a process of its own: imports, figures and page included. With ``--page`` the table is
@@ -19,8 +19,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from bench_parquet import CASES, MEGABYTE, write_log
-from bench_speed import machine
+from benchmarks.bench_parquet import CASES, MEGABYTE, write_log
+from benchmarks.bench_speed import machine
 
 MINUTE_H = 1 / 60
 DISTINCT = 8
@@ -138,7 +138,7 @@ def memory_rows(folder: Path, counts: Sequence[int]) -> Iterator[str]:
 def table(arguments: argparse.Namespace) -> Iterator[str]:
     """Yield the lines of the table."""
     options = f"--logs {arguments.logs} --runs {arguments.runs} --memory {' '.join(map(str, arguments.memory))}".strip()
-    yield f"Made by `python benchmarks/bench_batch.py {options}`."
+    yield f"Made by `python -m benchmarks.bench_batch {options}`."
     yield f"Machine: {machine()}"
     yield "Peaks are of all processes of the command together; walls are medians (and ranges) of runs in turns."
     yield ""
