@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.drift.family import draw_null
+from friction_audit.drift.family import draw_statistics
 from friction_audit.drift.series import Series
 from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.drift.shapes import (
@@ -148,8 +148,7 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 def _judge(directions: Directions, first: int, search: Search) -> Step:
     rng = np.random.default_rng(search.seed)
     keys = rng.random((search.permutations, len(directions.residual)))
-    null = draw_null(directions, keys, rng)
-    drawn = np.max(np.abs(studentise(null, directions)), axis=1)
+    drawn = np.max(draw_statistics(directions, keys, rng), axis=1)
     real = np.abs(studentise(directions.residual[None, :], directions))[0] / search.growth
     low, high = moment(directions, search.growth)
     return Step(

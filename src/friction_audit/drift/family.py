@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.drift.memory import Memory, find_memory
-from friction_audit.drift.shapes import Directions, studentise
+from friction_audit.drift.memory import LEARNED, Memory, find_memory
+from friction_audit.drift.shapes import Directions, studentise, studentise_orders
 from friction_audit.joint_log import Float
 
 FEWEST_TO_PERMUTE = 12
@@ -53,14 +53,13 @@ def judge_family(
     """
     rng = np.random.default_rng(seed)
     keys = rng.random((permutations, 1 + max(int(np.max(place)) for place in places)))
-    nulls = [
-        draw_null(directions, keys[:, place.astype(int)], rng) for directions, place in zip(family, places, strict=True)
-    ]
+    own = [keys[:, place.astype(int)] for place in places]
     found = [np.abs(studentise(directions.residual[None, :], directions)) for directions in family]
-    memory = find_memory(family, nulls, rng)
+    shuffled = [d.residual[np.argsort(key[:LEARNED], axis=1)] for d, key in zip(family, own, strict=True)]
+    memory = find_memory(family, shuffled, rng)
     observed, drawn, ramp, ramp_drawn = [], [], [], []
-    for directions, real, null in zip(family, found, nulls, strict=True):
-        statistics = np.abs(studentise(null, directions))
+    for directions, real, key in zip(family, found, own, strict=True):
+        statistics = draw_statistics(directions, key, rng)
         observed.append(score(np.max(real) / memory.growth, directions.freedom))
         drawn.append(score(np.max(statistics, axis=1), directions.freedom))
         ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / memory.growth, directions.freedom))
@@ -75,12 +74,17 @@ def judge_family(
     )
 
 
-def draw_null(directions: Directions, keys: Float, rng: np.random.Generator) -> Float:
-    """Return what the residuals would be without drift, shape (orders, n)."""
-    n = len(directions.residual)
-    if n < FEWEST_TO_PERMUTE:
-        return rng.standard_normal((len(keys), n))
-    return directions.residual[np.argsort(keys, axis=1)]
+def draw_statistics(directions: Directions, keys: Float, rng: np.random.Generator) -> Float:
+    """Return the size of the statistics without drift, shape (orders, k).
+
+    Args:
+        directions: Of one series, n sessions.
+        keys: Random numbers whose order is the order of the sessions, shape (orders, n).
+        rng: For normal scatter, where the sessions are too few for random orders.
+    """
+    if len(directions.residual) < FEWEST_TO_PERMUTE:
+        return np.abs(studentise(rng.standard_normal(keys.shape), directions))
+    return np.abs(studentise_orders(directions, np.argsort(keys, axis=1)))
 
 
 def score(statistic: Float | float, freedom: int) -> Float:

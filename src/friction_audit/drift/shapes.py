@@ -19,6 +19,10 @@ COLLINEAR = 1e-6
 """A direction with a smaller part of its square left beside the temperature is none."""
 
 
+ROUNDING = 1e-4
+"""If no session is off by so much of its error, nothing changes but the last digits."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Directions:
     """What the tests look along, whitened: every session's error is 1.
@@ -30,6 +34,7 @@ class Directions:
         base: Orthonormal basis of level and temperature, shape (n, b).
         residual: What level and temperature leave of y, shape (n,).
         weight: One over the standard error with scatter, shape (n,).
+        ramp: Ramps as they are, shape (n, r); the last r of the directions.
     """
 
     split: NDArray[np.int64]
@@ -38,6 +43,7 @@ class Directions:
     base: Float
     residual: Float
     weight: Float
+    ramp: Float
 
     @property
     def freedom(self) -> int:
@@ -78,7 +84,17 @@ def orthogonal(shapes: Float, *, split: NDArray[np.int64], base: Float, y: Float
     direction = np.divide(left, length, out=np.zeros_like(left), where=length > 0)
     scaled = (y - np.average(y, weights=weight**2)) * weight
     residual = scaled - basis @ (basis.T @ scaled)
-    return Directions(split=split, direction=direction, length=length, base=basis, residual=residual, weight=weight)
+    if np.max(np.abs(residual), initial=0.0) < ROUNDING:
+        residual = np.zeros_like(residual)
+    return Directions(
+        split=split,
+        direction=direction,
+        length=length,
+        base=basis,
+        residual=residual,
+        weight=weight,
+        ramp=shapes[:, split == 0],
+    )
 
 
 def step_places(sessions: int) -> NDArray[np.int64]:
@@ -125,3 +141,32 @@ def studentise(residual: Float, directions: Directions) -> Float:
     square = np.sum(residual**2, axis=1) - np.sum((residual @ directions.base) ** 2, axis=1)
     rest = np.maximum(square[:, None] - along**2, 1e-12 * square[:, None] + 1e-300)
     return np.asarray(along * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
+
+
+def studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
+    """Return t of each shape with the sessions in other orders, shape (orders, k).
+
+    A session takes its error and its temperature along: an estimate that is worse than its error says stays as it is.
+
+    Args:
+        directions: In the true order.
+        order: Sessions in other orders, shape (orders, n).
+    """
+    weight = directions.weight[order]
+    along = _along_shapes(directions.residual[order] * weight, directions, directions.ramp)
+    whole = _along_shapes(weight**2, directions, directions.ramp**2)
+    square = whole.copy()
+    for base in directions.base.T:
+        square -= _along_shapes(base[order] * weight, directions, directions.ramp) ** 2
+    unit = np.divide(
+        along, np.sqrt(np.maximum(square, 0.0)), out=np.zeros_like(along), where=square > COLLINEAR * whole
+    )
+    total = float(np.sum(directions.residual**2))
+    rest = np.maximum(total - unit**2, 1e-12 * total + 1e-300)
+    return np.asarray(unit * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
+
+
+def _along_shapes(rows: Float, directions: Directions, ramp: Float) -> Float:
+    """Return the sum of each row after each step, and along each ramp, shape (orders, k)."""
+    after = np.cumsum(rows[:, ::-1], axis=1)[:, ::-1]
+    return np.column_stack([after[:, directions.split[~directions.ramps]], rows @ ramp])

@@ -9,6 +9,9 @@ from friction_audit.drift.fit import Fit
 from friction_audit.drift.series import Series
 from friction_audit.drift.shapes import base_shapes, orthogonal, ramp_shapes
 
+FAR = 30.0
+"""Beyond it the noise of the numerator of t does not count beside that of its denominator."""
+
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
     """Return the straight change of y, start to end, that the test of the arm finds with the power asked for.
@@ -22,7 +25,7 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
         growth: By how much autocorrelation makes statistics larger.
         power: Probability to find it.
     """
-    weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1e-12))
+    weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
     ramp = orthogonal(
         ramp_shapes(series)[:, :1],
         split=np.zeros(1, dtype=np.int64),
@@ -38,7 +41,10 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
 def noncentrality(statistic: float, freedom: int, power: float) -> float:
     """Return the shift of a t-statistic that passes a bound with a given probability."""
     from scipy.optimize import brentq
-    from scipy.stats import nct, norm
+    from scipy.stats import chi2, nct, norm
+
+    if statistic > FAR:
+        return statistic * math.sqrt(float(chi2.ppf(power, freedom)) / freedom)
 
     def lacking(shift: float) -> float:
         return float(nct.sf(statistic, freedom, shift)) - power
