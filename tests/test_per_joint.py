@@ -1,6 +1,8 @@
+import threading
+
 import pytest
 
-from friction_audit.per_joint import per_joint
+from friction_audit.per_joint import one_joint_at_a_time, per_joint
 
 
 def test_results_come_in_the_order_of_the_joints() -> None:
@@ -13,3 +15,11 @@ def test_an_error_at_one_joint_is_raised() -> None:
 
     with pytest.raises(ZeroDivisionError):
         per_joint(work, 7)
+
+
+def test_one_joint_at_a_time_takes_no_threads() -> None:
+    with one_joint_at_a_time():
+        assert per_joint(lambda joint: (joint, threading.get_ident()), 3) == [
+            (j, threading.get_ident()) for j in range(3)
+        ]
+    assert threading.get_ident() not in per_joint(lambda _: threading.get_ident(), 3)

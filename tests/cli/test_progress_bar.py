@@ -54,3 +54,22 @@ def test_a_quiet_command_and_one_without_a_terminal_report_to_nobody(monkeypatch
     monkeypatch.setattr("sys.stderr", io.StringIO())
     with Voice(quiet=False, verbose=True).progress("simulate") as report:
         assert report is None
+
+
+def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
+    with Voice(quiet=False, verbose=False).count("estimate") as count:
+        assert count is not None
+        time.sleep(0.05)
+        for done in range(3):
+            count(done, 4, done // 2)
+            time.sleep(0.06)
+        time.sleep(0.1)
+    assert "2/4" in terminal.getvalue()
+    assert "1 failed" in terminal.getvalue()
+
+
+def test_nobody_watches_a_quiet_count() -> None:
+    with Voice(quiet=True, verbose=False).count("estimate") as count:
+        assert count is None

@@ -33,7 +33,7 @@ COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _NUMBER = re.compile(r"_\d+$")
 _MOST_SHOWN = 8
 METADATA = "metadata.yaml"
-_NOTE = re.compile(r"""^\s+['"]?([\w -]+)['"]?:\s*['"]?([^'"\n]+)""", re.MULTILINE)
+_NOTE = re.compile(r"""^[ \t]+['"]?([\w -]+)['"]?:[ \t]*['"]?([^'"\n]+)""", re.MULTILINE)
 _LISTED_FILE = re.compile(r"^\s*-\s*['\"]?(?:.*/)?([^/'\"\s]+\.(?:db3|mcap)(?:\.zstd?)?)['\"]?\s*$", re.MULTILINE)
 
 
