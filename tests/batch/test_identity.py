@@ -96,12 +96,10 @@ def test_sessions_in_the_order_of_their_starts() -> None:
     assert [session.start_from for session in found.sessions] == ["name", "name", "log"]
 
 
-def test_without_starts_by_name_and_said_so() -> None:
+def test_without_starts_in_the_order_of_the_names() -> None:
     found = identify([(file(f"a/run{n}.csv"), recorded()) for n in (10, 2)])
     assert [session.path for session in found.sessions] == ["a/run2.csv", "a/run10.csv"]
-    assert len(found.warnings) == 1
-    assert "robot a: no session tells when it started" in found.warnings[0]
-    assert "in the order of their names" in found.warnings[0]
+    assert {session.start_from for session in found.sessions} == {"nothing"}
 
 
 def test_unlike_arms_in_a_folder_are_parted_and_said() -> None:

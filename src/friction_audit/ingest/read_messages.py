@@ -33,7 +33,7 @@ def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Re
 
     Raises:
         InputError: If there is no joint state to read.
-        UsageError: If the log holds several arms and the user named none.
+        SeveralArmsError: If the log holds several arms and the user named none.
     """
     candidates = _candidates(path, stream, options)
     choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
