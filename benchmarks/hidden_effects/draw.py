@@ -18,6 +18,7 @@ NOISES = ("as measured", "slow", "very slow")
 """Colours of the torque noise: a Panda's, one that remembers 20 ms, one that remembers 100 ms."""
 ONE_JOINT = ("joint", "joint-sine", "joint-slow", "joint-loaded", "joint-driven")
 MOTIONS: dict[str, tuple[str, ...]] = {
+    "stiction": ("joint", "joint-slow", "joint-loaded"),
     "load_dependent_friction": ("joint-loaded", "joint-driven"),
     "gravity_error": ("joint-loaded", "joint-driven"),
     "joint_elasticity": ("joint-driven", "joint-sine", "joint"),

@@ -7,9 +7,11 @@ import numpy as np
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from friction_audit.cycles import segment_cycles
 from friction_audit.cycles.settings import CycleSettings
-from friction_audit.discrepancy.declared import least_squares
+from friction_audit.discrepancy.declared import declare, least_squares
 from friction_audit.discrepancy.ground import make_ground
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import prepare
+from friction_audit.discrepancy.rows import make_rows
 from friction_audit.errors import FrictionAuditError
 from friction_audit.interaction import extract_interaction
 from friction_audit.interaction.settings import TorqueSettings
@@ -22,36 +24,54 @@ CLOSE = 0.1
 LARGEST_SCALE = 30.0
 
 
-def left_over(log: JointLog, joint: int, model: ArmModel | None = None) -> float:
-    """What the declared model leaves of one joint's torque, root mean square. [N m]"""
-    interaction = extract_interaction(log, TorqueSettings())
-    data = prepare(interaction, segment_cycles(interaction, CycleSettings()), log)[joint]
-    ground = make_ground(data, None if model is None else model.joints[joint], 0)
-    left = ground.y - ground.base @ least_squares(ground.base, ground.y)
+def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_hz: float | None = None) -> float:
+    """What the declared model leaves of one joint's torque, root mean square. [N m]
+
+    Args:
+        log: The log.
+        joint: Column of the joint.
+        model: The declared model, None for the simple one.
+        corner_hz: Of the rows' filter; None for what the log's own noise allows. [Hz]
+    """
+    data, stated = _prepared(log)[joint], None if model is None else model.joints[joint]
+    rows = make_ground(data, stated, 0).rows if corner_hz is None else make_rows(data, corner_hz)
+    declared = declare(data, rows, stated)
+    left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
     return float(np.sqrt(np.mean(left**2)))
 
 
+def _prepared(log: JointLog) -> tuple[JointData, ...]:
+    interaction = extract_interaction(log, TorqueSettings())
+    return prepare(interaction, segment_cycles(interaction, CycleSettings()), log)
+
+
 def scales_for(case: Case) -> tuple[float, ...] | None:
-    """Scale of each effect's strength, each on its own, on ideal sensors; None where it cannot be reached."""
-    nothing = (0.0,) * len(case.effects)
-    noise, ideal = (_left(case, nothing, ideal=ideal) for ideal in (False, True))
-    found = [_scale(case, k, noise * case.partial, ideal) for k in range(len(case.effects))]
+    """Scale of each effect's strength, each on its own, on ideal sensors; None where it cannot be reached.
+
+    Below the corner that the noise of the log's own sensors allows: what lies above it nobody sees.
+    """
+    nothing, joint, model = (0.0,) * len(case.effects), case.number - 1, model_of(case)
+    log = simulate(settings_of(case, nothing), case.seed).log
+    corner = make_ground(_prepared(log)[joint], None if model is None else model.joints[joint], 0).rows.corner_hz
+    noise, ideal = left_over(log, joint, model), _left(case, nothing, corner)
+    found = [_scale(case, k, noise * case.partial, ideal, corner) for k in range(len(case.effects))]
     scales = [scale for scale in found if scale is not None]
     return tuple(scales) if len(scales) == len(found) else None
 
 
-def _left(case: Case, scales: Sequence[float], *, ideal: bool) -> float:
-    log = simulate(settings_of(case, scales, ideal=ideal), case.seed).log
-    return left_over(log, case.number - 1, model_of(case))
+def _left(case: Case, scales: Sequence[float], corner_hz: float) -> float:
+    """What is left with ideal sensors."""
+    log = simulate(settings_of(case, scales, ideal=True), case.seed).log
+    return left_over(log, case.number - 1, model_of(case), corner_hz)
 
 
-def _scale(case: Case, which: int, wanted: float, ideal: float) -> float | None:
+def _scale(case: Case, which: int, wanted: float, ideal: float, corner_hz: float) -> float | None:
     """Secant steps in the logarithm, for the rest of a model grows nearly in proportion to what it misses."""
     scale = 1.0
     for _ in range(ROUNDS):
         alone: Sequence[float] = [scale if k == which else 0.0 for k in range(len(case.effects))]
         try:
-            total = _left(case, alone, ideal=True)
+            total = _left(case, alone, corner_hz)
         except FrictionAuditError:
             scale *= 0.5  # so strong that the joint hardly moves, or beyond what the effect allows
             continue

@@ -57,11 +57,11 @@ def told(
     verdict: str,
     *effects: Effect,
     remaining: tuple[Profile, ...] = (),
-    shaking: Vibration | None = None,
+    also: tuple[str, ...] = (),
     significant: bool = False,
 ) -> str:
     untestable = {"a": "move faster", "b": "move faster", "c": "rest more"}
-    return message_of(verdict, effects, remaining, shaking, 0.00478, significant, untestable)  # type: ignore[arg-type]
+    return message_of(verdict, effects, remaining, also, 0.00478, significant, untestable)  # type: ignore[arg-type]
 
 
 def test_the_message_of_each_verdict() -> None:
@@ -76,7 +76,9 @@ def test_the_message_of_each_verdict() -> None:
 def test_what_nothing_explains_is_told_with_its_place() -> None:
     lost = "is missing that nothing in the catalogue explains: "
     assert told("unexplained") == f"something {lost}spread over the whole motion"
-    somewhere = told("unexplained", effect("x"), remaining=(place(""), place("above 2 s")), shaking=SHAKING)
+    somewhere = told(
+        "unexplained", effect("x"), remaining=(place(""), place("above 2 s")), also=(vibration_of(SHAKING),)
+    )
     assert somewhere == f"beside x (the x) something {lost}above 2 s; {vibration_of(SHAKING)}"
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects, preferred
+from friction_audit.discrepancy.alternatives import Naming, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm
 from friction_audit.discrepancy.ground import Ground
@@ -17,8 +17,9 @@ from friction_audit.joint_log import Float
 MOST_ROUNDS = 4
 """Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
 SETTLED = 0.05
-NEAR = 60.0
-"""Difference in BIC up to which a rival may win once its shape is as good as that of what was found."""
+NEAR, HALF = 60.0, 0.5
+"""Difference in BIC up to which a rival may win once its shape is as good as that of what was found: so much, or so
+much of all that speaks for what was found. The best width of a play lies between the points of any grid."""
 MOST_RIVALS = 2
 NEARLY = 10.0
 """What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
@@ -76,13 +77,13 @@ def find_names(
         alpha: Family-wise error on the locked cycles.
         rng: Source of randomness.
     """
-    baseline = ground.baseline()
     products, outcome, n_eff = search_library(ground, library)
     baseline = ground.baseline(*_columns(library, outcome))
     library = rebuild_library(library, ground.data, baseline, ground.rows)
-    library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff, baseline))
+    library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff))
     products, outcome, n_eff = search_library(ground, library)
     outcome = preferred(products, outcome, n_eff)
+    baseline = ground.baseline(*_columns(library, outcome))
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
     found = _refined(ground, library, outcome, namings, baseline)
@@ -138,27 +139,36 @@ def _columns(library: Library, outcome: Search) -> list[Float]:
 
 
 def _sharpened(
-    ground: Ground, library: Library, outcome: Search, products: CrossProducts, n_eff: float, baseline: Baseline
+    ground: Ground, library: Library, outcome: Search, products: CrossProducts, n_eff: float
 ) -> Iterator[tuple[str, Shape, Float]]:
     """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
     columns = _columns(library, outcome)
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
-        base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
-        near = [r for r in naming.rivals if r.correlation > ALIKE and r.delta_bic < NEAR][:MOST_RIVALS]
+        others = [*columns[:k], *columns[k + 1 :]]
+        near = [r for r in naming.rivals if r.delta_bic < max(NEAR, HALF * chosen.score)][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
-            yield from _sharper(ground, library, name, at, baseline, base)
+            yield from _sharper(ground, library, name, at, others)
+        if others and library.entry(chosen.name).candidate.leans_on_model:
+            # Beside a companion that only mends its coarse shape it would never become sharp enough to need none.
+            yield from _sharper(ground, library, chosen.name, chosen.shape, [])
     ranking = Ranking(products, n_eff)
     for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
-        yield from _sharper(ground, library, name, at, baseline, np.hstack([ground.base, *columns]))
+        yield from _sharper(ground, library, name, at, columns)
 
 
 def _sharper(
-    ground: Ground, library: Library, name: str, at: int, baseline: Baseline, base: Float
+    ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]
 ) -> Iterator[tuple[str, Shape, Float]]:
-    """One shape of the grid refined, with its columns; nothing where the grid has the best."""
+    """One shape of the grid refined beside other effects, with its columns; nothing where the grid has the best.
+
+    What leans on the declared model leans on it as fitted beside this very effect: beside a rival that stands in for
+    it, inertia and friction are wrong.
+    """
     entry = library.entry(name)
+    baseline = ground.baseline(*others, entry.columns[at])
+    base = np.hstack([ground.base, *others])
     shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
-    if shape != entry.shapes[at]:
+    if shape != entry.shapes[at] or entry.candidate.leans_on_model:
         yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
 
 

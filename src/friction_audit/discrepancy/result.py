@@ -192,6 +192,7 @@ class JointDiscrepancy:
         profiles: The residual of the declared model against every axis, the most telling first.
         remaining: The residual of the grown model likewise.
         vibration: A hump in the spectrum of what the grown model leaves; None where there is none.
+        scatter_nm: By how much friction changes from stroke to stroke, following nothing; None without. [N m]
         untestable: Why the log cannot show an effect, by name of the effect.
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
@@ -216,6 +217,7 @@ class JointDiscrepancy:
     profiles: tuple[Profile, ...] = ()
     remaining: tuple[Profile, ...] = ()
     vibration: Vibration | None = None
+    scatter_nm: float | None = None
     untestable: dict[str, str] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()
     traces: Traces | None = None

@@ -122,12 +122,12 @@ def message_of(
     verdict: Verdict,
     effects: Sequence[Effect],
     remaining: Sequence[Profile],
-    vibration: Vibration | None,
+    also: Sequence[str],
     limit_nm: float,
     significant: bool,
     untestable: Mapping[str, str],
 ) -> str:
-    """One or two sentences."""
+    """One or two sentences; ``also`` are phrases on what follows no quantity of the motion."""
     named = " and ".join(f"{e.name} ({e.label})" for e in effects)
     if verdict == "none" and significant:
         return (
@@ -140,9 +140,8 @@ def message_of(
         return "; ".join(dict.fromkeys(untestable.values()))
     if verdict == "unexplained":
         at = next((p.where for p in remaining if p.where), "spread over the whole motion")
-        shaking = "" if vibration is None else f"; {vibration_of(vibration)}"
         what = f"beside {named} something" if effects else "something"
-        return f"{what} is missing that nothing in the catalogue explains: {at}{shaking}"
+        return f"{what} is missing that nothing in the catalogue explains: {'; '.join((at, *also))}"
     if verdict == "ambiguous":
         unsure = "; ".join(
             f"{e.name} cannot be told from {', '.join(e.alternatives)} in this log" for e in effects if e.alternatives

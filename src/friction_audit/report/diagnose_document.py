@@ -50,6 +50,7 @@ def _joint(joint: JointDiscrepancy) -> Document:
         "profiles": _profiles(joint.profiles),
         "remaining": _profiles(joint.remaining),
         "vibration": None if joint.vibration is None else to_json(asdict(joint.vibration)),
+        "scatter_nm": joint.scatter_nm,
         "untestable": dict(joint.untestable),
         "findings": [to_json(asdict(finding)) for finding in joint.findings],
     }
