@@ -69,7 +69,7 @@ class Case:
 
 def draw_case(seed: int, names: Sequence[str], partial: float, scenario: str | None = None) -> Case:
     """Draw everything but the effects' names and strength."""
-    rng = np.random.default_rng([seed, 20261121])
+    rng = np.random.default_rng([seed, 20261121, *"+".join(names).encode()])
     effects = [next(effect for effect in EFFECTS if effect.name == name) for name in names]
     joint = JointParameters(
         inertia_kg_m2=float(rng.uniform(0.1, 0.6)),

@@ -18,13 +18,6 @@ def hum(t: Float, _q: Float, _dq: Float, rng: np.random.Generator) -> Float:
     return np.asarray(np.sin(2 * np.pi * rng.uniform(1.0, 12.0) * t + rng.uniform(0, 2 * np.pi)))
 
 
-def worn_patch(_t: Float, q: Float, dq: Float, rng: np.random.Generator) -> Float:
-    """Viscous friction in one stretch of the range, drag in the rest."""
-    middle = rng.uniform(np.quantile(q, 0.3), np.quantile(q, 0.7))
-    patch = np.exp(-(((q - middle) / (0.15 * np.ptp(q))) ** 2))
-    return np.asarray(dq * np.abs(dq) * patch, np.float64)
-
-
 def flips(t: Float, _q: Float, dq: Float, rng: np.random.Generator) -> Float:
     """A brake that rubs now and then: friction that switches at random moments."""
     every = rng.uniform(1.0, 4.0)
@@ -46,7 +39,6 @@ def winding(_t: Float, q: Float, dq: Float, rng: np.random.Generator) -> Float:
 
 OUTSIDE: tuple[tuple[str, Torque], ...] = (
     ("hum", hum),
-    ("worn_patch", worn_patch),
     ("flips", flips),
     ("acceleration_friction", acceleration_friction),
     ("winding", winding),

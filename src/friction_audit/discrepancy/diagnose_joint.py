@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.contacts import leave_out_contacts
 from friction_audit.discrepancy.curves import Curve
@@ -204,16 +205,20 @@ def _told(
 
 
 def _rings(names: Names, vibration: Vibration) -> bool:
-    """Whether a vibration is that of a spring that has a name: from its resonance with the far side up to twice that.
+    """Whether a vibration is that of a spring or of flanks that strike, which have a name.
 
-    With a light link on its other end it is higher than with a heavy one.
+    A spring's lies from its resonance with the far side up to twice that, for a light link on its other end makes it
+    higher; that of flanks from where those of the model ring upwards, for the model's are as hard as rows can tell.
     """
-    springs = [f.shape["spring_nm_per_rad"] for f in names.found if f.candidate.name == ELASTICITY.name]
-    inertia = names.baseline.inertia_kg_m2
-    if not springs or inertia <= 0.0:
-        return False
-    lowest = float(np.sqrt(springs[0] / inertia)) / (2.0 * np.pi)
-    return vibration.high_hz >= lowest and vibration.low_hz <= 2.0 * lowest
+    inertia = max(names.baseline.inertia_kg_m2, np.finfo(float).tiny)
+    for f in names.found:
+        if f.candidate.name == ELASTICITY.name:
+            lowest = float(np.sqrt(f.shape["spring_nm_per_rad"] / inertia)) / (2.0 * np.pi)
+            if vibration.high_hz >= lowest and vibration.low_hz <= 2.0 * lowest:
+                return True
+        if f.candidate.name == BACKLASH.name and vibration.high_hz >= f.shape["contact_hz"]:
+            return True
+    return False
 
 
 def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
