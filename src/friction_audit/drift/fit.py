@@ -17,6 +17,9 @@ FEWEST_FOR_HUBER = 8
 EXACT = 1e-6
 """Residuals so far below their errors are those of a made-up series; they have no outliers."""
 
+ROUNDING = 1e-13
+"""Residuals of so much of the values are rounding, however small the errors are stated."""
+
 NEAR_ZERO = 2.0
 """Half intervals of the reference's level; a level that is not larger has no relative change."""
 
@@ -70,7 +73,7 @@ def fit_model(series: Series, shapes: Float, inflation: float = 1.0) -> Fit:
     plain = np.linalg.lstsq(design, whitened, rcond=None)[0]
     left = whitened - design @ plain
     scale = float(np.sqrt(np.sum(left**2) / freedom)) if freedom > 0 else 1.0
-    if freedom < FEWEST_FOR_HUBER or scale < EXACT:
+    if freedom < FEWEST_FOR_HUBER or scale < max(EXACT, ROUNDING * float(np.abs(whitened).max())):
         value, spread = plain, np.linalg.pinv(design.T @ design) * max(1.0, scale) ** 2
     else:
         found = RLM(whitened, design, M=HuberT()).fit()
