@@ -20,8 +20,6 @@ PAGES = DOCS / "effects"
 IMAGES = DOCS / "images" / "effects"
 COLUMN_PX = 748
 LARGEST_BYTES = 60_000
-WITHOUT = ("stiction", "frictional_lag", "joint_elasticity", "backlash")
-"""Pages that do not say yet how a diagnosis looks for their effect."""
 EVERY_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
 
 
@@ -88,9 +86,7 @@ def test_effects_it_is_confused_with_exist(effect: Effect) -> None:
     assert set(names) <= {other.name for other in EFFECTS} - {effect.name}
 
 
-@pytest.mark.parametrize(
-    "candidate", [one for one in CANDIDATES if one.name not in WITHOUT], ids=lambda candidate: candidate.name
-)
+@pytest.mark.parametrize("candidate", CANDIDATES, ids=lambda candidate: candidate.name)
 def test_page_says_where_diagnose_looks(candidate: Candidate) -> None:
     seen = (PAGES / f"{candidate.name}.md").read_text().partition("## In `diagnose`")[2].partition("## Example")[0]
     rows = dict(re.findall(r"^\| (axis|looked for|untestable where) \| (.+) \|$", seen, re.MULTILINE))

@@ -69,7 +69,9 @@ class Evidence:
 
     Attributes:
         name: Name of the candidate; the effect itself stands first.
-        delta_bic: BIC less that of the effect, on the effective number of samples: above 0 it is worse.
+        delta_bic: What speaks for the effect less what speaks for this one, of each L - k ln(L / k) with
+            L = n_eff ln(RSS without / RSS with) and k numbers: as a difference in BIC, but that a number costs what is
+            fair at the size that the data show. Above 0 it is worse, from 6 on clearly.
         correlation: Of its torque with that of the effect, free of all else in the model, 0..1.
     """
 
