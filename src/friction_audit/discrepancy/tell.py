@@ -132,7 +132,7 @@ def message_of(
     if verdict == "none" and significant:
         return (
             "nothing large enough for a name is missing: what is left is no pure noise, but no curve of the motion "
-            f"takes a hundredth of it; an effect of {limit_nm:.2g} N m rms would have been seen"
+            f"takes a fiftieth of it; an effect of {limit_nm:.2g} N m rms would have been seen"
         )
     if verdict == "none":
         return f"nothing is missing: an effect of {limit_nm:.2g} N m rms would have been seen"
