@@ -18,6 +18,7 @@ from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
 from friction_audit.model.joint_model import ArmModel
 from friction_audit.simulate.dispatch import simulate
+from friction_audit.simulate.effects import EFFECTS
 
 ROUNDS = 5
 CLOSE = 0.1
@@ -79,6 +80,14 @@ def _scale(case: Case, which: int, wanted: float, ideal: float, corner_hz: float
         if abs(partial / wanted - 1.0) < CLOSE:
             return scale
         scale *= float(np.clip(wanted / partial, 0.1, 10.0))
-        if scale > LARGEST_SCALE:
+        if scale > min(LARGEST_SCALE, _largest(case, which)):
             return None
     return scale
+
+
+def _largest(case: Case, which: int) -> float:
+    """Scale at which the strength is as large as the effect allows: nobody warms up until friction pushes."""
+    effect = next(effect for effect in EFFECTS if effect.name == case.effects[which])
+    high = next(parameter.high for parameter in effect.parameters if parameter.name == effect.strength)
+    usual = abs(getattr(case.groups[which], effect.strength))
+    return float(high / usual) if usual > 0.0 else LARGEST_SCALE
