@@ -1,6 +1,5 @@
 """``friction-audit batch-report``."""
 
-import shlex
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -12,6 +11,7 @@ import typer
 from friction_audit import __version__
 from friction_audit.cli import chain
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
+from friction_audit.cli.command_line import command_line
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
@@ -161,7 +161,8 @@ def command(
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
         told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
         if told is None:
-            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, _command_line(context))
+            again = command_line(context, leave_out=NOT_PART_OF_IT)
+            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again)
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, voice)
     if not output.json:
         voice.warn(told.warnings)
@@ -291,7 +292,7 @@ def _summarise(
     ledger: "Ledger",
     drift: "DriftSettings",
     limits: "tuple[Limit, ...]",
-    command_line: str,
+    command: str,
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.run_batch import gather
@@ -310,28 +311,8 @@ def _summarise(
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
         settings=to_json(every),
-        command=command_line,
+        command=command,
         computed=result.new,
         known=result.known,
     )
     return summary, result.warnings
-
-
-def _command_line(context: typer.Context) -> str:
-    """Return the command that was given, without what only concerns how it was watched."""
-    words: list[str] = []
-    for parameter in context.command.params:
-        name = str(parameter.name)
-        source = context.get_parameter_source(name)
-        if name not in NOT_PART_OF_IT and source is not None and source.name != "DEFAULT":
-            option = max(parameter.opts, key=len) if parameter.param_type_name == "option" else ""
-            words += _words(option, context.params[name])
-    return shlex.join(["friction-audit", "batch-report", *words])
-
-
-def _words(option: str, value: object) -> list[str]:
-    """Return an option, or an argument if it has no name, as it is typed."""
-    if isinstance(value, bool):
-        return [option] if value else []
-    values = value if isinstance(value, list | tuple) else [value]
-    return [word for item in values for word in ([option, str(item)] if option else [str(item)])]

@@ -63,12 +63,13 @@ def _head(found: Diagnosis) -> tuple[str, ...]:
     return (
         f"{log.source.path}: {log.source.format}, {samples}",
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"declared model: {_declared(found.settings.model)}",
+        f"declared model: {declared_model(found.settings.model)}",
         f"gaps are rms torques on cycles that no choice was made on{_locked(found)}; intervals are 95 %",
     )
 
 
-def _declared(model: ArmModel | None) -> str:
+def declared_model(model: ArmModel | None) -> str:
+    """Return what the declared model is, in words."""
     if model is None:
         return "inertia, Coulomb and viscous friction, fitted"
     held = dict.fromkeys(name for joint in model.joints if joint is not None for name in joint.held)
@@ -107,12 +108,13 @@ def _gap(joint: JointDiscrepancy) -> tuple[str, str, str, str]:
     if gap is None:
         return NOTHING, NOTHING, NOTHING, NOTHING
     if not joint.effects:
-        return _torque(gap.before), NOTHING, _torque(gap.floor), NOTHING
+        return format_torque(gap.before), NOTHING, format_torque(gap.floor), NOTHING
     closed = NOTHING if math.isnan(gap.shrink) else f"{100 * gap.shrink:.1f}"
-    return _torque(gap.before), _torque(gap.after), _torque(gap.floor), closed
+    return format_torque(gap.before), format_torque(gap.after), format_torque(gap.floor), closed
 
 
-def _torque(value: float) -> str:
+def format_torque(value: float) -> str:
+    """Return a torque to a thousandth, a dash where there is none. [N m]"""
     return NOTHING if math.isnan(value) else f"{value:.3f}" if value < 10.0 else f"{value:.1f}"  # noqa: PLR2004
 
 
@@ -128,7 +130,7 @@ def _size(effect: Effect) -> str:
     factors = [name for name in FACTORS.get(effect.name, ()) if name in effect.parameters]
     if len(factors) == 1:
         return format_quantity(effect.parameters[factors[0]], UNITS[factors[0]])
-    return f"{_torque(effect.partial_nm)} N m rms"
+    return f"{format_torque(effect.partial_nm)} N m rms"
 
 
 def format_quantity(number: Coefficient, unit: str) -> str:
@@ -158,23 +160,23 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
 
 
 def _effect(effect: Effect, said: str) -> Iterator[str]:
-    p_value = _p_value(effect.p_value)
-    gap = f"gap {_torque(effect.gap_before_nm)} -> {_torque(effect.gap_after_nm)} N m"
-    yield f"{effect.name}: {'; '.join(text for text in (_numbers(effect), gap, p_value) if text)}"
+    p_value = format_p_value(effect.p_value)
+    gap = f"gap {format_torque(effect.gap_before_nm)} -> {format_torque(effect.gap_after_nm)} N m"
+    yield f"{effect.name}: {'; '.join(text for text in (effect_numbers(effect), gap, p_value) if text)}"
     if effect.where not in said:
         yield f"  where: {effect.where}"
     if effect.decide:
         yield f"  to decide: {effect.decide}"
 
 
-def _p_value(p: float) -> str:
+def format_p_value(p: float) -> str:
     """Return a p-value in words; nothing for an event, which no other cycle can confirm."""
     if math.isnan(p):
         return ""
     return f"p < {SMALLEST_P}" if p < SMALLEST_P else f"p = {p:.2g}"
 
 
-def _numbers(effect: Effect) -> str:
+def effect_numbers(effect: Effect) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
     words = [_parameter(name, number) for name, number in effect.parameters.items()]
     if len(words) > MOST_NUMBERS:

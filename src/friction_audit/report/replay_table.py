@@ -54,17 +54,17 @@ def _head(found: LogReplay) -> tuple[str, ...]:
     return (
         f"{log.source.path}: {log.source.format}, {samples}",
         f"interaction torque: {found.estimate.interaction.choice.formula}",
-        f"compensator: {_describe(_shown(found.replay.joints))}",
+        f"compensator: {describe_compensator(shown_joint(found.replay.joints))}",
         f"{counterfactual.name}: {counterfactual.assumes}",
     )
 
 
-def _shown(joints: tuple[JointReplay, ...]) -> JointReplay:
+def shown_joint(joints: tuple[JointReplay, ...]) -> JointReplay:
     """Return a joint on which what was asked for ran; any, if it ran on none."""
     return next((joint for joint in joints if not joint.reason), joints[0])
 
 
-def _describe(joint: JointReplay) -> str:
+def describe_compensator(joint: JointReplay) -> str:
     """Return the compensator in words; the settings of the joints differ in limits and thresholds only."""
     compensator = joint.compensator
     kind = kind_of(compensator)

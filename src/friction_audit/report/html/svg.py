@@ -4,7 +4,7 @@ import io
 import re
 import warnings
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from friction_audit.report.figures.style import figure_style
@@ -19,6 +19,8 @@ REFERENCE = re.compile(r"url\(#([^)]+)\)")
 FONT = re.compile(r"font: ((?:[\w.]+ )*?[\d.]+px) [^;]*|font-family: [^;]*")
 LONG = re.compile(r"\d+\.\d{3,}")
 """A coordinate finer than a hundredth of a point, which nobody sees."""
+IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 150}
+"""Words as text; clouds of dots, which are images, as fine as a screen shows them."""
 BLACK = "#000000"
 """Colour of text that names none."""
 
@@ -64,7 +66,7 @@ def _draw(figure: "Figure") -> str:
     from matplotlib import rc_context
 
     text = io.StringIO()
-    with figure_style(), rc_context({"svg.fonttype": "none"}), warnings.catch_warnings():
+    with figure_style(), rc_context(IN_PAGE), warnings.catch_warnings():
         # The page's reader has letters that the font of the layout lacks.
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
@@ -89,8 +91,8 @@ def _rename(root: ET.Element, prefix: str) -> None:
         if name in used:
             element.set("id", f"{prefix}-{name}")
         link = element.attrib.pop(f"{{{XLINK}}}href", None)
-        if link is not None:
-            element.set("href", f"#{prefix}-{link[1:]}")
+        if link is not None:  # within the drawing, or an image that is the link itself
+            element.set("href", f"#{prefix}-{link[1:]}" if link.startswith("#") else link)
         for key in ("clip-path", "style"):
             if key in element.attrib:
                 element.set(key, REFERENCE.sub(rf"url(#{prefix}-\1)", element.attrib[key]))

@@ -1,0 +1,77 @@
+"""LogReport: what a log says, from one reading and one estimate, all parts of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from friction_audit.audit import Diagnosis, Estimate, LogReplay
+from friction_audit.discrepancy.result import JointDiscrepancy
+from friction_audit.friction.history import JointFriction
+from friction_audit.replay.result import JointReplay
+from friction_audit.report.notices import Notice, diagnose_notices, estimate_notices, replay_notices
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Unanswered:
+    """A part of the report that this log gives no answer to: its name and why."""
+
+    part: str
+    message: str
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LogReport:
+    """What a log says.
+
+    Attributes:
+        estimate: Friction.
+        diagnosis: What the declared model misses, or None without an answer.
+        replay: What a compensator would have done, or None without an answer.
+        unanswered: Why there is no answer, of the parts that are None.
+        reading: How the log was read: options of the reader by name.
+        command: The command that makes the report again; empty if there was none.
+    """
+
+    estimate: Estimate
+    diagnosis: Diagnosis | None = None
+    replay: LogReplay | None = None
+    unanswered: tuple[Unanswered, ...] = ()
+    reading: Mapping[str, object] = field(default_factory=dict)
+    command: str = ""
+
+    @property
+    def file_name(self) -> str:
+        """What the log's file, or folder, is called."""
+        return name_of_log(Path(self.estimate.log.source.path))
+
+    @property
+    def joints(self) -> tuple["JointReport", ...]:
+        """What is said of each joint."""
+        missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.discrepancy.joints}
+        replayed = {} if self.replay is None else {one.joint: one for one in self.replay.replay.joints}
+        return tuple(
+            JointReport(friction=one, discrepancy=missing.get(one.joint), replay=replayed.get(one.joint))
+            for one in self.estimate.friction.joints
+        )
+
+
+def name_of_log(path: Path) -> str:
+    """Return what a file or folder is called, also where it is given as ``.`` or ``..``."""
+    return path.name if path.name not in ("", "..") else path.resolve().name
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointReport:
+    """What is said of one joint, None where a part has no answer."""
+
+    friction: JointFriction
+    discrepancy: JointDiscrepancy | None
+    replay: JointReplay | None
+
+
+def report_notices(report: LogReport) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to all parts of the report, each once."""
+    every = estimate_notices(report.estimate)
+    every += () if report.diagnosis is None else diagnose_notices(report.diagnosis)
+    every += () if report.replay is None else replay_notices(report.replay)
+    return tuple(dict.fromkeys(every))
