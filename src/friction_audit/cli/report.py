@@ -29,6 +29,7 @@ T = TypeVar("T")
 
 FORMATS = {"html": "html", "json": "json", "markdown": "md"}
 """Formats and the endings of their files."""
+DEFAULT = "html"
 NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
 """Parameters that change nothing in the report; what a file of values held is written out."""
 
@@ -43,20 +44,21 @@ def command(
             "--format",
             metavar=choices.metavar(tuple(FORMATS)),
             callback=choices.some_of(tuple(FORMATS)),
-            help="Formats of the report; repeatable, or separated by commas.",
+            help="Formats of the report; repeatable, or separated by commas. Default: html.",
             rich_help_panel=OUTPUT,
         ),
-    ] = ["html"],  # noqa: B006 - Typer copies it
+    ] = [],  # noqa: B006 - Typer copies it
     folder: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             "--output",
             "-o",
             metavar="DIR",
-            help="Folder of the report; its file is called as the log is, e.g. run.report.html.",
+            help="Folder of the report, whose file is called as the log is, e.g. run.report.html. Default: where you "
+            "are; with --json alone no file is written.",
             rich_help_panel=OUTPUT,
         ),
-    ] = Path(),
+    ] = None,
 ) -> None:
     """Write all that a log says on one HTML page: friction, compensator, what the model misses, how sure we are."""
     if shared.general.dump_config:
@@ -64,7 +66,7 @@ def command(
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
-    files = {name: folder / f"{_stem(log)}.report.{FORMATS[name]}" for name in formats}
+    files = _files(log, folder, formats, printed=output.json)
     chain.check_outputs(tuple(files.values()), overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
         recorded = chain.read(log, options, voice)
@@ -82,6 +84,12 @@ def command(
     _write(report, files, voice, overwrite=output.overwrite)
     _print(report, tuple(files.values()), json=output.json)
     chain.exit_if_damaged(recorded)
+
+
+def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: bool) -> dict[str, Path]:
+    """Return the file of each format; none where the document is printed and nothing else was asked for."""
+    wanted = formats or ([] if printed and folder is None else [DEFAULT])
+    return {name: (folder or Path()) / f"{_stem(log)}.report.{FORMATS[name]}" for name in wanted}
 
 
 def _stem(log: Path) -> str:

@@ -13,6 +13,8 @@ from friction_audit.report.log_report import LogReport
 
 PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
 """Fields of EnergyCycles with one entry per joint."""
+BESIDE = 9
+"""Letters of a name that fit beside a panel, from bottom to top."""
 
 
 def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
@@ -24,13 +26,17 @@ def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
         )
         diagnosis = replace(diagnosis, discrepancy=replace(diagnosis.discrepancy, joints=joints))
     if replayed is not None:
-        own = tuple(replace(one, name=_fitting(one.name)) for one in replayed.replay.joints if one.joint in numbers)
+        own = tuple(
+            replace(one, name=_fitting(one.name, BESIDE)) for one in replayed.replay.joints if one.joint in numbers
+        )
         replayed = replace(replayed, replay=replace(replayed.replay, joints=own))
     return replace(report, estimate=_estimate(report.estimate, numbers), diagnosis=diagnosis, replay=replayed)
 
 
-def _fitting(name: str) -> str:
-    return shortened(printable(name))
+def _fitting(name: str, most: int | None = None) -> str:
+    """Return a name that can be drawn, above a panel or in so many letters."""
+    fitting = shortened(printable(name))
+    return fitting if most is None or len(fitting) <= most else f"{fitting[: most - 2]}.."
 
 
 def _estimate(estimate: Estimate, numbers: Collection[int]) -> Estimate:

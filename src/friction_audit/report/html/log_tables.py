@@ -143,7 +143,7 @@ def coefficient_table(report: LogReport) -> Table:
     """Return the coefficients over the whole log with their intervals, and why there are none."""
     return _filled(
         Table(
-            caption="Coefficients over the whole log with 95 % intervals; beside them those of a regression of the torque",
+            caption="Coefficients over the whole log with 95 % intervals; beside them a regression of the torque",
             titles=(
                 "joint",
                 "Coulomb [N m]",

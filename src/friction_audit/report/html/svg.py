@@ -22,7 +22,9 @@ LONG = re.compile(r"\d+\.\d{3,}")
 IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 150}
 """Words as text; clouds of dots, which are images, as fine as a screen shows them."""
 BLACK = "#000000"
-"""Colour of text that names none."""
+"""Colour of what names none."""
+FILLED = frozenset(f"{{{SVG}}}{name}" for name in ("text", "path", "use"))
+"""Elements that are filled unless they say otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -108,12 +110,14 @@ def _references(element: ET.Element) -> list[str]:
 def _recolour(root: ET.Element) -> frozenset[str]:
     """Name each colour as the page's, the font as the page's; return the colours."""
     found: set[str] = set()
+    defined = {element for defs in root.iter(f"{{{SVG}}}defs") for element in defs.iter()}
     for element in root.iter():
         for key in ("d", "x", "y", "transform"):
             if key in element.attrib:
                 element.set(key, LONG.sub(_rounded, element.attrib[key]))
         style = element.attrib.get("style")
-        if element.tag == f"{{{SVG}}}text" and "fill" not in (style or ""):
+        # What is black is not said; what is defined takes the colour of where it is used.
+        if element.tag in FILLED and element not in defined and "fill:" not in (style or ""):
             style = f"{style or ''}; fill: {BLACK}"
         if style is None:
             continue

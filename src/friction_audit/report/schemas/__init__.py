@@ -6,6 +6,7 @@ from typing import Any
 
 KINDS = (
     "estimate", "info", "plot", "replay", "diagnose", "convert", "simulate", "truth", "reproduce", "compare", "batch",
+    "report",
 )  # fmt: skip
 
 

@@ -1,0 +1,73 @@
+"""The page of one log from the command line: files, documents, exit codes, parts without an answer."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from friction_audit import audit
+from friction_audit.errors import AnalysisError
+from tests.cli.conftest import Run
+
+NAMES = ("moved1.report.html", "moved1.report.json", "moved1.report.md")
+WHY = "omnibus test: no candidate"
+
+
+def no_answer(*_: object) -> None:
+    raise AnalysisError(WHY)
+
+
+def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("report", logs / "moved1.csv", "-o", "out", "--format", "html,json,markdown", "--json")
+    assert answer.code == 0
+    assert answer.err == ""
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(NAMES)
+    page, document, markdown = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in NAMES)
+    assert json.loads(document) == answer.document()
+    command = f"friction-audit report {logs / 'moved1.csv'} --format html --format json --format markdown --output out"
+    assert answer.document()["command"] == command
+    assert command in page
+    assert command in markdown
+    assert answer.document()["message"] in page
+
+
+def test_a_part_without_an_answer_leaves_the_others(
+    run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(audit, "diagnose_estimate", no_answer)
+    answer = run("report", logs / "damaged.csv", "--format", "markdown")
+    assert answer.code == 6
+    assert answer.out.splitlines() == ["Friction is estimated on the joint.", "damaged.report.md"]
+    assert "warning: " in answer.err
+    text = (tmp_path / "damaged.report.md").read_text(encoding="utf-8")
+    assert WHY in text
+    assert "what friction took" in text
+
+
+def test_json_alone_writes_no_file(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(audit, "diagnose_estimate", no_answer)
+    document = run("report", logs / "moved1.csv", "--json").document()
+    assert document["unanswered"] == [{"part": "diagnose", "message": WHY}]
+    assert document["joints"][0]["verdict"] == "estimated"
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_an_older_report_is_refused_before_the_log_is_read(run: Run, logs: Path, tmp_path: Path) -> None:
+    (tmp_path / "absent.report.html").write_text("old")
+    answer = run("report", logs / "absent.csv")
+    assert answer.code == 2
+    assert "absent.report.html: exists already" in answer.err
+    assert (tmp_path / "absent.report.html").read_text() == "old"
+
+
+def test_nothing_is_written_without_an_estimate(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("report", logs / "still.csv", "-o", "out")
+    assert answer.code == 4
+    assert "no joint has an estimate" in answer.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_format_that_is_none_is_named(run: Run, logs: Path) -> None:
+    answer = run("report", logs / "moved1.csv", "--format", "markdwn")
+    assert answer.code == 2
+    assert "did you mean markdown?" in answer.err

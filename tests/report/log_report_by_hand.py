@@ -1,0 +1,43 @@
+"""A report made by hand: six joints, a verdict each, the third at rest; and one in which every name is hostile."""
+
+from dataclasses import replace
+
+from friction_audit.audit import AuditSettings, Diagnosis, Estimate, estimate_log, replay_estimate
+from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.joint_log import Finding, JointLog
+from friction_audit.replay.settings import ReplaySettings
+from friction_audit.report.log_report import LogReport
+from tests.report.conftest import build_estimate
+from tests.report.test_diagnose_figures import ALL
+
+HOSTILE = "<script>alert('x')</script> & \"$\\frac{1}$\" | `x`"
+COMMAND = "friction-audit report 'run 1.csv' -o out"
+LOST = "the file ends early; 3 messages were left out"
+
+
+def report() -> LogReport:
+    return _report(_with_finding(build_estimate(6, rate=200.0).log, LOST), ALL, COMMAND)
+
+
+def hostile() -> LogReport:
+    log = _with_finding(build_estimate(3, rate=200.0).log.take_joints((0, 2)), HOSTILE)
+    source = replace(log.source, path=f"{HOSTILE}.csv", robot=HOSTILE, topic=HOSTILE, channels={HOSTILE: HOSTILE})
+    joints = tuple(replace(one, name=HOSTILE, message=HOSTILE) for one in ALL.discrepancy.joints[:2])
+    missing = replace(ALL, discrepancy=Discrepancy(joints=joints))
+    found = _report(replace(log, joint_names=(HOSTILE,) * 2, source=source), missing, HOSTILE)
+    return replace(found, reading={HOSTILE: [HOSTILE]})
+
+
+def _with_finding(log: JointLog, message: str) -> JointLog:
+    lost = Finding(code="truncated", message=message, amount=3, damaged=True)
+    return replace(log, source=replace(log.source, findings=(lost,)))
+
+
+def _report(log: JointLog, missing: Diagnosis, command: str) -> LogReport:
+    estimate: Estimate = estimate_log(log, AuditSettings())
+    return LogReport(
+        estimate=estimate,
+        diagnosis=replace(missing, estimate=estimate),
+        replay=replay_estimate(estimate, ReplaySettings()),
+        command=command,
+    )
