@@ -68,6 +68,9 @@ def removal_words(joint: JointReplay) -> str:
         return ""
     if not math.isnan(numbers.diverged_s):
         return f"the compensator would have run away after {numbers.diverged_s:.3g} s"
+    if numbers.dissipation_removed < 0.0:
+        left = 100 * (1.0 - numbers.dissipation_removed)
+        return f"a compensator would have left the person with {left:.0f} % of what friction took"
     return f"a compensator would have removed {100 * numbers.dissipation_removed:.0f} % of what friction took"
 
 

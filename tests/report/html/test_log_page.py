@@ -16,9 +16,10 @@ from friction_audit.report.html import log_figures
 from friction_audit.report.html.log_figures import LOG_FIGURES, draw_figures
 from friction_audit.report.html.log_page import log_page, write_log_page
 from friction_audit.report.html.log_part import part_of
+from friction_audit.report.html.log_tables import gap_table
 from friction_audit.report.log_document import log_document
 from friction_audit.report.log_report import LogReport, Unanswered, report_notices
-from friction_audit.report.log_words import lead_sentence, verdict_sentence, verdict_word
+from friction_audit.report.log_words import lead_sentence, removal_words, verdict_sentence, verdict_word
 from friction_audit.report.markdown import write_markdown
 from friction_audit.report.replay_document import replay_document
 from friction_audit.report.schemas import load_schema
@@ -111,6 +112,27 @@ def test_a_verdict_says_friction_what_is_missing_and_what_would_be_saved() -> No
     assert removed.numbers is not None
     assert re.match(r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. stribeck \(what", sentence)
     assert f"have removed {100 * removed.numbers.dissipation_removed:.0f} % of what friction took" in sentence
+
+
+def test_a_compensator_that_makes_it_worse_says_so() -> None:
+    joint = report().joints[0].replay
+    assert joint is not None
+    assert joint.numbers is not None
+    worse = replace(joint, numbers=replace(joint.numbers, dissipation_removed=-0.5))
+    assert removal_words(worse) == "a compensator would have left the person with 150 % of what friction took"
+    lost = replace(joint, numbers=replace(joint.numbers, diverged_s=3.0))
+    assert removal_words(lost) == "the compensator would have run away after 3 s"
+
+
+def test_columns_that_say_nothing_are_left_out() -> None:
+    assert "closed [%]" not in gap_titles(("none",))
+    assert "closed [%]" in gap_titles(("none", "named"))
+
+
+def gap_titles(verdicts: tuple[str, ...]) -> list[str]:
+    found = report().diagnosis
+    assert found is not None
+    return list(gap_table(tuple(one for one in found.discrepancy.joints if one.verdict in verdicts)).titles)
 
 
 def test_the_lead_names_the_joints() -> None:

@@ -270,9 +270,9 @@ def effect_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:
     rows = [_effect_row(joint, effect) for joint in joints for effect in joint.effects]
     table = Table(
         caption="What is missing, the strongest effect of a joint first; intervals are 95 %",
-        titles=("joint", "effect", "what it is", "gap [N m]", "p", "where", "numbers"),
+        titles=("joint", "effect", "gap [N m]", "p", "where", "numbers"),
         rows=rows,
-        numbers=frozenset({3, 4}),
+        numbers=frozenset({2, 3}),
     )
     return (table,) if rows else ()
 
@@ -280,16 +280,27 @@ def effect_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:
 def _effect_row(joint: JointDiscrepancy, effect: Effect) -> tuple[Cell, ...]:
     return (
         joint_cell(joint.joint, joint.name),
-        Cell(text=names_of(effect)),
-        Cell(text=effect.label),
+        Cell(text=f"{names_of(effect)}: {effect.label}"),
         Cell(
             text=f"{format_torque(effect.gap_before_nm)} to {format_torque(effect.gap_after_nm)}",
             key=effect.gap_before_nm - effect.gap_after_nm,
         ),
         Cell(text=format_p_value(effect.p_value).removeprefix("p ").removeprefix("= ") or NOTHING, key=effect.p_value),
-        Cell(text=f"{effect.where}; to decide: {effect.decide}" if effect.decide else effect.where),
+        Cell(text=effect.where),
         Cell(text=effect_numbers(effect) or NOTHING),
     )
+
+
+def decision_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:
+    """Return the motion that would decide between effects which the log does not tell apart, if there are any."""
+    rows = [
+        (joint_cell(joint.joint, joint.name), Cell(text=names_of(effect)), Cell(text=effect.decide))
+        for joint in joints
+        for effect in joint.effects
+        if effect.decide
+    ]
+    caption = "What to record to decide between effects that this log does not tell apart"
+    return (Table(caption=caption, titles=("joint", "effects", "motion"), rows=rows),) if rows else ()
 
 
 def rival_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:

@@ -19,7 +19,7 @@ REFERENCE = re.compile(r"url\(#([^)]+)\)")
 FONT = re.compile(r"font: ((?:[\w.]+ )*?[\d.]+px) [^;]*|font-family: [^;]*")
 LONG = re.compile(r"\d+\.\d{3,}")
 """A coordinate finer than a hundredth of a point, which nobody sees."""
-IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 150}
+IN_PAGE: dict[Any, Any] = {"svg.fonttype": "none", "savefig.dpi": 120}
 """Words as text; clouds of dots, which are images, as fine as a screen shows them."""
 BLACK = "#000000"
 """Colour of what names none."""
