@@ -32,7 +32,7 @@ def test_the_page_holds_in_a_browser(open_page: Open, case: str) -> None:
     assert opened.evaluate("document.querySelectorAll('script').length") == 1
     if case == "hostile":
         assert by_hand.HOSTILE in (opened.page.locator("main").text_content() or "")
-    assert barriers(opened) == []
+        assert barriers(opened) == []
     opened.page.set_viewport_size({"width": NARROW, "height": 900})
     assert overflow(opened) <= 0
     assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
