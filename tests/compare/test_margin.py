@@ -6,11 +6,14 @@ from math import inf
 import pytest
 
 from friction_audit.compare.margin import LARGEST, amplify, find_margins
+from friction_audit.errors import UsageError
+from friction_audit.model.joint_model import FittedTerm
 from friction_audit.replay.compensators import (
     Compensator,
     DisturbanceObserver,
     EnergyCompensator,
     FixedCompensation,
+    JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
@@ -51,3 +54,9 @@ def test_nothing_to_search_for() -> None:
 def test_twice_the_gain(compensator: Compensator, name: str, twice: float) -> None:
     assert getattr(amplify(compensator, 2.0), name) == pytest.approx(twice)
     assert amplify(compensator, 1.0) == compensator
+
+
+def test_the_terms_of_a_model_file_have_no_gain() -> None:
+    terms = (FittedTerm("coulomb", (0.3,)),)
+    with pytest.raises(UsageError, match="have no gain"):
+        amplify(JointModelCompensation(terms=terms), 2.0)

@@ -5,11 +5,13 @@ from dataclasses import replace
 from math import inf, sqrt
 
 from friction_audit.compare.method import Joint, Tuning
+from friction_audit.errors import UsageError
 from friction_audit.replay.compensators import (
     Compensator,
     DisturbanceObserver,
     EnergyCompensator,
     FixedCompensation,
+    JointModelCompensation,
     LugreCompensation,
     SigmoidCompensation,
     TorqueRegulation,
@@ -36,6 +38,9 @@ def amplify(compensator: Compensator, factor: float) -> Compensator:
 
     The gain is what stands between what is measured and the torque: the whole law of a model, the factor on the
     estimate of the energy method, the bandwidth of an observer, the torque gain B / B_theta - 1 of a torque regulation.
+
+    Raises:
+        UsageError: For the terms of a model file, which run in a replay only.
     """
     match compensator:
         case FixedCompensation() | SigmoidCompensation() | LugreCompensation():
@@ -47,6 +52,8 @@ def amplify(compensator: Compensator, factor: float) -> Compensator:
         case TorqueRegulation():
             inertia = compensator.inertia_kg_m2 / (1.0 + factor * compensator.torque_gain)
             return replace(compensator, desired_inertia_kg_m2=inertia)
+        case JointModelCompensation():
+            raise UsageError("margin: the terms of a model file have no gain; expected a compensator of compare")
 
 
 def search_margin() -> Generator[float, bool, float]:
