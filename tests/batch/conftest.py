@@ -10,7 +10,7 @@ import pytest
 from friction_audit.batch.executor import Lost, Outcomes, Work
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.run_batch import BatchResult, run_batch
+from friction_audit.batch.run_batch import BatchResult, catch_up, gather
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.batch.work import Task
 from friction_audit.export import write_log
@@ -75,6 +75,7 @@ def batch(tmp_path: Path) -> Batch:
     ) -> BatchResult:
         with Ledger(tmp_path / ledger / "ledger.sqlite") as opened:
             logs = find_logs([str(name) for name in names], {})
-            return run_batch(logs, settings or BatchSettings(), opened, executor or Inline(), lambda _: None)
+            chosen = settings or BatchSettings()
+            return gather(catch_up(logs, chosen, opened, executor or Inline(), lambda _: None), chosen, opened)
 
     return run

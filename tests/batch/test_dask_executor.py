@@ -15,7 +15,7 @@ from friction_audit.batch.executor import Lost
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.recorded import Worked
-from friction_audit.batch.run_batch import run_batch
+from friction_audit.batch.run_batch import catch_up, gather
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.batch.work import Task
 from friction_audit.errors import UsageError
@@ -41,7 +41,11 @@ def test_the_same_numbers_to_the_bit(cluster: Any, rig: Path, batch: Batch, tmp_
     here = batch(rig)
     with Ledger(tmp_path / "there" / "ledger.sqlite") as ledger:
         executor = DaskExecutor(address=cluster.scheduler_address)
-        there = run_batch(find_logs([str(rig)], {}), BatchSettings(), ledger, executor, lambda _: None)
+        there = gather(
+            catch_up(find_logs([str(rig)], {}), BatchSettings(), ledger, executor, lambda _: None),
+            BatchSettings(),
+            ledger,
+        )
     assert there.new == 4
     assert repr(there.sessions) == repr(here.sessions)
 

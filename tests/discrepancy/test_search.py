@@ -103,8 +103,8 @@ def test_a_stand_in_that_came_first_leaves_when_the_two_real_effects_are_in() ->
     y = a + b + 0.01 * rng.standard_normal(n)
     found = search(cross_products(y, np.ones((n, 1)), groups), float(n))
     assert sorted(names(found)) == ["a", "b"]
-    alone = search(cross_products(both, np.ones((n, 1)), groups), float(n), start=(1, 2))
-    assert names(alone) == ["both"]  # and two that stand in for one leave too
+    ranking = Ranking(cross_products(both, np.ones((n, 1)), groups), float(n))
+    assert names(ranking.result(ranking.settle([1, 2]))) == ["both"]  # and two that stand in for one leave too
 
 
 def test_impossible_factors_are_skipped_for_the_next_best() -> None:

@@ -85,13 +85,6 @@ class Standing:
         return hashlib.sha256(repr((every, self.passing, self.warnings)).encode()).hexdigest()
 
 
-def run_batch(
-    logs: Sequence[LogFile], settings: BatchSettings, ledger: Ledger, executor: Executor, watch: Watch
-) -> BatchResult:
-    """Work through logs and return the session of each."""
-    return gather(catch_up(logs, settings, ledger, executor, watch), settings, ledger)
-
-
 def catch_up(
     logs: Sequence[LogFile],
     settings: BatchSettings,

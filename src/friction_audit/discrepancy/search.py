@@ -174,7 +174,7 @@ def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProdu
     )
 
 
-def search(products: CrossProducts, n_eff: float, *, start: Sequence[int] = ()) -> Search:
+def search(products: CrossProducts, n_eff: float) -> Search:
     """Adds effects while the score allows it; after each, exchanges and deletes.
 
     A candidate enters with all its p columns and its best admissible shape if ``n_eff ln(RSS0 / RSS1)`` is larger than
@@ -188,13 +188,12 @@ def search(products: CrossProducts, n_eff: float, *, start: Sequence[int] = ()) 
     Args:
         products: Cross products of the data.
         n_eff: Number of independent samples that the data are worth.
-        start: Indices of the units to begin with; they must hold their place like all others.
 
     Returns:
         The effects found.
     """
     state = Ranking(products, n_eff)
-    active = state.settle(list(start))
+    active: list[int] = []
     seen: set[frozenset[int]] = {frozenset(active)}
     while (best := state.best_addition(active)) is not None:
         active = state.settle([*active, best])

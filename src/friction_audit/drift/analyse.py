@@ -102,7 +102,7 @@ def _temperature_words(order: Order, like: LikeTemperature) -> list[str]:
 
 def _of_joints(text: str, of: Sequence[int], joints: Sequence[int]) -> str:
     some = sorted(set(of))
-    return text if some == list(joints) else f"joints {write_joint_numbers(some)}: {text}"
+    return text if some == list(joints) else f"joint{'s' if len(some) > 1 else ''} {write_joint_numbers(some)}: {text}"
 
 
 def judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:

@@ -49,6 +49,8 @@ def use_temperature(series: Series) -> LikeTemperature:
     count, all_of_them = int(np.count_nonzero(known)), len(known)
     if count < ENOUGH_KNOWN * all_of_them or count < FEWEST:
         why = f"temperature is known in {count} of {all_of_them} sessions only: not compared at like temperature"
+        if count == all_of_them:
+            why = f"{count} sessions with a temperature, {FEWEST} are needed: not compared at like temperature"
         return LikeTemperature(series=replace(series, temperature=None), warning=why)
     kept = series.take(known)
     unknown = tuple(int(index) for index in series.session[~known])

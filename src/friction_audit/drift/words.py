@@ -204,5 +204,6 @@ def _arm_seen(joints: Sequence[JointDrift]) -> str:
         sizes = [d.smallest_drift for joint in joints for d in joint.coefficients if d.coefficient == name]
         known = [size for size in sizes if isfinite(size) and size <= LARGEST_PERCENT]
         if known:
-            parts.append(f"{percent(min(known))} to {percent(max(known))} % of {word}")
+            ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
+            parts.append(f"{' to '.join(ends)} % of {word}")
     return f": changes of {' and of '.join(parts)} would have been seen, joint by joint" if parts else ""

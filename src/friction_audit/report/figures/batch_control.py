@@ -14,18 +14,14 @@ from friction_audit.report.figures.batch_look import (
     MOST_MARKED,
     OUTSIDE,
     REFERENCE,
-    batch_style,
-    chosen_joints,
     coefficient_title,
-    in_order,
+    draw_pairs,
     joint_name,
-    name_axis,
     number_sessions,
     of_coefficient,
-    session_label,
     shade_reference,
 )
-from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel, new_pairs, say_in_panel
+from friction_audit.report.figures.layout import is_narrow, label_panel, say_in_panel
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -38,16 +34,7 @@ LEGEND = (INSIDE, OUT, LIMITS, BASELINE)
 
 def draw_control(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
-    with batch_style():
-        joints = chosen_joints(arm, joint)
-        figure, pairs = new_pairs(len(joints), sheet=joint is None)
-        handles: list[Artist] = []
-        for pair, one in zip(pairs, joints, strict=True):
-            for axes, coefficient in zip(pair, COEFFICIENTS, strict=True):
-                handles += _draw_panel(axes, arm, one, coefficient)
-        add_legend(figure, in_order(handles, LEGEND))
-        name_axis(figure, session_label(arm))
-        return figure
+    return draw_pairs(arm, joint, _draw_panel, LEGEND)
 
 
 def _draw_panel(axes: "Axes", arm: ArmDrift, joint: JointDrift, coefficient: str) -> "list[Artist]":

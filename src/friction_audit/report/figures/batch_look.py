@@ -1,6 +1,6 @@
 """What the figures of a batch share: their style, which joints, the axis of sessions, colours."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from friction_audit.report.drift_words import (
     total_text,
 )
 from friction_audit.report.estimate_table import NOTHING, joint_label
+from friction_audit.report.figures.layout import add_legend, new_pairs
 from friction_audit.report.figures.style import DISSIPATED, FILTERED, FITTED, MUTED, figure_style
 
 if TYPE_CHECKING:
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+DrawPanel = Callable[["Axes", ArmDrift, JointDrift, str], "list[Artist]"]
+"""Draws one coefficient of one joint; returns the legend's entries."""
 ESTIMATE = FILTERED
 LEVEL = FITTED
 CHANGE = FITTED
@@ -142,6 +145,20 @@ def shade_reference(axes: "Axes", places: Sequence[float]) -> None:
     """Shade each run of neighbouring sessions of the reference along the axis."""
     for low, high in runs(places):
         axes.axvspan(low - 0.5, high + 0.5, facecolor=REFERENCE, alpha=0.12, lw=0, zorder=0)
+
+
+def draw_pairs(arm: ArmDrift, joint: int | None, draw_panel: DrawPanel, legend: Sequence[str]) -> "Figure":
+    """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
+    with batch_style():
+        joints = chosen_joints(arm, joint)
+        figure, pairs = new_pairs(len(joints), sheet=joint is None)
+        handles: list[Artist] = []
+        for pair, one in zip(pairs, joints, strict=True):
+            for axes, coefficient in zip(pair, COEFFICIENTS, strict=True):
+                handles += draw_panel(axes, arm, one, coefficient)
+        add_legend(figure, in_order(handles, legend))
+        name_axis(figure, session_label(arm))
+        return figure
 
 
 def in_order(handles: "Sequence[Artist]", labels: Sequence[str]) -> "list[Artist]":
