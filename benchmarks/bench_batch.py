@@ -1,6 +1,6 @@
 """`friction-audit batch-report` on many one-minute logs of a seven-joint arm at 1 kHz in Parquet.
 
-    python -m benchmarks.bench_batch [--logs 100] [--runs 3] [--memory 100 1000] [--page docs/commands/batch-report.md]
+    python -m benchmarks.bench_batch [--logs 100] [--runs 3] [--memory 100 1000] [--page docs/speed.md]
 
 What two workers gain over one, what a second run on the unchanged folder takes, and whether memory stays flat. Every
 run is the whole command in a process of its own: imports, figures and page included. With ``--page`` the table is
