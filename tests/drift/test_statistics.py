@@ -8,7 +8,7 @@ from friction_audit.drift.change_points import Search, find_steps, holm, segment
 from friction_audit.drift.family import score, statistic_of, step_down
 from friction_audit.drift.fit import fit_model
 from friction_audit.drift.isolated import find_isolated
-from friction_audit.drift.memory import find_memory, growth_with_lag
+from friction_audit.drift.memory import INDEPENDENT, find_memory, leftover, persistence
 from friction_audit.drift.model import tell_apart
 from friction_audit.drift.scatter import residual_scatter, steps_scatter
 from friction_audit.drift.series import Series, make_series
@@ -16,6 +16,7 @@ from friction_audit.drift.shapes import make_directions, step_places, studentise
 from friction_audit.drift.smallest_drift import noncentrality
 from friction_audit.drift.temperature import without_temperature
 from friction_audit.drift.words import percent
+from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy
 
 
@@ -118,28 +119,49 @@ def test_noncentrality_gives_the_power() -> None:
     assert noncentrality(1.96, 100_000, 0.9) == pytest.approx(1.96 + stats.norm.ppf(0.9), abs=0.01)
 
 
-def test_differences_grow_with_the_lag_where_the_scatter_remembers() -> None:
-    rng = np.random.default_rng(0)
-    white = rng.standard_normal((300, 40))
-    wandering = np.cumsum(white, axis=1)
-    assert np.median(growth_with_lag(white)) == pytest.approx(0.0, abs=0.05)
-    assert np.median(growth_with_lag(wandering)) == pytest.approx(np.mean(np.log(np.sqrt([2, 3, 4]))), abs=0.1)
-    ramp = white + 5.0 * np.arange(40)
-    assert growth_with_lag(ramp) == pytest.approx(growth_with_lag(white))
+def wandering(rng: np.random.Generator, count: int, length: int, correlation: float) -> Float:
+    """Return series, each session of which remembers the one before it, shape (count, length)."""
+    noise = rng.standard_normal((count, length))
+    for i in range(1, length):
+        noise[:, i] = correlation * noise[:, i - 1] + np.sqrt(1 - correlation**2) * noise[:, i]
+    return noise
 
 
-def test_memory_of_many_series() -> None:
+def test_persistence_by_hand() -> None:
+    alternating = np.tile([1.0, -1.0], 8)[None, :]
+    # Products over one, two and three sessions: -15, 14, -13, each over its lag, over the 16 squares.
+    assert persistence(alternating)[0] == pytest.approx((-15 + 14 / 2 - 13 / 3) / 16)
+    broken = alternating.copy()
+    broken[0, 3] = -1e6
+    assert abs(persistence(broken)[0]) < 1.0
+
+
+def test_what_is_left_holds_no_step() -> None:
+    directions = make_directions(series_of(noisy(30, 0)))
+    stepped = 5.0 + 3.0 * (np.arange(30) >= 12)
+    assert leftover(stepped[None, :] * directions.weight, directions) == pytest.approx(0.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("correlation", [0.0, 0.4, 0.7])
+def test_memory_of_many_series(correlation: float) -> None:
+    """The estimate is near the truth, steps and ramps notwithstanding; what it does is not underrated."""
     rng = np.random.default_rng(1)
-    family = []
-    for _ in range(14):
-        noise = rng.standard_normal(60)
-        for i in range(1, 60):
-            noise[i] = 0.7 * noise[i - 1] + np.sqrt(1 - 0.49) * noise[i]
-        family.append(make_directions(series_of(0.3 + 0.003 * noise, 1e-5)))
-    nulls = [d.residual[np.argsort(rng.random((200, 60)), axis=1)] for d in family]
-    memory = find_memory(family, nulls, rng)
-    assert 0.5 < memory.correlation < 0.85
-    assert memory.growth > 1.3
+    drifts = [0.0, 0.3 * np.arange(60), 8.0 * (np.arange(60) >= 40)]
+    noise = wandering(rng, 14, 60, correlation)
+    family = [make_directions(series_of(0.3 + 0.003 * (one + drifts[k % 3]), 1e-5)) for k, one in enumerate(noise)]
+    memory = find_memory(family, rng)
+    assert memory.correlation == pytest.approx(correlation, abs=0.15)
+    largest = [
+        np.quantile(np.max(np.abs(studentise(wandering(rng, 2000, 60, c), family[0])), axis=1), 0.99)
+        for c in (0.0, correlation)
+    ]
+    assert memory.growth > 0.95 * largest[1] / largest[0]
+    assert memory.growth < 1.6 * largest[1] / largest[0]
+
+
+def test_few_sessions_say_nothing_of_memory() -> None:
+    directions = make_directions(series_of(noisy(8, 0)))
+    assert find_memory([directions], np.random.default_rng(0)) == INDEPENDENT
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         left_out=alike.left_out,
         joints=joints,
         ordered_by=order.by,
-        autocorrelation=next((verdict.memory.correlation for verdict in verdicts if verdict is not None), 0.0),
+        autocorrelation=max((verdict.memory.correlation for verdict in verdicts if verdict is not None), default=0.0),
         drift=any(joint.drift for joint in joints),
         message=describe_arm(robot, len(alike.compared), joints),
         warnings=(*alike.warnings, *odd, *warnings),
@@ -126,7 +126,7 @@ def judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | N
             ramp_p_value=float(test.ramp_p_value[k]),
             p_without_temperature=float(plain.p_value[k]),
             critical=test.critical,
-            memory=test.memory,
+            memory=test.memory[k],
         )
     return verdicts
 
@@ -140,6 +140,7 @@ def _test(family: Sequence[Series], settings: DriftSettings) -> FamilyTest:
     return judge_family(
         [make_directions(series) for series in family],
         [series.place for series in family],
+        [series.coefficient for series in family],
         alpha=settings.alpha,
         permutations=settings.permutations,
         seed=settings.seed,

@@ -10,14 +10,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from friction_audit.drift.memory import LEARNED, Memory, find_memory
+from friction_audit.drift.memory import Memory, find_memory
 from friction_audit.drift.shapes import Directions, studentise, studentise_orders
 from friction_audit.joint_log import Float
 
 FEWEST_TO_PERMUTE = 12
 """With fewer sessions, the rarest order (both sessions after a late step at the end) is not rare enough; the scatter is
 then taken for normal."""
+
+AT_ONCE = 250_000
+"""Sessions times orders."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -29,41 +33,46 @@ class FamilyTest:
         ramp_p_value: Of the ramps alone, family-wise, shape (s,).
         best: Which direction is the largest, shape (s,).
         critical: Score that is exceeded without drift with probability alpha, in any series.
-        memory: Autocorrelation of the scatter.
+        memory: Autocorrelation of its scatter, of each series.
     """
 
     p_value: Float
     ramp_p_value: Float
     best: tuple[int, ...]
     critical: float
-    memory: Memory
+    memory: tuple[Memory, ...]
 
 
 def judge_family(
-    family: Sequence[Directions], places: Sequence[Float], *, alpha: float, permutations: int, seed: int
+    family: Sequence[Directions],
+    places: Sequence[Float],
+    kinds: Sequence[str],
+    *,
+    alpha: float,
+    permutations: int,
+    seed: int,
 ) -> FamilyTest:
     """Test all series of an arm for drift.
 
     Args:
         family: The directions of each series.
         places: Places of its sessions among those compared, for one order of the sessions to hold in all series.
+        kinds: What each series is of; series of one kind scatter alike.
         alpha: Probability of a false drift.
         permutations: Random orders.
         seed: Of the orders.
     """
     rng = np.random.default_rng(seed)
     keys = rng.random((permutations, 1 + max(int(np.max(place)) for place in places)))
-    own = [keys[:, place.astype(int)] for place in places]
     found = [np.abs(studentise(directions.residual[None, :], directions)) for directions in family]
-    shuffled = [d.residual[np.argsort(key[:LEARNED], axis=1)] for d, key in zip(family, own, strict=True)]
-    memory = find_memory(family, shuffled, rng)
+    memory = _memories(family, kinds, rng)
     observed, drawn, ramp, ramp_drawn = [], [], [], []
-    for directions, real, key in zip(family, found, own, strict=True):
-        statistics = draw_statistics(directions, key, rng)
-        observed.append(score(np.max(real) / memory.growth, directions.freedom))
-        drawn.append(score(np.max(statistics, axis=1), directions.freedom))
-        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / memory.growth, directions.freedom))
-        ramp_drawn.append(score(np.max(statistics[:, directions.ramps], axis=1, initial=0.0), directions.freedom))
+    for directions, real, place, growth in zip(family, found, places, (one.growth for one in memory), strict=True):
+        largest, largest_ramp = _draw_largest(directions, keys, place.astype(int), rng)
+        observed.append(score(np.max(real) / growth, directions.freedom))
+        drawn.append(score(largest, directions.freedom))
+        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / growth, directions.freedom))
+        ramp_drawn.append(score(largest_ramp, directions.freedom))
     maxima = np.column_stack(drawn)
     return FamilyTest(
         p_value=step_down(np.array(observed), maxima),
@@ -72,6 +81,28 @@ def judge_family(
         critical=float(np.quantile(np.max(maxima, axis=1), 1.0 - alpha)),
         memory=memory,
     )
+
+
+def _memories(family: Sequence[Directions], kinds: Sequence[str], rng: np.random.Generator) -> tuple[Memory, ...]:
+    """Return the autocorrelation of each series, found from all of its kind."""
+    of_kind = {
+        kind: find_memory([own for own, its in zip(family, kinds, strict=True) if its == kind], rng)
+        for kind in dict.fromkeys(kinds)
+    }
+    return tuple(of_kind[kind] for kind in kinds)
+
+
+def _draw_largest(
+    directions: Directions, keys: Float, place: NDArray[np.int64], rng: np.random.Generator
+) -> tuple[Float, Float]:
+    """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders,) each.
+
+    A few orders at a time: many sessions must not take much memory.
+    """
+    parts = np.array_split(keys, -(-keys.shape[0] * len(place) // AT_ONCE))
+    drawn = (draw_statistics(directions, part[:, place], rng) for part in parts)
+    largest = [(np.max(one, axis=1), np.max(one[:, directions.ramps], axis=1, initial=0.0)) for one in drawn]
+    return np.concatenate([one for one, _ in largest]), np.concatenate([ramp for _, ramp in largest])
 
 
 def draw_statistics(directions: Directions, keys: Float, rng: np.random.Generator) -> Float:

@@ -63,8 +63,8 @@ def fit_model(series: Series, shapes: Float, inflation: float = 1.0) -> Fit:
         shapes: Columns of the model, level and temperature included, shape (n, p).
         inflation: Variance of a mean over that of independent sessions.
     """
-    from statsmodels.api import RLM
     from statsmodels.robust.norms import HuberT
+    from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
 
     freedom = len(series.y) - shapes.shape[1]
     scatter = _scatter(series, shapes, freedom)

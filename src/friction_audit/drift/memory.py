@@ -5,22 +5,36 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from friction_audit.drift.scatter import MAD_TO_SD
 from friction_audit.drift.shapes import Directions, studentise
 from friction_audit.joint_log import Float
 
-LEARNED = 200
-"""Random series that tell what an autocorrelation does."""
+LEARNED = 1000
+"""Random series for each autocorrelation, that tell what it does."""
 
-GRID = (0.0, 0.2, 0.4, 0.6, 0.75, 0.9)
+LEARNED_SESSIONS = 200_000
+"""So many sessions of them are enough, where series are long."""
+
+GRID = (0.0, 0.15, 0.3, 0.45, 0.6, 0.75, 0.9)
 """Autocorrelations that it is learned for."""
 
-LAGS = (2, 3, 4)
-"""Differences over so many sessions are compared with those of neighbours."""
+LAGS = (1, 2, 3)
+"""Sessions over which scatter is compared with itself, near ones more: what wanders slowly shows beyond the next."""
 
-PLAIN = 0.9
-"""Less autocorrelation than so many random orders show by chance is none."""
+FEWEST = 12
+"""Fewer sessions do not tell it: what is left of them beside level and shape is autocorrelated by itself."""
 
-QUANTILE = 0.95
+CUT = 2.5
+"""Robust standard deviations that a session counts at most: a broken estimate says nothing of its neighbours."""
+
+PLAIN = 0.95
+"""Less autocorrelation than so many series without any show by chance widens no interval."""
+
+CAUTION = 0.16
+"""Probability that the autocorrelation is larger than it is taken for: an upper limit, one standard error away."""
+
+QUANTILE = 0.99
+"""Of the largest statistic, about where the test of an arm decides."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -28,8 +42,8 @@ class Memory:
     """Autocorrelation of the scatter.
 
     Attributes:
-        correlation: Of one session's scatter with the next one's.
-        growth: By how much that makes the largest statistic larger.
+        correlation: Of one session's scatter with the next one's; 0 where chance would do.
+        growth: By how much it makes the largest statistic larger, at the upper limit of what it may be.
     """
 
     correlation: float
@@ -44,55 +58,72 @@ class Memory:
 INDEPENDENT = Memory(correlation=0.0, growth=1.0)
 
 
-def find_memory(family: Sequence[Directions], nulls: Sequence[Float], rng: np.random.Generator) -> Memory:
-    """Estimate the autocorrelation of the scatter from how differences grow with the lag, the median over the series.
+def find_memory(family: Sequence[Directions], rng: np.random.Generator) -> Memory:
+    """Estimate the autocorrelation of series that are alike in it: one coefficient of all joints.
 
-    Steps are in few of the differences and a ramp is the same in all, so that neither is taken for autocorrelation.
-    What it does is learned from random series in the same places (indirect inference, Gourieroux et al. 1993).
+    The best single shape of drift is taken out of each series; the median over the series counts, so that a joint on
+    which more happens does not decide. What level and shape take away with them, and what an autocorrelation does to
+    the test, is learned from random series in the same places (indirect inference, Gourieroux et al. 1993).
 
     Args:
         family: The directions of each series.
-        nulls: Its residuals in random orders, shape (orders, n) each.
         rng: For the random series.
     """
-    longest = max(family, key=lambda directions: len(directions.residual))
-    if len(longest.residual) <= 2 * max(LAGS):
+    long = [directions for directions in family if len(directions.residual) >= FEWEST]
+    if not long:
         return INDEPENDENT
-    long = [i for i, directions in enumerate(family) if len(directions.residual) > 2 * max(LAGS)]
-    found = float(np.median([growth_with_lag(family[i].residual[None, :])[0] for i in long]))
-    chance = np.median([growth_with_lag(nulls[i][:LEARNED]) for i in long], axis=0)
-    if found <= float(np.quantile(chance, PLAIN)):
-        return INDEPENDENT
-    grown, largest = zip(*(_learn(longest, correlation, rng) for correlation in GRID), strict=True)
-    correlation = float(np.interp(found, np.maximum.accumulate(grown), GRID))
-    growth = float(np.interp(correlation, GRID, np.maximum.accumulate(np.array(largest) / largest[0])))
-    return Memory(correlation=correlation, growth=growth)
+    found = float(np.median([persistence(leftover(own.residual[None, :], own))[0] for own in long]))
+    longest = max(long, key=lambda directions: len(directions.residual))
+    learned = [_learn(longest, correlation, len(long), rng) for correlation in GRID]
+    low, middle, high, largest = (np.maximum.accumulate(column) for column in zip(*learned, strict=True))
+    upper = float(np.interp(found, low, GRID))
+    return Memory(
+        correlation=float(np.interp(found, middle, GRID)) if found > high[0] else 0.0,
+        growth=float(np.interp(upper, GRID, largest / largest[0])),
+    )
 
 
-def growth_with_lag(residual: Float) -> Float:
-    """Return the logarithm of the spread of distant differences over that of neighbours', shape (orders,).
-
-    Median absolute deviations; 0 on average without autocorrelation.
+def leftover(series: Float, directions: Directions) -> Float:
+    """Return series without level, temperature and the best shape of drift, shape (m, n).
 
     Args:
-        residual: Whitened residuals in the order of the sessions, shape (orders, n).
+        series: Whitened, shape (m, n).
+        directions: Of one series of n sessions.
     """
-    near = _spread(residual[:, 1:] - residual[:, :-1])
-    far = np.mean([np.log(_spread(residual[:, lag:] - residual[:, :-lag])) for lag in LAGS], axis=0)
-    return np.asarray(far - np.log(near), dtype=float)
+    rest = series - (series @ directions.base) @ directions.base.T
+    along = rest @ directions.direction
+    best = np.argmax(np.abs(along), axis=1)
+    size = np.take_along_axis(along, best[:, None], axis=1)
+    return np.asarray(rest - size * directions.direction[:, best].T, dtype=float)
 
 
-def _spread(difference: Float) -> Float:
-    middle = np.median(difference, axis=1, keepdims=True)
-    return np.asarray(np.median(np.abs(difference - middle), axis=1) + 1e-12, dtype=float)
+def persistence(rest: Float) -> Float:
+    """Return the first autocorrelations of each series, each over its lag, added up, outliers cut, shape (m,).
+
+    Of a long series that forgets at one rate about -log(1 - correlation).
+
+    Args:
+        rest: What is left of the series, shape (m, n).
+    """
+    most = CUT * MAD_TO_SD * np.median(np.abs(rest), axis=1, keepdims=True)
+    cut = np.clip(rest, -most, most)
+    square = np.sum(cut**2, axis=1) + 1e-300
+    products = [np.sum(cut[:, lag:] * cut[:, :-lag], axis=1) / lag for lag in LAGS]
+    return np.asarray(np.sum(products, axis=0) / square, dtype=float)
 
 
-def _learn(directions: Directions, correlation: float, rng: np.random.Generator) -> tuple[float, float]:
-    """Return the median growth with the lag and the largest statistic, at its quantile."""
+def _learn(
+    directions: Directions, correlation: float, together: int, rng: np.random.Generator
+) -> tuple[float, float, float, float]:
+    """Return what the persistence over so many series is, low, in the middle and high; and the largest statistic."""
     from scipy.signal import lfilter
 
-    noise = rng.standard_normal((LEARNED, len(directions.residual)))
+    length = len(directions.residual)
+    count = together * -(-min(LEARNED, LEARNED_SESSIONS // length + LEARNED // 10) // together)
+    noise = rng.standard_normal((count, length))
     noise[:, 1:] *= np.sqrt(1.0 - correlation**2)
     series = np.asarray(lfilter([1.0], [1.0, -correlation], noise, axis=1), dtype=float)
+    persisting = np.median(persistence(leftover(series, directions)).reshape(-1, together), axis=1)
+    low, middle, high = np.quantile(persisting, (CAUTION, 0.5, PLAIN))
     largest = np.max(np.abs(studentise(series, directions)), axis=1)
-    return float(np.median(growth_with_lag(series))), float(np.quantile(largest, QUANTILE))
+    return float(low), float(middle), float(high), float(np.quantile(largest, QUANTILE))
