@@ -46,7 +46,7 @@ def test_delta_bic_by_hand() -> None:
     rng = np.random.default_rng(1)
     a, b, c, e = rng.standard_normal((4, 2000))
     groups = [
-        Group(name="a", shapes=(a[:, None],), numbers=1),
+        Group(name="a", shapes=(a[:, None],), numbers=(1,)),
         Group(name="bc", shapes=(np.column_stack([b, c]),)),
     ]
     y = 0.5 * a + 0.3 * b + 0.2 * c + e

@@ -148,7 +148,7 @@ def evidence(ranking: Ranking, others: list[int], unit: int) -> float:
     of BIC, as large as the noise, gives ln(n_eff): weak effects would lose to any with fewer numbers, unseen.
     """
     gain = ranking.n_eff * float(np.log(ranking.rss(others) / ranking.rss([*others, unit])))
-    numbers = int(ranking.width[unit]) + ranking.products.numbers[ranking.products.units[unit].group]
+    numbers = int(ranking.width[unit]) + ranking.products.units[unit].numbers
     return gain - numbers * float(np.log(max(gain / numbers, 1.0)))
 
 

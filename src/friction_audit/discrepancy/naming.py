@@ -129,9 +129,13 @@ def search_library(ground: Ground, library: Library) -> tuple[CrossProducts, Sea
     return products, outcome, n_eff
 
 
-def _numbers(shapes: Sequence[Shape]) -> int:
-    """How many numbers differ among some shapes."""
-    return sum(len({shape.get(name) for shape in shapes}) > 1 for name in shapes[0]) if shapes else 0
+def _numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
+    """How many numbers each shape leaves free: those that differ among the shapes that have them."""
+    values: dict[str, set[float]] = {}
+    for shape in shapes:
+        for name, value in shape.items():
+            values.setdefault(name, set()).add(value)
+    return tuple(sum(len(values[name]) > 1 for name in shape) for shape in shapes)
 
 
 def _columns(library: Library, outcome: Search) -> list[Float]:
@@ -143,15 +147,16 @@ def _sharpened(
 ) -> Iterator[tuple[str, Shape, Float]]:
     """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
     columns = _columns(library, outcome)
+    ranking = Ranking(products, n_eff)
+    alone = dict(ranking.nearly([], np.inf))
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
         others = [*columns[:k], *columns[k + 1 :]]
         near = [r for r in naming.rivals if r.delta_bic < max(NEAR, HALF * chosen.score)][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
             yield from _sharper(ground, library, name, at, others)
-        if others and library.entry(chosen.name).candidate.leans_on_model:
-            # Beside a companion that only mends its coarse shape it would never become sharp enough to need none.
-            yield from _sharper(ground, library, chosen.name, chosen.shape, [])
-    ranking = Ranking(products, n_eff)
+        if others and chosen.name in alone:
+            # Beside companions that only mend its coarse shape it would never become sharp enough to need none.
+            yield from _sharper(ground, library, chosen.name, alone[chosen.name], [])
     for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
         yield from _sharper(ground, library, name, at, columns)
 

@@ -41,13 +41,13 @@ class Group:
         name: Name of the candidate.
         shapes: Columns for each value of the shape, each of shape (n, p).
         admissible: ``admissible(factors, shape)`` with factors (p,) and the index of the shape: physically possible?
-        numbers: How many numbers the shapes differ by.
+        numbers: How many numbers each shape leaves free; none where it is empty.
     """
 
     name: str
     shapes: tuple[Float, ...]
     admissible: Callable[[Float, int], bool] = any_factors
-    numbers: int = 0
+    numbers: tuple[int, ...] = ()
 
     def keep(self, kept: NDArray[np.bool_]) -> "Group":
         """The same on some of the samples, shape (n,)."""
@@ -71,11 +71,13 @@ class Unit:
         group: Index of the candidate.
         shape: Index of the shape.
         columns: Columns of the products, shape (p,).
+        numbers: How many numbers the shape leaves free.
     """
 
     group: int
     shape: int
     columns: Index
+    numbers: int = 0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -92,7 +94,6 @@ class CrossProducts:
         names: Names of the candidates.
         units: All candidates with all their shapes.
         trials: Independent trials that the shapes of each candidate are worth.
-        numbers: How many numbers the shapes of each candidate differ by.
         admissible: Rule of each candidate.
     """
 
@@ -102,7 +103,6 @@ class CrossProducts:
     names: tuple[str, ...]
     units: tuple[Unit, ...]
     trials: tuple[float, ...]
-    numbers: tuple[int, ...]
     admissible: tuple[Callable[[Float, int], bool], ...]
 
     @property
@@ -169,7 +169,6 @@ def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProdu
         names=tuple(group.name for group in groups),
         units=units,
         trials=tuple(_trials(gram, base.shape[1], own) for own in shapes),
-        numbers=tuple(group.numbers for group in groups),
         admissible=tuple(group.admissible for group in groups),
     )
 
@@ -401,7 +400,9 @@ def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple
     for g, group in enumerate(groups):
         for s, shape in enumerate(group.shapes):
             columns.append(shape.T)
-            units.append(Unit(group=g, shape=s, columns=np.arange(start, start + shape.shape[1])))
+            columns_of_shape = np.arange(start, start + shape.shape[1])
+            numbers = group.numbers[s] if group.numbers else 0
+            units.append(Unit(group=g, shape=s, columns=columns_of_shape, numbers=numbers))
             start += shape.shape[1]
     return np.concatenate(columns, dtype=float), tuple(units)
 

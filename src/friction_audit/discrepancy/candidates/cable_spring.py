@@ -1,5 +1,7 @@
 """Cable: a spring that pulls back from a place or from the edges of a free stretch."""
 
+import numpy as np
+
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import span
 from friction_audit.discrepancy.candidates.extent import reach
@@ -7,23 +9,36 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.cable_spring import TERM
 
-EDGES = (0.0, 1 / 3, 1 / 2, 2 / 3, 1.0)
-"""Where it may begin to pull, as shares of the range; 0 and 1 for a side on which it does not."""
-MIDDLE = (0.4999, 0.5001)
-"""No free stretch to speak of."""
+PARTS = 12
+"""Of the range, between which it may begin to pull; the first and the last for a side on which it does not."""
+STEP = 2
+"""Free stretches are so many parts long: their middles lie closer to each other than their lengths. From no free
+stretch there is no way downhill to a short one, which therefore has to be on the grid."""
+NONE = 1e-4
+"""Half of a free stretch that is none to speak of, as a share of the range."""
+BENT = columns_of(TERM)
+STRAIGHT: Shape = {}
+"""A spring without a free stretch that does not harden: nothing but stiffness and preload, wherever its centre is."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """No free stretch, then all between edges but the one that leaves nothing."""
+    """No free stretch, then all between edges but the one that leaves nothing, and the straight spring."""
     low, high = reach(data)
-    pairs = [MIDDLE, *((a, b) for a in EDGES for b in EDGES if a < b and b - a < 1.0)]
-    return tuple(
-        {
-            "cable_centre_rad": low + 0.5 * (a + b) * (high - low),
-            "cable_free_rad": 0.5 * (b - a) * (high - low),
-        }
-        for a, b in pairs
+    # Whole numbers, for neighbours on a grid must not differ by rounding only.
+    pairs = [(a, b) for a in range(PARTS) for b in range(a + STEP, PARTS + 1, STEP) if b - a < PARTS]
+    places = [(PARTS, NONE), *((a + b, 0.5 * (b - a) / PARTS) for a, b in pairs)]
+    bent = (
+        {"cable_centre_rad": low + 0.5 * twice / PARTS * (high - low), "cable_free_rad": free * (high - low)}
+        for twice, free in places
     )
+    return (*bent, STRAIGHT)
+
+
+def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+    """Those of the term; of the straight spring position and preload only."""
+    if shape:
+        return BENT(data, baseline, shape)
+    return np.column_stack([data.q, np.zeros(len(data.q)), np.ones(len(data.q))])
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -40,7 +55,7 @@ CANDIDATE = Candidate(
     name=TERM.name,
     label=TERM.label,
     shapes=shapes,
-    columns=columns_of(TERM),
+    columns=columns,
     column_units=("nm_per_rad", "nm_per_rad3", "nm"),
     untestable=untestable,
     admissible=admissible,

@@ -9,7 +9,7 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.joint_limit_stop import TERM
 
-DEPTHS = (0.0, 0.04, 0.1, 0.2)
+DEPTHS = (0.0, 0.02, 0.05, 0.08, 0.12, 0.2)
 """How deep the joint goes into a stop, as shares of the range; 0 where it does not reach it."""
 EXPONENTS = (1.0, 2.0)
 
