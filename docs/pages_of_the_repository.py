@@ -1,4 +1,4 @@
-"""A hook of MkDocs: pages that lie outside ``docs`` are part of the site, and what GitHub writes otherwise is rewritten."""  # noqa: INP001
+"""A hook of MkDocs: pages outside ``docs`` are part of the site, and tables are as its Markdown wants them."""  # noqa: INP001
 
 import posixpath
 import re

@@ -135,26 +135,6 @@ def test_every_code_is_documented_and_exists() -> None:
     assert codes_in_the_pages() == codes_in_the_source()
 
 
-def messages_in_the_source() -> str:
-    """Return all texts of the program, one per line, ``...`` where a value is put in."""
-    texts: list[str] = []
-    for path in (ROOT / "src").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if isinstance(node, ast.Constant) and isinstance(node.value, str):
-                texts.append(node.value)
-            elif isinstance(node, ast.JoinedStr):
-                texts.append("".join(str(p.value) if isinstance(p, ast.Constant) else "..." for p in node.values))
-    return "\n".join(texts)
-
-
-def test_messages_in_the_tables_are_the_program_s() -> None:
-    told = (DOCS / "troubleshooting.md").read_text().partition("no estimate for a joint")[2]
-    messages = [line.split(" | ")[0].removeprefix("| ") for line in told.splitlines() if line.startswith("| ")]
-    parts = {part.strip() for message in messages for part in re.split(r"\.\.\.|; ", message)}
-    source = messages_in_the_source()
-    assert [part for part in parts - {"message", "---"} if part not in source] == []
-
-
 def test_damage_is_marked() -> None:
     marked = {row[0].split("`")[1] for row in cells(DOCS / "formats.md") if row[0].endswith("` *")}
     source = "".join(path.read_text() for path in sorted((ROOT / "src/friction_audit/ingest").rglob("*.py")))

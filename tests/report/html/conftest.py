@@ -1,6 +1,5 @@
-"""A headless browser that notes every request and every complaint."""
+"""A page in a headless browser that notes every request and every complaint."""
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,12 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from tests.chromium import NoChromiumError, find_chromium
-
 if TYPE_CHECKING:
     from playwright.sync_api import Browser, Page
-
-FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
 
 @dataclass
@@ -35,26 +30,6 @@ class Opened:
 
 
 Open = Callable[..., Opened]
-
-
-@pytest.fixture(scope="session")
-def browser() -> "Iterator[Browser]":
-    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install '.[test]'")
-    try:
-        chromium = find_chromium()
-    except NoChromiumError as error:
-        pytest.skip(f"no browser: {error}")
-    with playwright.sync_playwright() as tool:
-        try:
-            browser = tool.chromium.launch(
-                executable_path=chromium.path, env=os.environ | chromium.env, chromium_sandbox=False, args=list(FLAGS)
-            )
-        except playwright.Error as error:
-            if not chromium.env:  # the machine's own browser is meant to start
-                raise
-            pytest.skip(f"no browser: the fetched one does not start on this system: {error}")
-        yield browser
-        browser.close()
 
 
 @pytest.fixture

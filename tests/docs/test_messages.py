@@ -1,0 +1,70 @@
+"""Troubleshooting by message: what the page shows is what the program says, and nothing that it says is missing."""
+
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
+
+import pytest
+
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from tests.documented_commands import ROOT
+
+PAGE = ROOT / "docs" / "troubleshooting.md"
+ERRORS = tuple(error.__name__ for error in (InputError, AnalysisError, UsageError))
+GENERIC = 14
+"""A message with so few letters of its own says nothing without the values that are put in."""
+PUT_IN = "..."
+
+
+def words(text: ast.expr) -> str:
+    """Return a text of the program, ``...`` where a value is put in; nothing where it is put together elsewhere."""
+    if isinstance(text, ast.Constant):
+        return str(text.value)
+    if isinstance(text, ast.JoinedStr):
+        return "".join(str(part.value) if isinstance(part, ast.Constant) else PUT_IN for part in text.values)
+    return ""
+
+
+@cache
+def nodes() -> tuple[tuple[str, ast.AST], ...]:
+    """Return all nodes of the program with the file they are in."""
+    files = sorted((ROOT / "src").rglob("*.py"))
+    return tuple((path.name, node) for path in files for node in ast.walk(ast.parse(path.read_text())))
+
+
+def errors() -> Iterator[str]:
+    """Yield the message of every error that the program raises in words of its own."""
+    for file, node in nodes():
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ERRORS and node.args:
+            message = words(node.args[0])
+            if len(re.sub(r"[^a-z]", "", message.replace(PUT_IN, ""))) > GENERIC:
+                yield f"{file}: {message}"
+
+
+def headlines() -> list[str]:
+    """Return the messages in the first cells of the page's tables of messages."""
+    tables = re.findall(r"^\| message \|.*\n\| ---.*\n((?:\|.*\n)+)", PAGE.read_text(), re.MULTILINE)
+    rows = [row for table in tables for row in table.splitlines()]
+    return [message for row in rows for message in row.removeprefix("| ").split(" | ")[0].split("<br>")]
+
+
+def parts(headline: str) -> list[str]:
+    """Return what stands between the values of a message."""
+    return [part for part in (piece.strip() for piece in headline.split(PUT_IN)) if part]
+
+
+def test_there_are_headlines() -> None:
+    assert len(headlines()) > 200
+    assert all(parts(headline) for headline in headlines())
+
+
+def test_headlines_are_the_program_s() -> None:
+    source = "\n".join(words(node) for _, node in nodes() if isinstance(node, (ast.Constant, ast.JoinedStr)))
+    assert [part for headline in headlines() for part in parts(headline) if part not in source] == []
+
+
+@pytest.mark.parametrize("message", sorted(set(errors())))
+def test_every_error_is_on_the_page(message: str) -> None:
+    shown = (".*".join(re.escape(part) for part in parts(headline)) for headline in headlines())
+    assert any(re.search(pattern, message, re.DOTALL) for pattern in shown), f"add a row to {PAGE.name}"

@@ -1,0 +1,98 @@
+"""The documentation as a site: built strictly, whole, the same as in the repository, asking for nothing."""
+
+import re
+from html import unescape
+
+import pytest
+from markdown_it import MarkdownIt
+from typer.main import get_command
+
+from friction_audit.cli.app import app
+from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.discrepancy.result import VERDICTS
+from friction_audit.report.log_words import WORDS
+from tests.docs.conftest import Site
+from tests.documented_commands import ROOT
+
+DOCS = ROOT / "docs"
+PAGES = tuple(sorted(DOCS.rglob("*.md")))
+FROM_OUTSIDE = ("contributing", "changelog", "sample_logs")
+COUNTED = ("table", "tr", "li", "ol", "ul", "pre", "p", "img", "em", "strong", "blockquote")
+"""Elements that a writer means when writing Markdown; the two dialects differ in when they see them."""
+ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(DOCS)))
+
+
+def name_of(page: object) -> str:
+    return str(page).removeprefix(f"{DOCS}/").removesuffix(".md")
+
+
+def article(site: Site, name: str) -> str:
+    """Return the text of a built page, without navigation."""
+    found = re.search(r"<article[^>]*>(.*)</article>", site.page(name).read_text(), re.DOTALL)
+    assert found is not None
+    return found[1]
+
+
+def count(html: str) -> dict[str, int]:
+    return {tag: len(re.findall(f"<{tag}[ >]", html)) for tag in COUNTED}
+
+
+def test_it_is_built_without_a_complaint(site: Site) -> None:
+    assert (site.code, site.said) == (0, "")
+    built = {str(page.relative_to(site.folder).with_suffix("")) for page in site.folder.rglob("*.html")}
+    assert built == {*map(name_of, PAGES), *FROM_OUTSIDE, "404"}
+
+
+@ON_PAGES
+def test_a_page_has_the_same_parts_as_in_the_repository(site: Site, page: object) -> None:
+    markdown = (DOCS / f"{name_of(page)}.md").read_text()
+    assert count(article(site, name_of(page))) == count(MarkdownIt("commonmark").enable("table").render(markdown))
+
+
+@ON_PAGES
+def test_code_in_tables_is_not_escaped(site: Site, page: object) -> None:
+    assert r"\|" not in article(site, name_of(page))
+
+
+@pytest.mark.parametrize("name", FROM_OUTSIDE)
+def test_pages_from_outside_are_whole(site: Site, name: str) -> None:
+    outside = {"contributing": "CONTRIBUTING.md", "changelog": "CHANGELOG.md", "sample_logs": "sample_logs/README.md"}
+    assert count(article(site, name)) == count(
+        MarkdownIt("commonmark").enable("table").render((ROOT / outside[name]).read_text())
+    )
+
+
+def test_nothing_comes_from_elsewhere(site: Site) -> None:
+    asked = [
+        (page.name, tag)
+        for page in site.folder.rglob("*.html")
+        for tag in re.findall(r"<(?:script|link|img|iframe)[^>]+>", page.read_text())
+        if re.search(r"(?:src|href)=.?(?:https?:)?//", tag)
+    ]
+    assert asked == []
+
+
+def test_every_command_has_its_page() -> None:
+    commands = getattr(get_command(app), "commands")  # noqa: B009 - typer's own type does not tell
+    assert {page.stem for page in (DOCS / "commands").iterdir()} == set(commands)
+
+
+def test_every_verdict_is_explained() -> None:
+    headings = re.findall(r"^## `(\w+)`(?:: (.+))?$", (DOCS / "verdicts.md").read_text(), re.MULTILINE)
+    assert [name for name, _ in headings] == list(VERDICTS)
+    assert all(words in ("", WORDS[name]) for name, words in headings)
+
+
+def test_motions_are_those_of_the_effects() -> None:
+    text = (DOCS / "recording.md").read_text()
+    rows = dict(re.findall(r"^\| \[(\w+)\]\(effects/\1\.md\) \| .+ \| (.+) \|$", text, re.MULTILINE))
+    assert set(rows) == {candidate.name for candidate in CANDIDATES}
+    for name, rule in rows.items():
+        page = (DOCS / "effects" / f"{name}.md").read_text()
+        assert f"| untestable where | {rule.replace('(model.md)', '(../model.md)')} |" in page, name
+
+
+def test_titles_are_those_of_the_pages(site: Site) -> None:
+    for page in PAGES:
+        title = page.read_text().splitlines()[0].removeprefix("# ").replace("`", "")
+        assert f">{title}<" in unescape(re.sub(r"</?code>", "", article(site, name_of(page)))), page

@@ -1,0 +1,52 @@
+"""The site in a browser, opened as files: quiet, readable at any width, in the dark, and searchable."""
+
+import pytest
+
+from tests.docs.conftest import Visit
+
+PAGES = (
+    "index",
+    "recording",
+    "formats",
+    "troubleshooting",
+    "effects/stribeck",
+    "speed",
+    "commands/diagnose",
+    "sample_logs",
+)
+SCHEMES = ("light", "dark")
+
+
+@pytest.mark.parametrize("width", [360, 1280])
+@pytest.mark.parametrize("name", PAGES)
+def test_nothing_overflows_complains_or_is_asked_for(visit: Visit, name: str, width: int) -> None:
+    visited = visit(name, width=width, scheme="dark" if width < 1000 else "light")
+    assert visited.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0
+    assert visited.complaints == []
+    assert {address.partition(":")[0] for address in visited.requests} <= {"file", "data", "blob"}
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_it_follows_the_scheme_of_the_system(visit: Visit, scheme: str) -> None:
+    visited = visit("index", scheme=scheme)
+    ground = visited.evaluate("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).slice(0, 3).map(Number)")
+    assert max(ground) < 80 if scheme == "dark" else min(ground) > 200
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_pictures_stand_on_white(visit: Visit, scheme: str) -> None:
+    visited = visit("effects/stribeck", scheme=scheme)
+    assert visited.evaluate("document.querySelector('article img').naturalWidth") > 0
+    assert (
+        visited.evaluate("getComputedStyle(document.querySelector('article img')).backgroundColor")
+        == "rgb(255, 255, 255)"
+    )
+
+
+def test_a_word_is_found_without_a_server(visit: Visit) -> None:
+    visited = visit("index")
+    visited.page.locator("input.md-search__input").fill("manifest")
+    found = visited.page.locator(".md-search-result__link").first
+    found.wait_for(timeout=20_000)
+    assert "batch-report" in (found.get_attribute("href") or "")
+    assert visited.complaints == []
