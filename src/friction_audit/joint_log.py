@@ -154,7 +154,7 @@ class JointLog:
         return replace(self, **kept, joint_names=tuple(self.joint_names[c] for c in columns))
 
     def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
-        """Return the samples with start_s <= t < stop_s; the clock starts at 0 again.
+        """Return the samples with start_s <= t < stop_s; the clock starts at 0 again, and so does the recording.
 
         Raises:
             UsageError: If fewer than two samples lie in the window.
@@ -170,7 +170,9 @@ class JointLog:
                 "choose another --t-start/--t-end"
             )
         kept: dict[str, Any] = {name: array[first:last] for name, array in self.channels().items()}
-        return replace(self, t=self.t[first:last] - self.t[first], **kept)
+        begun = self.source.start_s
+        source = replace(self.source, start_s=None if begun is None else begun + float(self.t[first]))
+        return replace(self, t=self.t[first:last] - self.t[first], source=source, **kept)
 
 
 MINIMUM_SAMPLES = 2

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit import audit
 from friction_audit.errors import AnalysisError
+from friction_audit.report import log_report
 from tests.cli.conftest import Run
 
 NAMES = ("moved1.report.html", "moved1.report.json", "moved1.report.md")
+PDF = "moved1.report.pdf"
 WHY = "omnibus test: no candidate"
 
 
@@ -18,23 +19,25 @@ def no_answer(*_: object) -> None:
 
 
 def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("report", logs / "moved1.csv", "-o", "out", "--format", "html,json,markdown", "--json")
+    answer = run("report", logs / "moved1.csv", "-o", "out", "--format", "html,json,markdown,pdf", "--json")
     assert answer.code == 0
     assert answer.err == ""
-    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted(NAMES)
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == sorted((*NAMES, PDF))
     page, document, markdown = ((tmp_path / "out" / name).read_text(encoding="utf-8") for name in NAMES)
     assert json.loads(document) == answer.document()
-    command = f"friction-audit report {logs / 'moved1.csv'} --format html --format json --format markdown --output out"
+    command = f"friction-audit report {logs / 'moved1.csv'} --format html --format json --format markdown --format pdf "
+    command += "--output out"
     assert answer.document()["command"] == command
     assert command in page
     assert command in markdown
     assert answer.document()["message"] in page
+    assert (tmp_path / "out" / PDF).read_bytes().startswith(b"%PDF-")
 
 
 def test_a_part_without_an_answer_leaves_the_others(
     run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(audit, "diagnose_estimate", no_answer)
+    monkeypatch.setattr(log_report, "diagnose_estimate", no_answer)
     answer = run("report", logs / "damaged.csv", "--format", "markdown")
     assert answer.code == 6
     assert answer.out.splitlines() == ["Friction is estimated on the joint.", "damaged.report.md"]
@@ -45,7 +48,7 @@ def test_a_part_without_an_answer_leaves_the_others(
 
 
 def test_json_alone_writes_no_file(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(audit, "diagnose_estimate", no_answer)
+    monkeypatch.setattr(log_report, "diagnose_estimate", no_answer)
     document = run("report", logs / "moved1.csv", "--json").document()
     assert document["unanswered"] == [{"part": "diagnose", "message": WHY}]
     assert document["joints"][0]["verdict"] == "estimated"

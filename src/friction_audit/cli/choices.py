@@ -26,6 +26,22 @@ PLOTTED = (*FIGURES, *REPLAY_FIGURES, "residual")
 """Kinds of figures of ``plot``."""
 KINDS = (*PLOTTED, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
+REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
+"""Formats of a report and the endings of their files."""
+EXPORTS = ("mcap", "csv", "parquet")
+ESTIMATE_TABLES = ("coefficients", "coefficient_history", "cycles", "interaction")
+REPLAY_TABLES = ("replay_joints", "replay_cycles", "replay_signals")
+DIAGNOSE_TABLES = (
+    "verdicts",
+    "effects",
+    "effect_parameters",
+    "gap_ladder",
+    "residual_profiles",
+    "residual",
+    "simulated_motion",
+)
+REPORT_TABLES = (*ESTIMATE_TABLES, *REPLAY_TABLES, *DIAGNOSE_TABLES)
+"""Tables of each command's result."""
 EFFECTS = (
     "stribeck",
     "stiction",

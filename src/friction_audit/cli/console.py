@@ -4,8 +4,8 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import typer
@@ -34,10 +34,12 @@ class Voice:
     Attributes:
         quiet: No warnings and no progress.
         verbose: Every step and how long it took.
+        course: The bar that steps move on, or None where each is shown alone.
     """
 
     quiet: bool
     verbose: bool
+    course: "Course | None" = None
 
     def warn(self, messages: Iterable[str]) -> None:
         """Say warnings, one per line."""
@@ -48,14 +50,26 @@ class Voice:
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
         """Show that a step is under way, on a terminal and only if it takes long."""
-        with self._timed(name), _spinner(name) if self._watched else _silence():
+        with self._timed(name), self._stage(name) or (_spinner(name) if self._watched else _silence()):
             yield
 
     @contextmanager
     def progress(self, name: str) -> Iterator[Report | None]:
         """Show how much of a step is done, as ``step`` does; yield what it is to be told, None if nobody watches."""
-        with self._timed(name), _bar(name) if self._watched else _silence() as report:
+        with self._timed(name), self._stage(name) or (_bar(name) if self._watched else _silence()) as report:
             yield report
+
+    @contextmanager
+    def stages(self, count: int) -> "Iterator[Voice]":
+        """Show one bar over several steps; yield the voice whose steps move it on, each named while it is under way."""
+        if not self._watched:
+            yield self
+            return
+        with _course(count) as course:
+            yield replace(self, course=course)
+
+    def _stage(self, name: str) -> "AbstractContextManager[Report] | None":
+        return None if self.course is None else self.course.stage(name)
 
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
@@ -109,6 +123,44 @@ def _bar(name: str) -> Iterator[Report]:
     task = bar.add_task(name, total=None)
     with _late(bar):
         yield lambda share: bar.update(task, total=1.0, completed=share)
+
+
+class Course:
+    """Stages on the way to a result, on one bar.
+
+    Args:
+        bar: The display.
+        count: How many stages there are.
+    """
+
+    def __init__(self, bar: "Progress", count: int) -> None:
+        self._bar, self._task, self._done = bar, bar.add_task("", total=count), 0
+
+    @contextmanager
+    def stage(self, name: str) -> Iterator[Report]:
+        """Name the stage that is under way; yield what takes the share of it that is done."""
+        self._bar.update(self._task, description=name)
+        yield lambda share: self._bar.update(self._task, completed=self._done + share)
+        self._done += 1
+        self._bar.update(self._task, completed=self._done)
+
+
+@contextmanager
+def _course(count: int) -> Iterator[Course]:
+    """Show a bar of stages, and how long it has been."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description} ..."),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+    )
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    with _late(bar):
+        yield Course(bar, count)
 
 
 @contextmanager

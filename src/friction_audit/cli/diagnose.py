@@ -10,8 +10,9 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.export_files import plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
-from friction_audit.cli.options import OUTPUT, PNG, FiguresBeside, LogOptions, LogPath
+from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
@@ -27,7 +28,8 @@ EXAMPLES = """Examples:
   friction-audit diagnose run.mcap
   friction-audit diagnose run.csv --drive robot -o results
   friction-audit diagnose run.parquet --candidates stribeck,presliding --joints 1 --json
-  friction-audit diagnose next.parquet --model results/model.toml"""
+  friction-audit diagnose next.parquet --model results/model.toml
+  friction-audit diagnose run.mcap -o results --export mcap,parquet"""
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
 
@@ -91,6 +93,7 @@ def command(
         ),
     ] = None,
     figures: FiguresBeside = PNG,
+    export: Exports = NO_EXPORT,
 ) -> None:
     """Find what the model of each joint misses, name it, and show how far the gap closes."""
     if shared.general.dump_config:
@@ -99,8 +102,10 @@ def command(
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
     settings = _settings(options)
+    plan = plan_exports(folder, export, "diagnose")
     if folder is not None:
         files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, choices.DIAGNOSIS_FIGURES, figures)]
+        files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
         recorded = chain.read(log, reading, voice)
@@ -116,6 +121,10 @@ def command(
     if folder is not None:
         _write(found, text, folder, voice, overwrite=output.overwrite)
         _draw(found, folder, figures, voice, overwrite=output.overwrite)
+    if plan is not None:
+        from friction_audit.report.tables import diagnose_tables
+
+        write_exports(plan, diagnose_tables(found), found.estimate, voice, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
     chain.exit_if_damaged(recorded)
 

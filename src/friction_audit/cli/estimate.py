@@ -8,8 +8,9 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.export_files import plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside, LogPath
+from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
@@ -18,7 +19,8 @@ EXAMPLES = """Examples:
   friction-audit estimate run.mcap
   friction-audit estimate run.csv --drive robot -o results --figures pdf,png
   friction-audit estimate run.bag --topic /left/joint_states --joints 1,3-5 --json
-  friction-audit estimate slow.parquet --thresholds auto --estimator paper"""
+  friction-audit estimate slow.parquet --thresholds auto --estimator paper
+  friction-audit estimate run.mcap -o results --export mcap,csv"""
 
 DOCUMENT, HISTORY = "estimate.json", "history.csv"
 
@@ -38,6 +40,7 @@ def command(
         ),
     ] = None,
     figures: FiguresBeside = PNG,
+    export: Exports = NO_EXPORT,
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     if shared.general.dump_config:
@@ -45,8 +48,10 @@ def command(
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
+    plan = plan_exports(folder, export, "estimate")
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
+        files += [] if plan is None else plan.files(choices.ESTIMATE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate"):
         recorded = chain.read(log, options, voice)
@@ -60,6 +65,10 @@ def command(
         write_figures(
             result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=voice
         )
+    if plan is not None:
+        from friction_audit.report.tables import estimate_tables
+
+        write_exports(plan, estimate_tables(result), result, voice, overwrite=output.overwrite)
     _print(result, reading_settings, json=output.json)
     chain.exit_if_damaged(result.log)
 

@@ -16,6 +16,8 @@ CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
 
 PNG = ["png"]
 """Format of the figures where none is given; Typer copies it."""
+NO_EXPORT: list[str] = []
+"""Exports where none is asked for; Typer copies it."""
 
 ImageFormats = Annotated[
     list[str],
@@ -34,6 +36,18 @@ FiguresBeside = Annotated[
         metavar=choices.metavar(choices.IMAGE_FORMATS),
         callback=choices.some_of(choices.IMAGE_FORMATS),
         help="Formats of the figures in DIR; repeatable, or separated by commas.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+
+Exports = Annotated[
+    list[str],
+    typer.Option(
+        "--export",
+        metavar=choices.metavar(choices.EXPORTS),
+        callback=choices.some_of(choices.EXPORTS),
+        help="Also write every table of the result in DIR: mcap as topics on the log's clock, for Foxglove and "
+        "PlotJuggler; csv and parquet a file each. Repeatable, or separated by commas.",
         rich_help_panel=OUTPUT,
     ),
 ]

@@ -9,8 +9,9 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.export_files import plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
-from friction_audit.cli.options import OUTPUT, PNG, FiguresBeside, LogOptions, LogPath
+from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
@@ -25,7 +26,8 @@ EXAMPLES = """Examples:
   friction-audit replay run.csv --model coulomb --window 4 -o results
   friction-audit replay run.parquet --factor 1.5 --no-passivity
   friction-audit replay run.parquet --fixed coulomb=0.25,viscous=0.1 --joints 1 --json
-  friction-audit replay next.parquet --compensator model --joint-model results/model.toml"""
+  friction-audit replay next.parquet --compensator model --joint-model results/model.toml
+  friction-audit replay run.mcap -o results --export mcap"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
 
@@ -46,6 +48,7 @@ def command(
         ),
     ] = None,
     figures: FiguresBeside = PNG,
+    export: Exports = NO_EXPORT,
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
     if shared.general.dump_config:
@@ -54,8 +57,10 @@ def command(
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings = replay_settings(options, shared.cycles)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
+    plan = plan_exports(folder, export, "replay")
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
+        files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
     with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
         recorded = chain.read(log, reading, voice)
@@ -73,6 +78,10 @@ def command(
     if folder is not None:
         _write(found, text, folder, overwrite=output.overwrite)
         _draw(found, folder, figures, overwrite=output.overwrite, voice=voice)
+    if plan is not None:
+        from friction_audit.report.tables import replay_tables
+
+        write_exports(plan, replay_tables(found), found.estimate, voice, overwrite=output.overwrite)
     _print(found, text, json=output.json)
     chain.exit_if_damaged(recorded)
 

@@ -1,4 +1,4 @@
-"""JointLog -> file."""
+"""JointLog -> file; tables of results -> files."""
 
 from friction_audit.export.write_log import choose_writer, write_log
 from friction_audit.export.writer import Writer

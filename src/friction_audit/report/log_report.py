@@ -1,14 +1,23 @@
 """LogReport: what a log says, from one reading and one estimate, all parts of it."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeVar
 
-from friction_audit.audit import Diagnosis, Estimate, LogReplay
+from friction_audit.audit import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.discrepancy.result import JointDiscrepancy
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import JointFriction
 from friction_audit.replay.result import JointReplay
+from friction_audit.replay.settings import ReplaySettings
 from friction_audit.report.notices import Notice, diagnose_notices, estimate_notices, replay_notices
+
+T = TypeVar("T")
+Step = Callable[[str], AbstractContextManager[object]]
+"""Takes the name of a step and returns what is entered while it is under way."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -53,6 +62,49 @@ class LogReport:
             JointReport(friction=one, discrepancy=missing.get(one.joint), replay=replayed.get(one.joint))
             for one in self.estimate.friction.joints
         )
+
+
+def report_estimate(
+    estimate: Estimate,
+    replay_settings: ReplaySettings,
+    diagnosis_settings: DiagnosisSettings,
+    *,
+    reading: Mapping[str, object] | None = None,
+    command: str = "",
+    step: Step = nullcontext,
+) -> LogReport:
+    """Run what follows an estimate; a part without an answer leaves the others as they are.
+
+    Args:
+        estimate: The estimate.
+        replay_settings: Of the replay.
+        diagnosis_settings: Of the diagnosis.
+        reading: How the log was read: options of the reader by name.
+        command: The command that makes the report again.
+        step: Told which part is under way.
+    """
+    unanswered: list[Unanswered] = []
+    with step("replay"):
+        replay = _answer("replay", lambda: replay_estimate(estimate, replay_settings), unanswered)
+    with step("diagnose"):
+        diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings), unanswered)
+    return LogReport(
+        estimate=estimate,
+        diagnosis=diagnosis,
+        replay=replay,
+        unanswered=tuple(unanswered),
+        reading=reading or {},
+        command=command,
+    )
+
+
+def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -> T | None:
+    """Return a part of the report, or None and why: the page says it in the part's place."""
+    try:
+        return compute()
+    except AnalysisError as error:
+        unanswered.append(Unanswered(part=part, message=str(error)))
+        return None
 
 
 def name_of_log(path: Path) -> str:

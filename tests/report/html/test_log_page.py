@@ -178,14 +178,14 @@ def test_hostile_names_are_text() -> None:
     assert html.count("<script") == 1
     assert "&lt;script&gt;alert(" in html
     assert outline(html.replace("<image ", "<use ")).open == []
-    text = write_markdown(log_page(by_hand.hostile(), figures=False))
+    text = write_markdown(log_page(by_hand.hostile(), None))
     outside = re.sub(r"^(`{3,})sh\n.*?\n\1$", "", text, flags=re.MULTILINE | re.DOTALL)
     assert not re.search(r"(?<!\\)[<>$]", outside)
     assert not re.search(r"(?<!\\)`", outside)
 
 
 def test_markdown_holds_the_tables() -> None:
-    text = write_markdown(log_page(report(), figures=False))
+    text = write_markdown(log_page(report(), None))
     assert text.startswith("# Joint friction: run 1.csv\n")
     tables = re.findall(r"(?:^\|.*\|\n)+", text, re.MULTILINE)
     assert len(tables) >= 6

@@ -125,7 +125,7 @@ def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
     left = MOST_BYTES
     for k in order:
         figures = tuple(_figures(arms[k], f"arm-{k + 1}"))
-        left -= sum(len(figure.picture.svg) for figure in figures)
+        left -= sum(figure.picture.size for figure in figures)
         if left < 0 and found:
             break
         found[k + 1] = figures

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from friction_audit.report.figures.thinning import thin_extremes
 from friction_audit.report.figures.velocity_torque import draw_velocity_torque
 from friction_audit.report.html.log_part import part_of
 from friction_audit.report.html.parts import Figure
+from friction_audit.report.html.picture import Picture
 from friction_audit.report.html.svg import draw_inline
 from friction_audit.report.log_report import JointReport, LogReport
 from friction_audit.report.log_words import friction_words, removal_words
@@ -31,6 +32,20 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 T = TypeVar("T")
+
+
+class Draw(Protocol):
+    """Draws a figure for a page."""
+
+    def __call__(self, figure: "Drawing", *, prefix: str, description: str) -> Picture:
+        """Return the figure.
+
+        Args:
+            figure: The figure.
+            prefix: Unique among the figures of the page.
+            description: What it shows, for those who do not see it.
+        """
+
 
 FRICTION, COMPENSATOR, MISSING = "friction", "compensator", "missing"
 """Sections that hold figures."""
@@ -228,13 +243,18 @@ class Drawn:
     left_out: dict[str, list[str]]
 
 
-def draw_figures(report: LogReport) -> Drawn:
-    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
+def draw_figures(report: LogReport, draw: Draw = draw_inline) -> Drawn:
+    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room.
+
+    Args:
+        report: What the log says.
+        draw: Draws a figure for the page.
+    """
     drawn = Drawn(by_section={}, left_out={})
     left = MOST_BYTES
     for kind, part, title in _sheets(report):
-        figure = _figure(kind, part, title) if left > 0 else None
-        left -= len(figure.picture.svg) if figure is not None else 0
+        figure = _figure(kind, part, title, draw) if left > 0 else None
+        left -= figure.picture.size if figure is not None else 0
         if figure is None or left < 0:
             drawn.left_out.setdefault(kind.section, []).append(title)
         else:
@@ -254,12 +274,12 @@ def _sheets(report: LogReport) -> Iterator[tuple[LogFigure, LogReport, str]]:
                 yield kind, part_of(report, shown), f"{kind.title}{which}"
 
 
-def _figure(kind: LogFigure, part: LogReport, title: str) -> Figure:
+def _figure(kind: LogFigure, part: LogReport, title: str, draw: Draw) -> Figure:
     drawing = kind.draw(part)
     _make_small(drawing)
     joints = part.joints
     words = [f"joint {joint_label(one.friction.joint, one.friction.name)}: {kind.tell(one)}" for one in joints]
-    picture = draw_inline(
+    picture = draw(
         drawing, prefix=f"{kind.name}-{joints[0].friction.joint}", description=f"{title}. {'; '.join(words)}."
     )
     return Figure(picture=picture, title=title, caption=kind.caption)

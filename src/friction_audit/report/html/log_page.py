@@ -7,7 +7,7 @@ from friction_audit.report.diagnose_table import declared_model
 from friction_audit.report.drift_words import count_of, format_start
 from friction_audit.report.estimate_table import NOTHING, joint_label
 from friction_audit.report.html.citation import citation_section
-from friction_audit.report.html.log_figures import COMPENSATOR, FRICTION, MISSING, Drawn, draw_figures
+from friction_audit.report.html.log_figures import COMPENSATOR, FRICTION, MISSING, Draw, Drawn, draw_figures
 from friction_audit.report.html.log_tables import (
     TONES,
     channel_table,
@@ -25,6 +25,7 @@ from friction_audit.report.html.log_tables import (
 from friction_audit.report.html.page import render_page
 from friction_audit.report.html.parts import Page, Part, Section, Terms, Text, Verdict, Verdicts
 from friction_audit.report.html.settings_section import settings_section
+from friction_audit.report.html.svg import draw_inline
 from friction_audit.report.log_document import report_settings
 from friction_audit.report.log_report import JointReport, LogReport, report_notices
 from friction_audit.report.log_summary import LogSummary, summarize_log
@@ -64,14 +65,14 @@ def write_log_page(report: LogReport) -> str:
     return render_page(log_page(report))
 
 
-def log_page(report: LogReport, *, figures: bool = True) -> Page:
+def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
     """Return what the page of a log is made of.
 
     Args:
         report: What the log says.
-        figures: Whether they are drawn.
+        draw: Draws a figure for the page, or None for none.
     """
-    drawn = draw_figures(report) if figures else NO_FIGURES
+    drawn = NO_FIGURES if draw is None else draw_figures(report, draw)
     return Page(
         title=f"Joint friction: {report.file_name}",
         lead=lead_sentence(report),

@@ -11,6 +11,7 @@ from friction_audit import __version__
 from friction_audit.report.html.colours import colour_rules
 from friction_audit.report.html.parts import Figure, Page, Section
 from friction_audit.report.html.printable import printable_text
+from friction_audit.report.html.svg import InlinePicture
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -22,7 +23,8 @@ TEMPLATES = "templates"
 def render_page(page: Page) -> str:
     """Return the page as text; the same page gives the same bytes."""
     script = _resource(SCRIPT)
-    colours = {colour for figure in figures_of(page.sections) for colour in figure.picture.colours}
+    pictures = [figure.picture for figure in figures_of(page.sections)]
+    colours = {colour for one in pictures if isinstance(one, InlinePicture) for colour in one.colours}
     text = _environment().get_template(TEMPLATE).render(
         page=page,
         version=__version__,

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from friction_audit.report.html.svg import Picture
+from friction_audit.report.html.picture import Picture
 
 Tone = Literal["", "alert", "fine", "unsure", "off"]
 """How a verdict looks, beside its words."""

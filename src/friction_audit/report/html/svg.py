@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 from friction_audit.report.figures.style import figure_style
+from friction_audit.report.html.picture import Picture
 from friction_audit.report.html.printable import printable_text
 
 if TYPE_CHECKING:
@@ -28,23 +29,24 @@ FILLED = frozenset(f"{{{SVG}}}{name}" for name in ("text", "path", "use"))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Picture:
-    """A drawing for a page.
+class InlinePicture(Picture):
+    """A drawing to stand inside a page of HTML.
 
     Attributes:
         svg: Its markup; the words in it are escaped.
-        width: Width at which its text is as large as it was drawn. [pt]
-        description: What it shows, for those who do not see it.
         colours: The colours in it, ``#rrggbb``, each drawn as the page's ``--c-rrggbb``.
     """
 
     svg: str
-    width: float
-    description: str
     colours: frozenset[str]
 
+    @property
+    def size(self) -> int:
+        """Letters of its markup."""
+        return len(self.svg)
 
-def draw_inline(figure: "Figure", *, prefix: str, description: str) -> Picture:
+
+def draw_inline(figure: "Figure", *, prefix: str, description: str) -> InlinePicture:
     """Return a figure as SVG to stand inside a page.
 
     Args:
@@ -60,7 +62,7 @@ def draw_inline(figure: "Figure", *, prefix: str, description: str) -> Picture:
     _describe(root, prefix, description)
     ET.register_namespace("", SVG)
     text = ET.tostring(root, encoding="unicode")
-    return Picture(svg=text, width=width, description=description, colours=colours)
+    return InlinePicture(svg=text, width=width, description=description, colours=colours)
 
 
 def _draw(figure: "Figure") -> str:

@@ -1,0 +1,80 @@
+"""Tables of a result -> files in a folder: topics of an MCAP, CSV, Parquet."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from friction_audit.cli.console import Voice
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.audit import Estimate
+    from friction_audit.tidy_table import TidyTable
+
+MCAP = "mcap"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ExportPlan:
+    """What is written where.
+
+    Attributes:
+        folder: Where.
+        name: What the MCAP is called, without its ending.
+        prefix: What the names of the tables' files begin with.
+        kinds: Which of mcap, csv and parquet.
+    """
+
+    folder: Path
+    name: str
+    prefix: str = ""
+    kinds: Sequence[str]
+
+    def mcap(self) -> Path:
+        """Return the file of the topics."""
+        return self.folder / f"{self.name}.{MCAP}"
+
+    def table(self, name: str, kind: str) -> Path:
+        """Return the file of a table."""
+        return self.folder / f"{self.prefix}{name}.{kind}"
+
+    def files(self, tables: Sequence[str]) -> list[Path]:
+        """Return the files that tables of these names are written to."""
+        topics = [self.mcap()] if MCAP in self.kinds else []
+        return topics + [self.table(name, kind) for kind in self.kinds if kind != MCAP for name in tables]
+
+
+def plan_exports(folder: Path | None, kinds: Sequence[str], name: str) -> ExportPlan | None:
+    """Return what is to be written beside a result, or None where nothing was asked for.
+
+    Raises:
+        UsageError: If there is no folder to write to.
+    """
+    if not kinds:
+        return None
+    if folder is None:
+        raise UsageError(f"--export {','.join(kinds)}: no folder to write to; name one with --output DIR")
+    return ExportPlan(folder=folder, name=name, kinds=kinds)
+
+
+def write_exports(
+    plan: ExportPlan, tables: "Sequence[TidyTable]", estimate: "Estimate", voice: Voice, *, overwrite: bool
+) -> list[Path]:
+    """Write the tables, each file whole or not at all; return the files."""
+    from friction_audit.export.write_tables import write_table_csv, write_table_parquet
+    from friction_audit.export.write_topics import span_of, write_topics
+    from friction_audit.whole_file import whole_file
+
+    writers = {"csv": write_table_csv, "parquet": write_table_parquet}
+    for kind in plan.kinds:
+        with voice.step(f"export {kind}"):
+            if kind == MCAP:
+                span = span_of(estimate.log, skipped_s=estimate.settings.t_start_s or 0.0)
+                with whole_file(plan.mcap(), overwrite=overwrite) as draft:
+                    write_topics(tables, span, draft)
+                continue
+            for table in tables:
+                with whole_file(plan.table(table.name, kind), overwrite=overwrite) as draft:
+                    writers[kind](table, draft)
+    return plan.files([table.name for table in tables])

@@ -1,0 +1,81 @@
+"""TidyTable -> CSV, Parquet, or a pandas frame: the same rows and columns in each, joint and name in front."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from friction_audit.tidy_table import Column, JointRows, TidyTable
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+
+HEAD: dict[str, type] = {"joint": int, "name": str}
+"""Columns that every table begins with."""
+
+
+def write_table_csv(table: TidyTable, path: Path) -> None:
+    """Write a table as CSV; numbers in the shortest form that reads back to the bit, an empty cell for none."""
+    from pyarrow import csv
+
+    with csv.CSVWriter(path, _schema(table)) as writer:
+        for batch in _batches(table):
+            writer.write_batch(batch)
+
+
+def write_table_parquet(table: TidyTable, path: Path) -> None:
+    """Write a table as Parquet, a row group per joint."""
+    import pyarrow.parquet as pq
+
+    with pq.ParquetWriter(path, _schema(table), compression="zstd") as writer:
+        for batch in _batches(table):
+            writer.write_batch(batch)
+
+
+def to_frame(table: TidyTable) -> "pd.DataFrame":
+    """Return a table as a pandas frame; NaN or None where there is nothing."""
+    import pyarrow as pa
+
+    frame: pd.DataFrame = pa.Table.from_batches(_batches(table), _schema(table)).to_pandas()
+    return frame
+
+
+def _schema(table: TidyTable) -> "pa.Schema":
+    import pyarrow as pa
+
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+    return pa.schema([(name, kinds[kind]) for name, kind in (HEAD | dict(table.types)).items()])
+
+
+def _batches(table: TidyTable) -> "Iterator[pa.RecordBatch]":
+    import pyarrow as pa
+
+    schema = _schema(table)
+    for rows in table.rows:
+        if len(rows):
+            head = [
+                pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows)),
+                pa.repeat(_encodable(rows.name), len(rows)),
+            ]
+            columns = [_array(rows, name, schema.field(name).type) for name in table.types]
+            yield pa.record_batch([*head, *columns], schema=schema)
+
+
+def _array(rows: JointRows, name: str, kind: "pa.DataType") -> "pa.Array":
+    import pyarrow as pa
+
+    column = rows.columns[name]
+    if pa.types.is_string(kind):
+        return pa.array(list(map(_encodable, column)), type=kind)
+    return pa.array(_whole(column) if pa.types.is_integer(kind) else column, type=kind, from_pandas=True)
+
+
+def _whole(column: Column) -> Any:  # noqa: ANN401 - an array, or a list with None in it
+    """Return whole numbers as such, also where an array holds them as floats."""
+    dtype = getattr(column, "dtype", None)
+    return column if dtype is None or dtype.kind != "f" else column.astype("int64")  # type: ignore[union-attr]
+
+
+def _encodable(text: Any) -> Any:  # noqa: ANN401 - text or None
+    """Return text that any file can hold: bytes of a name that are no letters are spelt out."""
+    return text.encode("utf-8", "backslashreplace").decode() if isinstance(text, str) else text

@@ -1,0 +1,1 @@
+"""Page -> PDF, for paper and for the file of an arm."""

@@ -1,0 +1,59 @@
+"""``--export``: every table of a result as topics, CSV and Parquet."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from mcap.reader import make_reader
+
+from friction_audit.cli import choices
+from tests.cli.conftest import Run
+
+TABLES = {
+    "estimate": choices.ESTIMATE_TABLES,
+    "replay": choices.REPLAY_TABLES,
+    "diagnose": choices.DIAGNOSE_TABLES,
+    "report": choices.REPORT_TABLES,
+}
+
+
+@pytest.mark.parametrize("command", TABLES)
+def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
+    figures = () if command == "report" else ("--figures", "svg")
+    answer = run(command, logs / "moved1.csv", "-o", "out", *figures, "--export", "csv,parquet,mcap", "-q")
+    assert answer.code == 0, answer.err
+    before = "moved1.report." if command == "report" else ""
+    for name in TABLES[command]:
+        csv = pd.read_csv(f"out/{before}{name}.csv")
+        assert list(csv.columns) == list(pd.read_parquet(f"out/{before}{name}.parquet").columns)
+    with Path(f"out/{before or f'{command}.'}mcap").open("rb") as stream:
+        summary = make_reader(stream).get_summary()
+    assert summary is not None
+    topics = {channel.topic.rpartition("/")[2] for channel in summary.channels.values()}
+    filled = {name for name in TABLES[command] if len(pd.read_csv(f"out/{before}{name}.csv"))}
+    assert topics == filled
+
+
+def test_a_folder_is_needed(run: Run, logs: Path) -> None:
+    answer = run("estimate", logs / "moved1.csv", "--export", "mcap")
+    assert answer.code == 2
+    assert "--export mcap: no folder to write to; name one with --output DIR" in answer.err
+
+
+def test_nothing_is_replaced_unasked(run: Run, logs: Path) -> None:
+    Path("out").mkdir()
+    Path("out/cycles.csv").write_text("mine")
+    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv")
+    assert answer.code == 2
+    assert "cycles.csv: exists already" in answer.err
+    assert [path.name for path in Path("out").iterdir()] == ["cycles.csv"]
+    assert Path("out/cycles.csv").read_text() == "mine"
+    again = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv", "--figures", "svg", "--overwrite")
+    assert again.code == 0
+    assert Path("out/cycles.csv").read_text() != "mine"
+
+
+def test_a_misspelt_format_suggests_the_near_one(run: Run, logs: Path) -> None:
+    answer = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "mcpa")
+    assert answer.code == 2
+    assert "did you mean mcap?" in answer.err

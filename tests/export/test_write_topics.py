@@ -1,0 +1,93 @@
+"""Tables as topics of an MCAP: read back by the library's own reader."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+from mcap.reader import make_reader
+
+from friction_audit.export.tables import UNKNOWN_START_NS, stamps_ns
+from friction_audit.export.write_topics import Span, span_of, topic_of, write_topics
+from friction_audit.joint_log import JointLog, Source
+from friction_audit.tidy_table import JointRows, TidyTable
+
+START_S = 1_700_000_000.25
+
+
+def log(start_s: float | None = START_S) -> JointLog:
+    t = np.linspace(0.0, 10.0, 1001)
+    q = np.zeros((len(t), 1))
+    source = Source(path="run.csv", sha256="0" * 64, format="csv", start_s=start_s)
+    return JointLog(t=t, q=q, dq=q.copy(), tau_J=q.copy(), joint_names=("elbow",), source=source)
+
+
+def tables() -> tuple[TidyTable, ...]:
+    cycles = {"stop_s": np.array([2.0, 10.0]), "energy_j": np.array([1.5, np.nan]), "left_out": ["", "gap"]}
+    words: dict[str, Any] = {"verdict": ["none"], "cycles": [None]}
+    signal = {"time_s": np.arange(3) * 4.0, "torque_nm": np.array([0.1, 0.2, 0.3])}
+    return (
+        made("cycles", {"stop_s": float, "energy_j": float, "left_out": str}, "stop_s", cycles),
+        made("verdicts", {"verdict": str, "cycles": int}, None, words),
+        made("interaction", {"time_s": float, "torque_nm": float}, "time_s", signal),
+        TidyTable(name="effects", summary="", types={"effect": str}, time=None, rows=()),
+    )
+
+
+def made(name: str, types: dict[str, type], time: str | None, columns: dict[str, Any]) -> TidyTable:
+    rows = (JointRows(joint=4, name="elbow", columns=columns),)
+    return TidyTable(name=name, summary=f"of {name}", types=types, time=time, rows=rows)
+
+
+def messages(path: Path) -> list[tuple[Any, Any, Any]]:
+    with path.open("rb") as stream:
+        return list(make_reader(stream, validate_crcs=True).iter_messages())
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> Path:
+    path = tmp_path / "estimate.mcap"
+    write_topics(tables(), span_of(log()), path)
+    return path
+
+
+def test_every_row_is_a_message_of_its_schema(written: Path) -> None:
+    found = messages(written)
+    assert sorted({channel.topic for _, channel, _ in found}) == [
+        topic_of(name, 4) for name in ("cycles", "interaction", "verdicts")
+    ]
+    for schema, channel, message in found:
+        assert (schema.encoding, channel.message_encoding) == ("jsonschema", "json")
+        assert channel.metadata == {"joint": "4", "joint_name": "elbow"}
+        described = json.loads(schema.data)
+        jsonschema.Draft202012Validator.check_schema(described)
+        jsonschema.validate(json.loads(message.data), described | {"additionalProperties": False})
+    told = [json.loads(message.data) for _, channel, message in found if channel.topic == topic_of("cycles", 4)]
+    assert told == [{"stop_s": 2.0, "energy_j": 1.5, "left_out": ""}, {"stop_s": 10.0, "left_out": "gap"}]
+
+
+def test_stamps_are_the_log_s_clock(written: Path) -> None:
+    found = messages(written)
+    stamps = stamps_ns(log())
+    assert [m.log_time for _, _, m in found] == sorted(m.log_time for _, _, m in found)
+    assert all(stamps[0] <= m.log_time <= stamps[-1] for _, _, m in found)
+    at = {name: [m.log_time for _, c, m in found if c.topic == topic_of(name, 4)] for name in ("cycles", "verdicts")}
+    assert at == {"cycles": [stamps[200], stamps[1000]], "verdicts": [stamps[1000]]}
+
+
+def test_a_window_keeps_the_clock() -> None:
+    assert span_of(log().take_window(2.0, 4.0)).start_ns == stamps_ns(log())[200]
+    unknown = span_of(log(None).take_window(2.0, 4.0), skipped_s=2.0)
+    assert unknown.start_ns == UNKNOWN_START_NS + 2_000_000_000
+
+
+def test_nothing_lies_outside_the_log() -> None:
+    assert Span(start_ns=10, duration_s=1.0).stamps(np.array([-0.1, 0.5, 1.2])) == [10, 500_000_010, 1_000_000_010]
+
+
+def test_no_rows_make_a_file_without_topics(tmp_path: Path) -> None:
+    write_topics([replace(tables()[0], rows=())], span_of(log()), tmp_path / "none.mcap")
+    assert messages(tmp_path / "none.mcap") == []

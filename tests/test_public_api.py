@@ -1,0 +1,127 @@
+"""The names at the top of the package: few, told of, quick to import, typed as the settings behind them."""
+
+import ast
+import inspect
+import subprocess
+import sys
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import friction_audit
+from friction_audit.api import options
+from friction_audit.cycles.settings import CycleSettings
+from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.errors import UsageError
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.ingest import ReadOptions
+from friction_audit.interaction.settings import TorqueSettings
+from friction_audit.joint_log import JointLog
+from friction_audit.replay.settings import ReplaySettings
+from friction_audit.report.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
+from tests.report.conftest import build_estimate
+from tests.test_docs import DOCS
+
+MOST_NAMES = 10
+
+
+def names_of(*settings: Any) -> set[str]:
+    return {f.name for one in settings for f in fields(one)}
+
+
+@pytest.fixture(scope="module")
+def log() -> JointLog:
+    return build_estimate(1, count=24, rate=200.0).log
+
+
+def test_names_are_few_and_told_of() -> None:
+    names = friction_audit.__all__
+    assert len(names) <= MOST_NAMES
+    assert set(names) <= set(dir(friction_audit))
+    page = (DOCS / "python.md").read_text()
+    for name in names:
+        value = getattr(friction_audit, name)
+        assert len(inspect.getdoc(value) or "") > 20, name
+        assert f"`{name}" in page, name
+
+
+def test_type_checkers_see_the_same_names() -> None:
+    stub = Path(friction_audit.__file__).with_suffix(".pyi")
+    tree = ast.parse(stub.read_text())
+    imported = {alias.asname for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert imported == set(friction_audit.__all__)
+
+
+def test_an_import_loads_nothing_heavy() -> None:
+    code = "import sys, friction_audit; print(sorted({'numpy', 'pandas', 'typer', 'matplotlib'} & set(sys.modules)))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"
+
+
+def test_a_name_that_is_none_is_refused() -> None:
+    with pytest.raises(AttributeError, match="no attribute 'estimat_log'"):
+        _ = friction_audit.estimat_log  # type: ignore[attr-defined]
+
+
+def test_options_are_the_settings() -> None:
+    assert set(options.ReadingOptions.__annotations__) == names_of(ReadOptions)
+    assert set(options.ReplayOptions.__annotations__) == names_of(ReplaySettings)
+    assert set(options.DiagnosisOptions.__annotations__) == names_of(DiagnosisSettings)
+    steps = (TorqueSettings, CycleSettings, FrictionSettings)
+    assert sum(len(names_of(one)) for one in steps) == len(names_of(*steps))
+    assert set(options.EstimateOptions.__annotations__) == names_of(*steps) | set(options.SELECTION)
+
+
+def test_options_reach_the_steps(log: JointLog) -> None:
+    found = friction_audit.estimate_log(log, joints=[1], t_stop_s=20.0, estimator="paper", cutoff_hz=15.0, drive="hand")
+    assert found.log.duration_s < 20.0
+    settings = found.settings
+    assert (settings.joints, settings.friction.estimator, settings.cycles.cutoff_hz) == ((1,), "paper", 15.0)
+    assert settings.torque.drive == "hand"
+
+
+@pytest.mark.parametrize(
+    ("call", "wrong", "message"),
+    [
+        ("estimate_log", {"dirve": "hand"}, "estimate_log: no option dirve; .* did you mean drive"),
+        ("replay_log", {"asume": "same-motion"}, "did you mean assume"),
+        ("diagnose_log", {"alpa": 0.1}, "did you mean alpha"),
+        ("estimate_log", {"drive": "hnad"}, "--drive hnad: expected one of"),
+    ],
+)
+def test_a_misspelt_option_suggests_the_near_one(call: str, wrong: dict[str, Any], message: str, log: JointLog) -> None:
+    with pytest.raises(UsageError, match=message):
+        getattr(friction_audit, call)(log, **wrong)
+
+
+def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
+    estimate = friction_audit.estimate_log(log)
+    frames = friction_audit.to_frames(estimate)
+    assert tuple(frames) == ESTIMATE_TABLES
+    assert frames["coefficients"]["coulomb_nm"][0] == estimate.friction.joints[0].coulomb.value
+    assert len(frames["interaction"]) == len(log.t)
+    assert tuple(friction_audit.to_frames(friction_audit.replay_log(estimate))) == REPLAY_TABLES
+    report = friction_audit.report_log(estimate, tmp_path / "run.md")
+    assert tuple(friction_audit.to_frames(report)) == REPORT_TABLES
+    assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
+
+
+def test_a_report_of_no_known_ending_is_refused_at_once(log: JointLog) -> None:
+    with pytest.raises(UsageError, match=r"run.docx: ending .docx: expected one of .html, .pdf, .md, .json"):
+        friction_audit.report_log(log, "run.docx")
+
+
+def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
+    effect = "torque_bias:torque_nm=0.1"
+    made = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=[effect])
+    friction_audit.write_log(made.log, tmp_path / "run.csv")
+    with pytest.raises(UsageError, match="exists already"):
+        friction_audit.write_log(made.log, tmp_path / "run.csv")
+    again = friction_audit.read_log(tmp_path / "run.csv")
+    assert (again.q == made.log.q).all()
+    with pytest.raises(UsageError, match="jont: no such scenario"):
+        friction_audit.simulate_log("jont")
+    with pytest.raises(UsageError, match="did you mean duration_s"):
+        friction_audit.simulate_log("joint", duraton_s=5.0)
