@@ -57,7 +57,7 @@ class Breakaways:
 
     def of(self, columns: Float) -> Float:
         """Columns, shape (n,) or (n, p), carried on to the onsets, shape (k,) or (k, p)."""
-        return np.asarray(np.tensordot(self.weights, columns[self.samples], axes=(0, 1)), np.float64)
+        return np.asarray((columns.T[..., self.samples] @ self.weights).T, np.float64)
 
     @property
     def samples(self) -> Index:
