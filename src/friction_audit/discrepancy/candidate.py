@@ -1,6 +1,6 @@
 """What a candidate is: an effect that may be missing in a model, by the columns that it adds to a regression."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from friction_audit.discrepancy.joint_data import JointData
@@ -41,6 +41,8 @@ class Candidate:
             mapping if there are none. A search tries them all; afterwards the numbers of an accepted effect are
             refined within the bounds of the term's parameters.
         columns: ``columns(data, baseline, shape)``: what the effect adds to the torque, shape (n, p), up to p factors.
+        together: The same for many shapes that have work in common: pairs of the place in the list and the columns, in
+            any order. None where each is built on its own.
         column_units: Unit of each factor, e.g. ``("nm",)``.
         untestable: ``untestable(data, baseline)``: why this log cannot show the effect, what motion is lacking; None if
             it can.
@@ -62,6 +64,14 @@ class Candidate:
     same_as: tuple[str, ...] = ()
     term: Term | None = None
     leans_on_model: bool = False
+    together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
+
+    def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+        """Yield the place of each shape, in any order, and its columns, shape (n, p)."""
+        if self.together is not None:
+            yield from self.together(data, baseline, shapes)
+        else:
+            yield from ((place, self.columns(data, baseline, shape)) for place, shape in enumerate(shapes))
 
     def tried(self, data: JointData) -> tuple[Shape, ...]:
         """All shapes to try on a joint."""
@@ -73,5 +83,15 @@ def columns_of(term: Term) -> Callable[[JointData, Baseline, Shape], Float]:
 
     def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
         return term.regressor(data.motion(baseline.torque), tuple(shape[p.name] for p in term.shape))
+
+    return columns
+
+
+def columns_together(term: Term) -> Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]]:
+    """The same for many shapes, of a term that builds them together."""
+
+    def columns(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+        values = [tuple(shape[p.name] for p in term.shape) for shape in shapes]
+        yield from term.regressors(data.motion(baseline.torque), values)
 
     return columns

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.rows import Rows
-from friction_audit.discrepancy.search import Group
+from friction_audit.discrepancy.search import Group, not_zero
 from friction_audit.joint_log import Float
 
 
@@ -86,11 +86,12 @@ def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
 
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
-    return _made(candidate, shapes, [rows.of(candidate.columns(data, baseline, shape)) for shape in shapes])
+    columns = {place: rows.of(fine) for place, fine in candidate.each(data, baseline, shapes)}
+    return _made(candidate, shapes, [columns[place] for place in range(len(shapes))])
 
 
 def _made(candidate: Candidate, shapes: tuple[Shape, ...], every: list[Float]) -> Entry:
-    there = [np.any(columns != 0.0, axis=0) for columns in every]
+    there = [not_zero(columns) for columns in every]
 
     def admissible(factors: Float, shape: int) -> bool:
         whole = np.zeros(len(there[shape]))

@@ -33,6 +33,13 @@ def any_factors(_factors: Float, _shape: int) -> bool:
     return True
 
 
+def not_zero(columns: Float) -> NDArray[np.bool_]:
+    """Which columns, shape (n, p), hold anything but zeros, shape (p,)."""
+    # One row mostly tells: thousands of columns are asked.
+    there = columns[len(columns) // 2 : len(columns) // 2 + 1].any(axis=0)
+    return np.asarray(there if there.all() else columns.any(axis=0))
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Group:
     """The columns of one candidate, which enter together.
@@ -51,14 +58,15 @@ class Group:
 
     def keep(self, kept: NDArray[np.bool_]) -> "Group":
         """The same on some of the samples, shape (n,)."""
-        return replace(self, shapes=tuple(shape[kept] for shape in self.shapes))
+        places = np.flatnonzero(kept)
+        return replace(self, shapes=tuple(shape.T.take(places, axis=1).T for shape in self.shapes))
 
     def narrow(self, widest: int) -> "Group | None":
         """The same without columns that are zero and without shapes that are wider; None if none is left.
 
         Factors of the outcome have no names any more, so that it is good for a test, not for a search.
         """
-        used = [shape[:, shape.any(axis=0)] for shape in self.shapes]
+        used = [shape if (there := not_zero(shape)).all() else shape[:, there] for shape in self.shapes]
         kept = tuple(shape for shape in used if 0 < shape.shape[1] <= widest)
         return Group(name=self.name, shapes=kept) if kept else None
 

@@ -5,7 +5,7 @@ inertia, friction and whatever else there is. Every term is linear in some of it
 give it its shape, are known, so that a fit needs to search the shape only.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import Literal
@@ -103,6 +103,8 @@ class Term:
         linear: Parameters in which the torque is linear, one per column of the regressor.
         shape: The other parameters.
         basis: (motion, shape values) -> regressor, shape (n, len(linear)).
+        bases: The same for many shapes, where they have work in common: pairs of the place in the list and the
+            regressor, in any order. None where each is built on its own.
         friction: If True, what the term takes is dissipated.
         speed_only: If True, the torque follows from the velocity alone.
         forward: How it takes part in a forward simulation, which reads all numbers off the basis:
@@ -122,6 +124,7 @@ class Term:
     linear: tuple[Parameter, ...]
     shape: tuple[Parameter, ...] = ()
     basis: Callable[[Motion, Sequence[float]], Float]
+    bases: Callable[[Motion, Sequence[Sequence[float]]], Iterator[tuple[int, Float]]] | None = None
     friction: bool = False
     speed_only: bool = False
     forward: Forward = "instant"
@@ -134,6 +137,13 @@ class Term:
     def regressor(self, motion: Motion, shape_values: Sequence[float] = ()) -> Float:
         """Return the torque per unit of each linear parameter, shape (n, len(linear))."""
         return self.basis(motion, shape_values)
+
+    def regressors(self, motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield the place of each shape, in any order, and its regressor, shape (n, len(linear))."""
+        if self.bases is not None:
+            yield from self.bases(motion, shapes)
+        else:
+            yield from ((place, self.basis(motion, shape)) for place, shape in enumerate(shapes))
 
     def torque(self, values: Sequence[float], motion: Motion) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""

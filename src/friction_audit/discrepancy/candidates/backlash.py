@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
@@ -39,6 +39,7 @@ CANDIDATE = Candidate(
     label="free play at a reversal",
     shapes=shapes,
     columns=columns_of(TERM),
+    together=columns_together(TERM),
     column_units=("1",),
     untestable=untestable,
     admissible=admissible,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of, columns_together
 from friction_audit.discrepancy.candidates.excitation import several_speeds
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -35,6 +35,7 @@ CANDIDATE = Candidate(
     label="friction follows speed late",
     shapes=shapes,
     columns=columns_of(TERM),
+    together=columns_together(TERM),
     column_units=("1",),
     untestable=several_speeds,
     admissible=admissible,

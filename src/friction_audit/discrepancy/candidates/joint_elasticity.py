@@ -1,5 +1,6 @@
 """Elasticity: a spring between what is measured and what rubs."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion
 from friction_audit.model.terms.joint_elasticity import TERM
 from friction_audit.model.transmission import HIGHEST_HZ, far_side
 
@@ -54,12 +56,28 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
     """What the spring adds to the torque per compliance, along the motion as measured or below a frequency."""
+    ((_, column),) = together(data, baseline, (shape,))
+    return column
+
+
+def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    """The same for many springs, all along one motion or smooth ones."""
+    places: dict[float | None, list[int]] = {}
+    for place, shape in enumerate(shapes):
+        places.setdefault(shape.get("motion_below_hz"), []).append(place)
+    for below_hz, alike in places.items():
+        values = [tuple(shapes[place][parameter.name] for parameter in TERM.shape) for place in alike]
+        for k, column in TERM.regressors(_motion(data, baseline, below_hz), values):
+            yield alike[k], column
+
+
+def _motion(data: JointData, baseline: Baseline, below_hz: float | None) -> Motion:
     motion = data.motion(baseline.torque)
-    if (below_hz := shape.get("motion_below_hz")) is not None:
-        q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-        friction = baseline.coulomb_nm * np.sign(dq) + baseline.viscous_nms_per_rad * dq
-        motion = replace(motion, q=q, dq=dq, ddq=ddq, rest=baseline.inertia_kg_m2 * ddq + friction)
-    return TERM.regressor(motion, tuple(shape[parameter.name] for parameter in TERM.shape))
+    if below_hz is None:
+        return motion
+    q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
+    friction = baseline.coulomb_nm * np.sign(dq) + baseline.viscous_nms_per_rad * dq
+    return replace(motion, q=q, dq=dq, ddq=ddq, rest=baseline.inertia_kg_m2 * ddq + friction)
 
 
 def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
@@ -96,6 +114,7 @@ CANDIDATE = Candidate(
     label="a spring between motor and link",
     shapes=shapes,
     columns=columns,
+    together=together,
     column_units=("rad_per_nm",),
     untestable=untestable,
     admissible=admissible,

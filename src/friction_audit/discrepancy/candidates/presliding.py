@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -40,6 +40,7 @@ CANDIDATE = Candidate(
     label="friction builds up after a reversal",
     shapes=shapes,
     columns=columns_of(TERM),
+    together=columns_together(TERM),
     column_units=("nm",),
     untestable=untestable,
     admissible=admissible,

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
 from friction_audit.discrepancy.candidates.excitation import span
 from friction_audit.discrepancy.candidates.extent import reach, speeds
 from friction_audit.discrepancy.joint_data import JointData
@@ -43,6 +43,7 @@ CANDIDATE = Candidate(
     label=TERM.label,
     shapes=shapes,
     columns=columns_of(TERM),
+    together=columns_together(TERM),
     column_units=("nm", "nm"),
     untestable=untestable,
     admissible=admissible,

@@ -4,7 +4,7 @@ Where the torque changes sign the far side flies free, friction alone on it, unt
 play and strikes it on the other flank.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import pi, sqrt
 
 from friction_audit.joint_log import Float
@@ -17,14 +17,19 @@ CONTACT_DAMPING_RATIO = 0.2
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what play in front of all inertia and friction adds to the torque, as a column."""
-    gap, contact_hz = shape
-    far = far_side(motion)
-    # Flanks that gave way by more than the play would be a spring, and that has its own name.
-    torque = simple_torque(motion)
-    hard = sqrt(torque @ torque / len(torque)) / gap
-    stiffness = max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, hard)
-    flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
-    return added_torque(motion, far, flanks)[:, None]
+    ((_, column),) = bases(motion, [shape])
+    return column
+
+
+def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many shapes, behind which is one inertia."""
+    far, torque = far_side(motion), simple_torque(motion)
+    usual = sqrt(torque @ torque / len(torque))
+    for place, (gap, contact_hz) in enumerate(shapes):
+        # Flanks that gave way by more than the play would be a spring, and that has its own name.
+        stiffness = max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual / gap)
+        flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
+        yield place, added_torque(motion, far, flanks)[:, None]
 
 
 TERM = Term(
@@ -44,5 +49,6 @@ TERM = Term(
         Parameter(name="contact_hz", unit="Hz", meaning="ringing on a flank that touches", lower=1.0, upper=1e3),
     ),
     basis=basis,
+    bases=bases,
     forward="play",
 )

@@ -5,7 +5,7 @@ that of a speed behind a first-order delay (A. Ruina, J. Geophys. Res. 88 (1983)
 112 (1990) 147). The excess e at rest is 0 for viscous friction alone.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import exp
 
 import numpy as np
@@ -25,12 +25,25 @@ def lagged(signal: Float, step_s: float, lag_s: float) -> Float:
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return friction at the lagged speed less that at the present one, as a column."""
-    lag, excess, fading = shape
-    far, speed = far_side(motion), np.abs(motion.dq)
-    seen = lagged(speed, float(motion.t[1] - motion.t[0]), lag)
-    viscous = far.viscous_nms_per_rad * (seen - speed)
-    stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - np.exp(-speed / fading))
-    return np.asarray(np.sign(motion.dq) * (viscous + stribeck))[:, None]
+    ((_, column),) = bases(motion, [shape])
+    return column
+
+
+def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many shapes; those with the same lag see the same speed."""
+    far, speed, sign = far_side(motion), np.abs(motion.dq), np.sign(motion.dq)
+    step = float(motion.t[1] - motion.t[0])
+    now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in shapes}}
+    places: dict[float, list[int]] = {}
+    for place, (lag, _, _) in enumerate(shapes):
+        places.setdefault(lag, []).append(place)
+    for lag, alike in places.items():
+        seen = lagged(speed, step, lag)
+        viscous = far.viscous_nms_per_rad * (seen - speed)
+        for place in alike:
+            _, excess, fading = shapes[place]
+            stribeck = excess * far.coulomb_nm * (np.exp(-seen / fading) - now[fading])
+            yield place, (sign * (viscous + stribeck))[:, None]
 
 
 TERM = Term(
@@ -45,4 +58,5 @@ TERM = Term(
         Parameter(name="lag_speed_rad_s", unit="rad/s", meaning="speed at which it fades", lower=1e-4, upper=1e2),
     ),
     basis=basis,
+    bases=bases,
 )

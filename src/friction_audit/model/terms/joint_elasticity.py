@@ -4,7 +4,7 @@ The regressor is built for one stiffness and given per compliance: what the spri
 compliance as long as the joint rings faster than it is moved, and no longer does where it rings with the motion.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
@@ -16,9 +16,16 @@ DAMPING_RATIO = 0.05
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what the spring adds to the torque per compliance, as a column."""
-    stiffness, soft = shape
-    spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
-    return stiffness * added_torque(motion, far_side(motion), spring)[:, None]
+    ((_, column),) = bases(motion, [shape])
+    return column
+
+
+def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many shapes, behind which is one inertia."""
+    far = far_side(motion)
+    for place, (stiffness, soft) in enumerate(shapes):
+        spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
+        yield place, stiffness * added_torque(motion, far, spring)[:, None]
 
 
 TERM = Term(
@@ -38,5 +45,6 @@ TERM = Term(
         Parameter(name="soft_nm", unit="N m", meaning="torque up to which it is half as stiff", lower=0.0, upper=1e3),
     ),
     basis=basis,
+    bases=bases,
     forward="spring",
 )

@@ -12,7 +12,7 @@ Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), w
 stiffness times a time. Without that damping nothing depends on the rate.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import exp
 
 import numpy as np
@@ -21,6 +21,8 @@ from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 
+EVEN = 1e-6
+"""Scatter of the steps of a clock that is rounding, as a share of the step."""
 STOPS = 16
 """Stops in parallel that stand for any number of them."""
 
@@ -53,21 +55,39 @@ def spread(exponent: float) -> tuple[Float, Float]:
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return what bristles in the place of Coulomb friction add, as a column: z + T dz/dt - sgn(dq)."""
-    reach, exponent, damping = shape
-    z = bristle(motion.q, reach, exponent)
-    if damping > 0.0:
-        z = z + damping * np.gradient(z, motion.t)
-    return np.asarray(z - np.sign(motion.dq))[:, None]
+    ((_, column),) = bases(motion, [shape])
+    return column
 
 
-@compiled()
+def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many shapes; those that differ by the damping alone have their bristles in common."""
+    places: dict[tuple[float, float], list[int]] = {}
+    for place, (reach, exponent, _) in enumerate(shapes):
+        places.setdefault((reach, exponent), []).append(place)
+    sign, times = np.sign(motion.dq), _spacing(motion.t)
+    for (reach, exponent), alike in places.items():
+        z = bristle(motion.q, reach, exponent)
+        rate = np.gradient(z, times) if any(shapes[place][2] > 0.0 for place in alike) else np.zeros(len(z))
+        for place in alike:
+            yield place, (z + shapes[place][2] * rate - sign)[:, None]
+
+
+def _spacing(t: Float) -> Float | float:
+    """Return the step of even times, of which a derivative takes a tenth of the work, or the times themselves."""
+    steps = np.diff(t)
+    return float(np.mean(steps)) if len(steps) and np.ptp(steps) <= EVEN * np.mean(steps) else t
+
+
+@compiled(any_order=True)
 def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
     z = np.zeros(len(path))
     bent = np.zeros(len(slips))
     for i in range(1, len(path)):
+        step, total = path[i] - path[i - 1], 0.0
         for k in range(len(slips)):
-            bent[k] = min(slips[k], max(-slips[k], bent[k] + path[i] - path[i - 1]))
-            z[i] += stiffness[k] * bent[k]
+            bent[k] = min(slips[k], max(-slips[k], bent[k] + step))
+            total += stiffness[k] * bent[k]
+        z[i] = total
     return z
 
 
@@ -82,6 +102,8 @@ def _dahl(path: Float, exponent: float) -> Float:
         # 1 - z sgn(dx) along a path in one direction, dm/dx = -m^n, solved exactly.
         if bend == 0.0:
             missing *= exp(-abs(step))
+        elif bend == 1.0:
+            missing /= 1.0 + abs(step) * missing
         elif missing > 0.0:
             missing *= (1.0 + bend * abs(step) * missing**bend) ** (-1.0 / bend)
         z[i] = sign * (1.0 - missing)
@@ -100,5 +122,6 @@ TERM = Term(
         Parameter(name="bristle_damping_s", unit="s", meaning="damping over stiffness", lower=0.0, upper=1.0),
     ),
     basis=basis,
+    bases=bases,
     forward="bristle",
 )
