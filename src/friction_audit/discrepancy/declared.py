@@ -132,9 +132,7 @@ def coefficients(columns: Float, y: Float, cycle: NDArray[np.int64]) -> tuple[Co
     rights = np.stack([scaled[i:j].T @ y[i:j] for i, j in pairwise(bounds)])
     gram, right = grams.sum(axis=0), rights.sum(axis=0)
     value = np.linalg.pinv(gram, rcond=1e-12) @ right
-    without = np.stack(
-        [np.linalg.pinv(gram - g, rcond=1e-12) @ (right - r) for g, r in zip(grams, rights, strict=True)]
-    )
+    without = (np.linalg.pinv(gram - grams, rcond=1e-12) @ (right - rights)[:, :, None])[:, :, 0]
     spread = (without - without.mean(axis=0)) / scale
     m = len(grams)
     half = stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt((m - 1) / m * np.sum(spread**2, axis=0))

@@ -32,7 +32,7 @@ def strokes(data: JointData) -> Strokes:
     """Cut the motion at its reversals; a direction holds until the opposite one is certain (hysteresis)."""
     direction = _held_direction(data.dq, data.dead_speed_rad_s)
     turns = np.flatnonzero(np.diff(direction) != 0) + 1
-    starts = np.array([_last_against(data.dq, int(k), direction[k]) for k in turns], dtype=np.int64)
+    starts = _first_with_new_sign(data.dq, turns, direction[turns])
     for start, turn in zip(starts, turns, strict=True):
         direction[start:turn] = direction[turn]
     since = np.zeros(len(data.t), dtype=np.int64)
@@ -50,7 +50,8 @@ def _held_direction(dq: Float, dead_speed: float) -> Float:
     return np.where(last >= 0, sign[np.maximum(last, 0)], 0.0)
 
 
-def _last_against(dq: Float, turn: int, direction: float) -> int:
-    """First sample from which the velocity has the new sign up to the turn."""
-    against = np.flatnonzero(dq[:turn] * direction <= 0)
-    return int(against[-1]) + 1 if len(against) else 0
+def _first_with_new_sign(dq: Float, turns: Index, direction: Float) -> Index:
+    """First sample from which the velocity has the new sign up to each turn, 0 if it always had."""
+    samples = np.arange(len(dq))
+    not_up, not_down = (np.maximum.accumulate(np.where(side * dq <= 0.0, samples, -1)) for side in (1.0, -1.0))
+    return np.asarray(np.where(direction > 0.0, not_up[turns - 1], not_down[turns - 1]) + 1, np.int64)

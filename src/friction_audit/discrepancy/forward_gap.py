@@ -81,7 +81,8 @@ def simulate_cycles(
     drive = data.torque + known_inertia_kg_m2 * data.ddq
     if not len(pieces) or any(_weightless(model, data, drive) for model in models):
         return None
-    before, after = (simulate_along(model, data.motion(), drive, pieces) for model in models)
+    before = simulate_along(models[0], data.motion(), drive, pieces)
+    after = before if models[1] == models[0] else simulate_along(models[1], data.motion(), drive, pieces)
     if before is None or after is None:
         return None
     inside = np.isfinite(before)

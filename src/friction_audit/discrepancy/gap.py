@@ -7,6 +7,9 @@ from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 
+ROUNDING = 1e-12
+"""Of a root mean square that was added up in another order."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Gap:
@@ -62,7 +65,8 @@ def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int
 def _shrink(before: Float, after: Float, floor: float) -> Float:
     """Closed share of what can be closed; NaN where there is nothing to close."""
     open_gap = np.asarray(before) - floor
-    return np.where(open_gap > 0, (before - after) / np.where(open_gap > 0, open_gap, 1.0), np.nan)
+    wide = open_gap > ROUNDING * np.asarray(before)
+    return np.where(wide, (before - after) / np.where(wide, open_gap, 1.0), np.nan)
 
 
 def _jackknife_se(sums: Float, samples: Float, floor: float) -> float:

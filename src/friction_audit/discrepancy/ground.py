@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ class Clusters:
     remember: bool
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Ground:
     """One joint, ready to be judged; m rows.
 
@@ -109,6 +110,13 @@ class Ground:
 
         What a model misses remembers longer than the noise, so that the shorter of two times counts.
         """
+        return self._memory(*effects) if effects else self._memory_alone
+
+    @cached_property
+    def _memory_alone(self) -> float:
+        return self._memory()
+
+    def _memory(self, *effects: Float) -> float:
         run = np.where(self.working, self.run, -1)
         curves = [*(curve.group.shapes[0] for curve in self.curves), self.rigid]
         return min(integral_time(self.residual(*columns), run) for columns in (effects, [*effects, *curves]))
