@@ -26,7 +26,6 @@ from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict, Vibration
 from friction_audit.discrepancy.rows import make_rows
-from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.spectrum import find_vibration
 from friction_audit.discrepancy.stroke_scatter import find_stroke_scatter
@@ -166,9 +165,8 @@ def _told(
     effects = (*events, *effects_of(ground, names, ground.curves, numbers))
     declared = dict(zip(ground.declared.names, coefficients(ground.base, ground.y, cycle), strict=True))
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
-    profiles = [
-        profile_all(left, ground.curves, speed, cycle, test) for left, test in zip((before, after), tests, strict=True)
-    ]
+    profiles = [profile_all(before, ground.curves, speed, cycle, tests[0])]
+    profiles += [profile_all(after, ground.curves, speed, cycle, tests[1])] if names.found else profiles
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
     vibration = find_vibration(ground.fine_residual(columns, fine), ground.data)
     scatter = find_stroke_scatter(after, speed > 0.0, ground.run)
@@ -234,15 +232,16 @@ def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
     groups = [*catalogue, *(curve.group for curve in ground.curves), ground.surface]
     clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
     widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
-    fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
-    even = even_weights(left[w], cluster, len(np.unique(ground.rows.cycle[w])))[:, None]
+    fitting = [narrow.keep(w) for group in groups if (narrow := group.narrow(widest)) is not None]
+    even = even_weights(left[w], cluster, len(np.unique(ground.rows.cycle[w])))
     return omnibus_test(
-        ground.y[w] * even[:, 0],
-        np.hstack([ground.base, torque])[w] * even,
-        [Group(name=group.name, shapes=tuple(s[w] * even for s in group.shapes)) for group in fitting],
+        ground.y[w],
+        np.hstack([ground.base, torque])[w],
+        fitting,
         cluster,
         rng,
         remember=found.remember,
+        weight=even,
     )
 
 

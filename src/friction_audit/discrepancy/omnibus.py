@@ -15,13 +15,12 @@ References:
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.search import MIN_FRACTION_LEFT, Group
+from friction_audit.discrepancy.cycle_scores import CycleScores
+from friction_audit.discrepancy.search import Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -46,8 +45,6 @@ WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1,
 
 CHANCE = 0.95
 """Quantile of a candidate's draws from which it is counted."""
-SMALLEST_TAIL = 1e-280
-"""Smallest p-value that is computed and not extrapolated."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -76,13 +73,13 @@ def omnibus_test(
     *,
     draws: int = 999,
     remember: bool = False,
+    weight: Float | None = None,
 ) -> Omnibus:
     """Tests all candidates at once; the family-wise error holds under correlated candidates and serial dependence.
 
-    With W the columns of a candidate free of the base, M the projection off the base and e the residual of the base,
-    the score of cycle c is s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle
-    a weight g_c and refits the base to g_c e_c, so that s*_c = g_c s_c - W_c' X_c h, h = (X'X)^-1 sum g_c X_c' e_c
-    (Cameron, Gelbach and Miller 2008). All of it follows from sums over each cycle: no draw touches a sample.
+    With W the columns of a candidate free of the base and e the residual of the base, the score of cycle c is
+    s_c = W_c' e_c and the statistic q = (sum s)' (sum s s')^-1 (sum s). A draw gives each cycle a weight g_c and refits
+    the base to g_c e_c (Cameron, Gelbach and Miller 2008; ``cycle_scores``).
     Shapes of different width are compared through the p-value that q / cycles would have as
     Beta(p/2, (cycles - p)/2) variate, exact for independent normal scores; candidates by how far the largest of their
     shapes is above what chance gives that one in twenty draws (:func:`balanced`).
@@ -96,6 +93,7 @@ def omnibus_test(
         rng: Source of randomness.
         draws: Number of bootstrap draws.
         remember: Whether neighbours in the order of the numbers are not independent (:func:`neighbours_remember`).
+        weight: What all samples of response, base and candidates are multiplied by, None for 1, shape (n,).
 
     Returns:
         The test.
@@ -108,13 +106,13 @@ def omnibus_test(
     _check(cycles, base.shape[1], groups)
     if not (np.all(np.isfinite(y)) and np.all(np.isfinite(base))):
         raise AnalysisError("omnibus test: response or base holds values that are not finite; leave those samples out")
+    if weight is not None:
+        y, base = y * weight, base * weight[:, None]
     base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
     weights = bootstrap_weights(rng, draws, cycles, remember=remember)
-    scores = CycleScores(y, base, number, cycles, weights)
-    tables = [scores.statistics(group) for group in groups]
-    observed = np.array([shapes.max() for shapes, _ in tables])
-    drawn = np.array([shapes.max(axis=0) for _, shapes in tables])
-    observed, drawn = balanced(observed, drawn)
+    scores = CycleScores(y, base, number, cycles, weights, weight)
+    largest = [scores.largest(group) for group in groups]
+    observed, drawn = balanced(np.array([own for own, _ in largest]), np.array([drawn for _, drawn in largest]))
     return Omnibus(
         p_value=float((1 + np.sum(drawn.max(axis=0) >= observed.max())) / (draws + 1)),
         names=tuple(group.name for group in groups),
@@ -235,113 +233,6 @@ def step_down(observed: Float, drawn: Float) -> Float:
     adjusted = np.empty_like(observed)
     adjusted[order] = np.maximum.accumulate(p)
     return adjusted
-
-
-class CycleScores:
-    """Sums over cycles of base and residual, and the statistics of a candidate with all their draws."""
-
-    def __init__(self, y: Float, base: Float, number: Index, cycles: int, weights: Float) -> None:
-        # A log is in the order of its cycles nearly always: then nothing need be copied.
-        self.order = slice(None) if np.all(np.diff(number) >= 0) else np.argsort(number, kind="stable")
-        self.bounds = np.searchsorted(number[self.order], np.arange(cycles + 1))
-        self.weights = weights
-        rows = base.T[:, self.order]
-        self.inverse = np.linalg.pinv(rows @ rows.T, rcond=1e-12, hermitian=True)
-        response = y[self.order]
-        residual = response - rows.T @ (self.inverse @ (rows @ response))
-        self.with_residual = np.ascontiguousarray(np.concatenate([residual[None], rows]).T)
-        own = self._per_cycle(rows)
-        self.base_score, self.base_gram = own[:, :, 0], own[:, :, 1:]
-        self.moved = weights @ self.base_score @ self.inverse
-
-    def _per_cycle(self, rows: Float) -> Float:
-        """Cross products of rows (k, n) with residual and base in every cycle, shape (c, k, 1 + b)."""
-        return np.stack([rows[:, i:j] @ self.with_residual[i:j] for i, j in pairwise(self.bounds)])
-
-    def statistics(self, group: Group) -> tuple[Float, Float]:
-        """Statistic of each shape (s,), and of each shape in each draw (s, draws)."""
-        rows = np.concatenate([shape.T for shape in group.shapes])[:, self.order]
-        norm = np.linalg.norm(rows, axis=1, keepdims=True)
-        if not np.all(np.isfinite(norm)):
-            raise AnalysisError(f"candidate {group.name}: values that are not finite, expected numbers; leave it out")
-        rows /= np.where(norm > 0, norm, 1.0)
-        products, outcome, start = self._per_cycle(rows), [], 0
-        for shape in group.shapes:
-            own = slice(start, start + shape.shape[1])
-            outcome.append(self._evidence(rows[own] @ rows[own].T, products[:, own]))
-            start = own.stop
-        table = np.array(outcome)
-        return table[:, 0], table[:, 1:]
-
-    def _evidence(self, gram: Float, products: Float) -> Float:
-        """Statistic of the data, then of each draw, shape (1 + draws,), from cross products by cycle (c, p, 1 + b)."""
-        s, A = products[:, :, 0], products[:, :, 1:]
-        lean = A.sum(axis=0) @ self.inverse
-        turn = _orthonormal(gram - lean @ A.sum(axis=0).T)
-        if turn.shape[1] == 0:
-            return np.zeros(1 + len(self.weights))
-        s = (s - self.base_score @ lean.T) @ turn
-        A = np.einsum("pr,cpb->crb", turn, A - np.einsum("pa,cab->cpb", lean, self.base_gram))
-        q = quadratic_form(self.weights @ s, _refitted_spread(s, A, self.weights, self.moved))
-        own = quadratic_form(s.sum(axis=0)[None], (s.T @ s)[None])
-        return marginal_evidence(np.concatenate([own, q]), len(s), s.shape[1])
-
-
-def _orthonormal(gram: Float) -> Float:
-    """How to combine columns with these cross products (p, p) to orthonormal ones, shape (p, r)."""
-    value, vector = np.linalg.eigh(gram)
-    good = value > MIN_FRACTION_LEFT
-    turn: Float = vector[:, good] / np.sqrt(value[good])
-    return turn
-
-
-def _refitted_spread(s: Float, A: Float, weights: Float, h: Float) -> Float:
-    """Sum over cycles of s*_c s*_c' for every draw, shape (draws, p, p), from products of small matrices only."""
-    cycles, p = s.shape
-    draws, b = h.shape
-    ss = (weights**2) @ (s[:, :, None] * s[:, None, :]).reshape(cycles, -1)
-    cross = weights @ (s[:, :, None, None] * A[:, None, :, :]).reshape(cycles, -1)
-    mixed = np.einsum("dpqb,db->dpq", cross.reshape(draws, p, p, b), h)
-    AA = np.einsum("cpa,cqb->pqab", A, A).reshape(p * p, b * b)
-    hh = (h[:, :, None] * h[:, None, :]).reshape(draws, b * b) @ AA.T
-    spread: Float = ss.reshape(draws, p, p) - mixed - mixed.transpose(0, 2, 1) + hh.reshape(draws, p, p)
-    return spread
-
-
-def quadratic_form(total: Float, spread: Float) -> Float:
-    """Total' spread^-1 total, shape (d,), for totals (d, p) and spreads (d, p, p); 0 where nothing spreads."""
-    if total.shape[1] == 1:
-        v = spread[:, 0, 0]
-        form: Float = np.where(v > 0, total[:, 0] ** 2 / np.where(v > 0, v, 1.0), 0.0)
-        return form
-    size = np.trace(spread, axis1=1, axis2=2)
-    # A ridge at the level of rounding: a direction in which no cycle has any score carries no evidence.
-    safe = spread + (np.where(size > 0, size, 1.0) * 1e-10)[:, None, None] * np.eye(total.shape[1])
-    solved = np.linalg.solve(safe, total[:, :, None])[:, :, 0]
-    return np.asarray(np.sum(total * solved, axis=1))
-
-
-def marginal_evidence(q: Float, cycles: int, p: int) -> Float:
-    """-ln of the p-value of q / cycles as a Beta(p/2, (cycles - p)/2) variate, shape of q.
-
-    For independent normal scores q / cycles has this distribution exactly (it is Hotelling's T squared about zero).
-    Read from a table over u = -ln(1 - q / cycles), in which it becomes a straight line of slope (cycles - p)/2.
-    """
-    u, evidence = _evidence_table(cycles, p)
-    asked = -np.log1p(-np.clip(q / cycles, 0.0, 1.0 - 1e-15))
-    beyond = np.maximum(asked - u[-1], 0.0) * (cycles - p) / 2.0
-    return np.asarray(np.interp(asked, u, evidence) + beyond)
-
-
-@lru_cache(maxsize=64)
-def _evidence_table(cycles: int, p: int) -> tuple[Float, Float]:
-    """Values of u and -ln of the tail of the Beta distribution there, as far as it can be represented."""
-    from scipy.special import betaincc
-
-    u = np.linspace(0.0, 30.0, 3001)
-    tail = betaincc(p / 2.0, (cycles - p) / 2.0, -np.expm1(-u))
-    sure = tail > SMALLEST_TAIL
-    return u[sure], -np.log(tail[sure])
 
 
 def _check(cycles: int, base: int, groups: Sequence[Group]) -> None:
