@@ -70,6 +70,33 @@ def test_a_terminal_shows_how_many_are_done_and_failed(monkeypatch: pytest.Monke
     assert "1 failed" in terminal.getvalue()
 
 
+def test_stages_move_one_bar_on(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    monkeypatch.setattr(console, "PATIENCE_S", 0.01)
+    with Voice(quiet=False, verbose=False).stages(4) as told:
+        for name in ("read", "estimate"):
+            with told.step(name):
+                time.sleep(0.15)
+        with told.progress("simulate") as report:
+            assert report is not None
+            report(0.5)
+            time.sleep(0.15)
+            told.warn(["the clock jumps"])
+    shown = terminal.getvalue()
+    assert all(f"{name} ..." in shown for name in ("read", "estimate", "simulate"))
+    assert " 25%" in shown
+    assert " 62%" in shown
+    assert "warning: the clock jumps\n" in shown
+    assert shown.count("\x1b[?25h") == 1  # one display, and it gave the cursor back
+
+
+def test_stages_nobody_watches_are_silent(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = watch(monkeypatch)
+    with Voice(quiet=True, verbose=False).stages(2) as told, told.step("read"):
+        assert told.course is None
+    assert terminal.getvalue() == ""
+
+
 def test_nobody_watches_a_quiet_count() -> None:
     with Voice(quiet=True, verbose=False).count("estimate") as count:
         assert count is None

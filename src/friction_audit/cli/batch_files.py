@@ -3,25 +3,23 @@
 import hashlib
 import json
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED, Voice
-from friction_audit.cli.figure_files import draw_files
-from friction_audit.errors import UsageError
+from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
+    from friction_audit.batch.executor import Executor
     from friction_audit.batch.ledger import Ledger
     from friction_audit.batch.run_batch import Standing
     from friction_audit.batch.settings import BatchSettings
     from friction_audit.drift.report import ArmDrift
     from friction_audit.report.batch_summary import BatchSummary
+    from friction_audit.report.html.parts import Figure
 
 DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
 RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)
@@ -94,6 +92,7 @@ def write_results(
     formats: list[str],
     ledger: "Ledger",
     settings: "BatchSettings",
+    executor: "Executor",
     voice: Voice,
 ) -> Told:
     """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
@@ -112,9 +111,10 @@ def write_results(
             draft.write_text(text, encoding="utf-8")
     with whole_file(folder / PARQUET, overwrite=True) as draft:
         write_columns(session_columns(summary), COLUMNS, draft)
+    with voice.step("draw the figures"):
+        drawn, pictures = _draw(summary, folder, formats, executor)
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
-        draft.write_text(write_page(summary), encoding="utf-8")
-    drawn = _draw(summary, folder, formats, voice)
+        draft.write_text(write_page(summary, pictures), encoding="utf-8")
     lines = batch_table(summary, verbose=voice.verbose)
     told = Told(
         document=document, text="".join(f"{line.plain}\n" for line in lines), warnings=warnings, code=_code(summary)
@@ -151,28 +151,41 @@ def _stamps(folder: Path, names: Iterable[str]) -> dict[str, list[int]]:
     return {name: [state.st_size, state.st_mtime_ns] for name, state in states.items()}
 
 
-def _draw(summary: "BatchSummary", folder: Path, formats: list[str], voice: Voice) -> list[str]:
-    """Draw the figures of each arm that has joints to draw, of several arms under their names; return the files."""
-    from friction_audit.report.figures.batch import BATCH_FIGURES
+def _draw(
+    summary: "BatchSummary", folder: Path, formats: list[str], executor: "Executor"
+) -> "tuple[list[str], dict[str, Figure]]":
+    """Draw the figures side by side and write their files; return the names of those, and what is for the page.
 
-    arms = [arm for arm in summary.arms if arm.joints]
-    drawn = []
-    for arm, prefix in zip(arms, _prefixes(arms), strict=True):
-        kinds: dict[str, Callable[[int | None], Figure]] = {
-            f"{prefix}{kind.name}": partial(kind.draw, arm) for kind in BATCH_FIGURES
-        }
-        numbers = [joint.joint for joint in arm.joints]
-        files = draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=True, voice=voice)
-        drawn += [file.path.name for file in files]
-    return drawn
+    Raises:
+        AnalysisError: If a figure is not finished by anybody.
+    """
+    from friction_audit.batch.executor import Lost
+    from friction_audit.report.batch_drawings import draw, drawings_of
+    from friction_audit.whole_file import whole_file
+
+    names, pictures = [], {}
+    for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):
+        if isinstance(drawn, Lost):
+            raise AnalysisError(f"{drawing.name or drawing.anchor}: cannot be drawn: {drawn.message}")
+        for name, content in drawn.files.items():
+            with whole_file(folder / name, overwrite=True) as draft:
+                draft.write_bytes(content)
+            names.append(name)
+        if drawn.figure is not None:
+            pictures[drawing.anchor] = drawn.figure
+    return sorted(names), pictures
 
 
-def _prefixes(arms: "Sequence[ArmDrift]") -> list[str]:
-    """Return what the files of each arm begin with: nothing for the only one, else its name as files are named."""
-    if len(arms) == 1:
-        return [""]
-    names = [re.sub(r"[^\w.-]+", "-", arm.robot).strip("-.") or "robot" for arm in arms]
-    return [f"{name}{_number(names[:place], name)}-" for place, name in enumerate(names)]
+def _prefixes(arms: "Sequence[ArmDrift]") -> dict[str, str]:
+    """Return what the files of each arm that is drawn begin with: nothing for the only one, else its name."""
+    robots = [arm.robot for arm in arms if arm.joints]
+    if len(robots) == 1:
+        return {robots[0]: ""}
+    names = [re.sub(r"[^\w.-]+", "-", robot).strip("-.") or "robot" for robot in robots]
+    return {
+        robot: f"{name}{_number(names[:place], name)}-"
+        for place, (robot, name) in enumerate(zip(robots, names, strict=True))
+    }
 
 
 def _number(before: Sequence[str], name: str) -> str:

@@ -21,6 +21,7 @@ from friction_audit.errors import AnalysisError, InputError, UsageError
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor
     from friction_audit.batch.ledger import Ledger
+    from friction_audit.batch.local_executor import LocalExecutor
     from friction_audit.batch.log_file import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
     from friction_audit.batch.settings import BatchSettings
@@ -154,16 +155,16 @@ def command(
     output, settings = shared.output, _settings(sessions, shared)
     drift_settings, limits = _drift_settings(drift)
     found = _find(logs or [], sessions.manifest, folder)
-    with _ledger(folder, running, voice) as (ledger, alone):
+    with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
         if not (output.overwrite or running.rebuild):
             check_results(folder, figures, ledger, settings)
-        standing = _catch_up(found, settings, ledger, _executor(running), voice, alone=alone)
+        standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
         told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
         if told is None:
             again = command_line(context, leave_out=NOT_PART_OF_IT)
             summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again)
-            told = write_results(summary, warnings, request, folder, figures, ledger, settings, voice)
+            told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
     if not output.json:
         voice.warn(told.warnings)
     typer.echo(told.document_of(standing) if output.json else told.text_of(standing), nl=False)
@@ -226,14 +227,19 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
             yield ledger, alone
 
 
-def _executor(running: RunningOptions) -> "Executor":
-    if running.scheduler is not None:
-        from friction_audit.batch.dask_executor import DaskExecutor
-
-        return DaskExecutor(address=running.scheduler)
+def _processes(running: RunningOptions) -> "LocalExecutor":
+    """Return the processes of this machine; beside a cluster they draw."""
     from friction_audit.batch.local_executor import LocalExecutor
 
     return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
+
+
+def _cluster(running: RunningOptions) -> "Executor | None":
+    if running.scheduler is None:
+        return None
+    from friction_audit.batch.dask_executor import DaskExecutor
+
+    return DaskExecutor(address=running.scheduler)
 
 
 def _catch_up(
