@@ -7,8 +7,6 @@ import numpy as np
 
 from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
-from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.contacts import leave_out_contacts
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
@@ -24,7 +22,8 @@ from friction_audit.discrepancy.naming import Names, find_names, search_library,
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict, Vibration
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
+from friction_audit.discrepancy.ringing import LEAST_VIBRATION, find_ringing, rings
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.spectrum import find_vibration
@@ -44,8 +43,6 @@ POWER_Z = 1.28
 """Normal quantile of 90 % power."""
 OVER_FLOOR = 1.05
 """A grown model that leaves more than so many times the floor does not explain the joint."""
-LEAST_VIBRATION = 0.5
-"""A vibration of less than this share of what the grown model leaves is told, and does not decide."""
 LEAST_OVER_FLOOR = 1.02
 """A declared model that leaves less than so many times the floor, a fifth of the noise, misses nothing worth a word."""
 
@@ -134,6 +131,8 @@ def _judge(
     first = _test(ground, names, rng)
     if names.library.entries and (first.p_value <= settings.alpha or anything_taken(ground, names.library)):
         names = find_names(ground, candidates, names.library, settings.alpha, rng)
+    if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
+        names, events = ringing.names, (ringing.effect,)
     last = _test(ground, names, rng) if names.found else first
     return _told(subject, ground, names, events, (first, last), settings.alpha)
 
@@ -171,7 +170,8 @@ def _told(
     vibration = find_vibration(ground.fine_residual(columns, fine), ground.data)
     scatter = find_stroke_scatter(after, speed > 0.0, ground.run)
     limit = _detection_limit(ground, names, gap, alpha)
-    shaken = vibration is not None and vibration.rms_nm > LEAST_VIBRATION * gap.after and not _rings(names, vibration)
+    shakes = vibration is not None and vibration.rms_nm > LEAST_VIBRATION * gap.after
+    shaken = shakes and vibration is not None and not rings(names, events, vibration)
     restless = shaken or scatter is not None
     verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), restless=restless)
     also = ([] if vibration is None else [vibration_of(vibration)]) + ([] if scatter is None else [scatter.message])
@@ -200,23 +200,6 @@ def _told(
         findings=subject.findings,
         traces=_traces(ground, ground.curves, before, after),
     )
-
-
-def _rings(names: Names, vibration: Vibration) -> bool:
-    """Whether a vibration is that of a spring or of flanks that strike, which have a name.
-
-    A spring's lies from its resonance with the far side up to twice that, for a light link on its other end makes it
-    higher; that of flanks from where those of the model ring upwards, for the model's are as hard as rows can tell.
-    """
-    inertia = max(names.baseline.inertia_kg_m2, np.finfo(float).tiny)
-    for f in names.found:
-        if f.candidate.name == ELASTICITY.name:
-            lowest = float(np.sqrt(f.shape["spring_nm_per_rad"] / inertia)) / (2.0 * np.pi)
-            if vibration.high_hz >= lowest and vibration.low_hz <= 2.0 * lowest:
-                return True
-        if f.candidate.name == BACKLASH.name and vibration.high_hz >= f.shape["contact_hz"]:
-            return True
-    return False
 
 
 def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:

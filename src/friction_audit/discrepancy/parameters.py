@@ -17,6 +17,11 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 STEP = 1e-3
+READ_TWICE = (("compliance_rad_per_nm", "spring_nm_per_rad", -1), ("delay_s", "delay_step_s", 1))
+"""Factors that are a power of a number of their shape, for a shape that is right: by how much, and by when or how fast.
+What a model does not get right, as the damping of a spring, pulls the two apart."""
+FARTHEST = 2.0
+"""From one reading to the other; beyond, the shape was an end of its grid and stands for all that lie behind it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -51,9 +56,22 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
         values = {name: coefficient for name, coefficient, there in named if there}
         free = every[after : after + shapes]
         values |= {name: _shifted(f.shape[name], step) for name, step in zip(f.shape, free, strict=True)}
-        effects.append(values)
+        effects.append(_reaching_both(values))
         at, after = at + width, after + shapes
     return Parameters(declared=declared, effects=tuple(effects))
+
+
+def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:
+    """The numbers of an effect; the interval of one that is read twice reaches both readings."""
+    reaching = dict(values)
+    for name, shape, power in READ_TWICE:
+        if name not in values or values[shape].low * values[shape].high <= 0.0:
+            continue
+        one = values[name]
+        ends = sorted(end**power for end in (values[shape].low, values[shape].high))
+        if 1.0 / FARTHEST <= one.value / values[shape].value ** power <= FARTHEST:
+            reaching[name] = Coefficient(value=one.value, low=min(one.low, ends[0]), high=max(one.high, ends[1]))
+    return reaching
 
 
 def _factor_names(found: Found) -> list[str]:
