@@ -1,0 +1,92 @@
+"""Rows of ``run`` -> the confusion table.
+
+python -m benchmarks.stranger.table FILE.csv... [--output benchmarks/stranger/table.md]
+"""
+
+import argparse
+import csv
+from collections import Counter
+from collections.abc import Sequence
+from pathlib import Path
+
+from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
+
+Row = dict[str, str]
+HEAD = ("hidden", "logs", "in the answer", "the only name", "a wrong name", "`unexplained`", "`none`", "`not_testable`",
+        "`data_fault`", "error", "named instead, or beside")  # fmt: skip
+INTRODUCTION = """\
+# Answers on logs of a generator that the tool has never seen
+
+Made by `python -m benchmarks.stranger.table` from rows of `python -m benchmarks.stranger.run`. Sizes are partial:
+{sizes} times the rms of the noise below 20 Hz. *In the answer*: every hidden effect is among the names or their
+alternatives. *The only name*: it alone, without alternatives. *A wrong name*: a name, none of whose alternatives
+is hidden, in a verdict that is sure (`named`, `ambiguous`).
+"""
+
+
+def sets_of(row: Row) -> list[set[str]]:
+    """Names of each effect in an answer with their alternatives."""
+    return [set(one.split("|")) for one in row["sets"].split(";") if one]
+
+
+def truth_of(row: Row) -> set[str]:
+    """Hidden effects that have a name in the catalogue."""
+    return set(row["truth"].split("+")) & set(HIDDEN)
+
+
+def held(row: Row) -> bool:
+    """Whether every hidden effect is in the answer."""
+    truth = truth_of(row)
+    return bool(truth) and truth <= set().union(*sets_of(row))
+
+
+def exact(row: Row) -> bool:
+    """Whether the hidden effects, all of them and nothing else, are named without alternatives."""
+    return row["verdict"] == "named" and sorted(map(sorted, sets_of(row))) == sorted([name] for name in truth_of(row))
+
+
+def wrong(row: Row) -> bool:
+    """Whether the answer is sure, and holds a name with none of the hidden effects among its alternatives."""
+    return row["verdict"] in {"named", "ambiguous"} and any(not one & truth_of(row) for one in sets_of(row))
+
+
+def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
+    """Counts of one kind of log."""
+    verdicts = Counter(row["verdict"] for row in rows)
+    others = Counter(next(iter(row["sets"].split(";")[i].split("|"))) for row in rows if wrong(row)
+                     for i, one in enumerate(sets_of(row)) if not one & truth_of(row))  # fmt: skip
+    counts = (len(rows), sum(map(held, rows)), sum(map(exact, rows)), sum(map(wrong, rows)))
+    words = ("unexplained", "none", "not_testable", "data_fault", "error")
+    beside = ", ".join(f"{name} {n}" for name, n in others.most_common())
+    return (label, *map(str, counts), *(str(verdicts[word]) for word in words), beside or "-")
+
+
+def table(rows: Sequence[Row]) -> str:
+    """One line per hidden effect, those of one kind together at the end."""
+    own = {name: [row for row in rows if row["truth"] == name] for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)}
+    alone = [row for row in rows if row["truth"] in HIDDEN]
+    pairs = [row for row in rows if "+" in row["truth"]]
+    lines = [line(name, part) for name, part in own.items() if part]
+    lines += [line(f"one effect, size {size}", [row for row in alone if row["size"] == size])
+              for size in sorted({row["size"] for row in alone}, key=float)]  # fmt: skip
+    lines += [line("one effect, all", alone), line("two effects", pairs)]
+    return "\n".join("| " + " | ".join(cells) + " |" for cells in (HEAD, ["---"] * len(HEAD), *lines))
+
+
+def main() -> None:
+    """Print the table, or write its page."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", nargs="+", type=Path)
+    parser.add_argument("--output", type=Path)
+    asked = parser.parse_args()
+    rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"]]
+    sizes = ", ".join(sorted({row["size"] for row in rows}, key=float))
+    text = f"{INTRODUCTION.format(sizes=sizes)}\n{table(rows)}\n"
+    if asked.output is None:
+        print(text)
+    else:
+        asked.output.write_text(text)
+
+
+if __name__ == "__main__":
+    main()
