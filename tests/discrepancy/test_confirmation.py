@@ -7,7 +7,7 @@ import pytest
 from scipy.stats import binom
 from statsmodels.stats.multitest import multipletests
 
-from friction_audit.discrepancy.confirmation import confirm, holm, rms_gain
+from friction_audit.discrepancy.confirmation import Confirmed, confirm, holm, rms_gain
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
@@ -49,6 +49,39 @@ def test_what_is_turned_round_on_the_locked_cycles_is_not_confirmed() -> None:
     locked = np.isin(CLEAN.data.cycle, CLEAN.rows.cycle[CLEAN.locked])
     ground = ground_of(0.05 * np.cos(3 * CLEAN.data.q) * np.where(locked, -1.0, 1.0))
     assert confirm(ground, [WAVE], np.random.default_rng(0)).p_value.tolist() == [1.0]
+
+
+@pytest.mark.parametrize(
+    ("p_value", "gain", "evidence", "gain_of_all", "proven", "shown"),
+    [
+        (0.04, 0.01, 0.0, 0.0, True, False),  # proven where nothing was chosen
+        (0.04, 0.004, 0.0, 0.01, False, False),  # too small there, and all cycles do not pay its price
+        (0.19, 0.001, 12.1, 0.01, False, True),  # all pay, and the locked ones do not object
+        (0.21, 0.001, 50.0, 0.01, False, False),  # they do
+        (0.19, 0.001, 11.9, 0.01, False, False),  # not worth its price
+        (0.19, 0.001, 50.0, 0.004, False, False),  # too small for a word
+    ],
+)
+def test_locked_cycles_prove_or_all_pay(
+    p_value: float, gain: float, evidence: float, gain_of_all: float, proven: bool, shown: bool
+) -> None:
+    one = np.array([[p_value], [gain], [0.01], [evidence], [gain_of_all]])
+    proof = Confirmed(
+        p_value=one[0], gain=one[1], size=one[2], evidence=one[3], gain_of_all=one[4], factors=(np.ones(1),)
+    )
+    assert proof.proven(0.05).tolist() == [proven]
+    assert proof.shown(np.array([12.0])).tolist() == [shown]
+
+
+def test_evidence_counts_all_cycles_beside_the_other_effects() -> None:
+    ground = ground_of(0.01 * np.cos(3 * CLEAN.data.q))
+    proof = confirm(ground, [WAVE, LINE], np.random.default_rng(0))
+    fits = [np.linalg.lstsq(np.hstack([ground.base, *some]), ground.y) for some in ([LINE], [WAVE, LINE])]
+    left = [fit[1][0] for fit in fits]
+    n_eff = len(ground.y) / ground.memory(WAVE, LINE)
+    assert proof.evidence[0] == pytest.approx(n_eff * np.log(left[0] / left[1]))
+    assert proof.gain_of_all[0] == pytest.approx(1.0 - np.sqrt(left[1] / left[0]))
+    assert np.concatenate(proof.factors) == pytest.approx(fits[1][0][-2:])
 
 
 def test_noise_is_confirmed_no_more_often_than_allowed() -> None:

@@ -1,13 +1,13 @@
 """Which effects are missing: search on the working cycles, refine, and keep what holds on the locked ones."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from friction_audit.discrepancy.alternatives import Naming, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.confirmation import LEAST_GAIN, confirm
+from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
@@ -87,7 +87,9 @@ def find_names(
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
     found = _refined(ground, library, outcome, namings, baseline)
-    return Names(found=_accept(ground, found, alpha, rng), library=library, baseline=baseline)
+    penalty = Ranking(products, n_eff).penalty
+    price = {chosen.name: float(penalty[chosen.unit]) for chosen in outcome.chosen}
+    return Names(found=_accept(ground, found, price, alpha, rng), library=library, baseline=baseline)
 
 
 def with_moments_of_all_cycles(ground: Ground, names: Names) -> tuple[Found, ...]:
@@ -192,11 +194,15 @@ def _refined(
     return found
 
 
-def _accept(ground: Ground, found: list[Found], alpha: float, rng: np.random.Generator) -> tuple[Found, ...]:
+def _accept(
+    ground: Ground, found: list[Found], price: Mapping[str, float], alpha: float, rng: np.random.Generator
+) -> tuple[Found, ...]:
     """Drop, the weakest first, what does not hold on the locked cycles or is small beside the others."""
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
-        fails = (proof.p_value > alpha) | (proof.gain < LEAST_GAIN) | (proof.size < LEAST_SHARE * proof.size.max())
+        possible = [f.candidate.admissible(a, f.shape) for f, a in zip(found, proof.factors, strict=True)]
+        shown = proof.shown(np.array([price[f.candidate.name] for f in found])) & np.array(possible)
+        fails = ~(proof.proven(alpha) | shown) | (proof.size < LEAST_SHARE * proof.size.max())
         if not fails.any():
             return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
         weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))

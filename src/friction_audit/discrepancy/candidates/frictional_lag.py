@@ -41,4 +41,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="acceleration",
     term=TERM,
+    leans_on_model=True,
 )
