@@ -1,13 +1,13 @@
-"""The chain on one log, one line per step."""
+"""The chain on one log, one line per step.
+
+A step loads what it needs when it is taken: who only gives settings, or only estimates, does not wait for the others.
+"""
 
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
-from friction_audit.cycles import segment_cycles
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.cycles.settings import CycleSettings
-from friction_audit.discrepancy.diagnose import diagnose
-from friction_audit.discrepancy.result import Discrepancy
-from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
@@ -17,9 +17,12 @@ from friction_audit.interaction.known_arm import known_arm
 from friction_audit.interaction.plan import arm_for_hand
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.replay.replay import replay
-from friction_audit.replay.result import Replay
-from friction_audit.replay.settings import ReplaySettings
+
+if TYPE_CHECKING:
+    from friction_audit.discrepancy.result import Discrepancy
+    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.replay.result import Replay
+    from friction_audit.replay.settings import ReplaySettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,6 +64,8 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
+    from friction_audit.cycles import segment_cycles
+
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
     hand = settings.cycles.cycles_from == "hand"
     interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
@@ -74,11 +79,11 @@ class LogReplay:
     """The result of ``replay``: what a compensator would have done, and the estimate beside it."""
 
     estimate: Estimate
-    replay: Replay
-    settings: ReplaySettings
+    replay: "Replay"
+    settings: "ReplaySettings"
 
 
-def replay_log(log: JointLog, settings: AuditSettings, replay_settings: ReplaySettings) -> LogReplay:
+def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
     """Run a friction compensator on the joints of a log, as a controller would have.
 
     Raises:
@@ -89,9 +94,11 @@ def replay_log(log: JointLog, settings: AuditSettings, replay_settings: ReplaySe
 
 
 def replay_estimate(
-    estimate: Estimate, settings: ReplaySettings, *, joints: tuple[int, ...] | None = None
+    estimate: Estimate, settings: "ReplaySettings", *, joints: tuple[int, ...] | None = None
 ) -> LogReplay:
     """Run a friction compensator on a log that was estimated before, on some of its joints (by number) or on all."""
+    from friction_audit.replay.replay import replay
+
     found = replay(
         estimate.interaction,
         estimate.cycles,
@@ -120,11 +127,11 @@ class Diagnosis:
     """The result of ``diagnose``: what the declared model misses, and the estimate beside it."""
 
     estimate: Estimate
-    discrepancy: Discrepancy
-    settings: DiagnosisSettings
+    discrepancy: "Discrepancy"
+    settings: "DiagnosisSettings"
 
 
-def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: DiagnosisSettings) -> Diagnosis:
+def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
     """Find what the declared model of every joint of a log misses.
 
     Raises:
@@ -134,8 +141,10 @@ def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: Dia
     return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
 
 
-def diagnose_estimate(estimate: Estimate, settings: DiagnosisSettings) -> Diagnosis:
+def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
     """Find what the declared model misses on the joints of a log that was estimated before."""
+    from friction_audit.discrepancy.diagnose import diagnose
+
     arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)
     found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
     return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)

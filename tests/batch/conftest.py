@@ -1,13 +1,13 @@
 """Small simulated logs, and what runs them without processes."""
 
 import shutil
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Generator, Iterable
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.executor import Lost, Outcomes, Work
+from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.run_batch import BatchResult, catch_up, gather
@@ -28,8 +28,9 @@ class Inline:
         self.taken: list[str] = []
         self._lose = lose
 
-    def run(self, work: Work, tasks: Iterable[Task]) -> Outcomes:
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         for task in tasks:
+            assert isinstance(task, Task)
             self.taken.append(Path(task.place).name)
             if self._lose and self._lose in task.place:
                 yield task, Lost("gone")

@@ -2,7 +2,7 @@
 
 import platform
 import warnings
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from itertools import islice
@@ -10,9 +10,7 @@ from queue import SimpleQueue
 from typing import Any
 
 from friction_audit import __version__
-from friction_audit.batch.executor import Lost, Work
-from friction_audit.batch.recorded import Worked
-from friction_audit.batch.work import Task
+from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.errors import UsageError
 
 PATIENCE_S = 15.0
@@ -31,14 +29,14 @@ class DaskExecutor:
 
     address: str
 
-    def run(self, work: Work, tasks: Iterable[Task]) -> Generator[tuple[Task, Worked | Lost]]:
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task, in any order; the scheduler gives the work of a lost worker to others.
 
         Raises:
             UsageError: If there is no scheduler or worker, or they run another version.
         """
         client = _connect(self.address)
-        pending: dict[Any, Task] = {}
+        pending: dict[Any, Asked] = {}
         try:
             _check_workers(client, self.address)
             yield from _run(client, work, iter(tasks), pending)
@@ -49,10 +47,10 @@ class DaskExecutor:
 
 def _run(
     client: Any,  # noqa: ANN401 - distributed has no types
-    work: Work,
-    waiting: Iterator[Task],
-    pending: dict[Any, Task],
-) -> Generator[tuple[Task, Worked | Lost]]:
+    work: Callable[[Asked], Done],
+    waiting: Iterator[Asked],
+    pending: dict[Any, Asked],
+) -> Generator[tuple[Asked, Done | Lost]]:
     done: SimpleQueue[Any] = SimpleQueue()
     while True:
         room = PER_THREAD * max(sum(client.nthreads().values()), 1) - len(pending)
@@ -67,11 +65,10 @@ def _run(
         yield task, _outcome(future)
 
 
-def _outcome(future: Any) -> Worked | Lost:  # noqa: ANN401
+def _outcome(future: Any) -> Any:  # noqa: ANN401
     error = future.exception()
     if error is None:
-        outcome: Worked = future.result()
-        return outcome
+        return future.result()
     said = " ".join(str(error).split())
     return Lost(f"lost on the cluster: {type(error).__name__}: {said}")
 

@@ -2,30 +2,27 @@
 
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, TypeVar
 
-from friction_audit.batch.recorded import Worked
-from friction_audit.batch.work import Task
+Asked = TypeVar("Asked")
+Done = TypeVar("Done")
 
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Work that nobody finished: why, as people are told beside the name of the log."""
+    """Work that nobody finished: why, as people are told beside the name of what was asked."""
 
     message: str
-
-
-Work = Callable[[Task], Worked]
-Outcomes = Generator[tuple[Task, Worked | Lost]]
 
 
 class Executor(Protocol):
     """Runs work on tasks side by side."""
 
-    def run(self, work: Work, tasks: Iterable[Task]) -> Outcomes:
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task as soon as it is known, in any order.
 
-        Tasks are taken only as workers become free, so that neither tasks nor results pile up, and whoever yields
-        them may still change his mind. When the iterator is closed, work under way is given up.
+        Work, tasks and what comes of them can be pickled. Tasks are taken only as workers become free, so that neither
+        tasks nor results pile up, and whoever yields them may still change his mind. When the iterator is closed, work
+        under way is given up.
         """
         ...

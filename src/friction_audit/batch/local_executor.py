@@ -8,16 +8,14 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Iterable
-from contextlib import closing
+from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass, field
 from multiprocessing import Pipe, connection
 from multiprocessing.connection import Connection
+from typing import Any, Self
 
-from friction_audit.batch.executor import Lost, Outcomes, Work
+from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.batch.local_worker import labour
-from friction_audit.batch.recorded import Worked
-from friction_audit.batch.work import Task
 
 ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """Processes share the cores; threads inside a product would only wait for each other."""
@@ -25,40 +23,54 @@ PATIENCE_S = 5.0
 """For a process that was asked to end."""
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(eq=False, kw_only=True, slots=True)
 class LocalExecutor:
-    """Processes of this machine.
+    """Processes of this machine; in a ``with`` block they are kept from one run to the next.
 
     Attributes:
         workers: How many of them.
     """
 
     workers: int = field(default_factory=lambda: len(os.sched_getaffinity(0)))
+    _team: "list[_Worker]" = field(default_factory=list, init=False)
+    _kept: bool = field(default=False, init=False)
 
-    def run(self, work: Work, tasks: Iterable[Task]) -> Outcomes:
+    def __enter__(self) -> Self:
+        """Keep the processes until the block ends."""
+        self._kept = True
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End them."""
+        self._kept = False
+        _dismiss(self._team)
+
+    def run(self, work: Callable[[Asked], Done], tasks: Iterable[Asked]) -> Generator[tuple[Asked, Done | Lost]]:
         """Yield what came of each task, in any order."""
-        again: list[Task] = []
-        with closing(_run(work, iter(tasks), self.workers)) as outcomes:
-            for task, outcome in outcomes:
+        again: list[Asked] = []
+        try:
+            for task, outcome in _run(self._team, work, iter(tasks), self.workers):
                 if isinstance(outcome, Lost):
                     again.append(task)
                 else:
                     yield task, outcome
-        for task in again:
-            with closing(_run(work, iter([task]), 1)) as outcomes:
-                yield from outcomes
+            for task in again:
+                _dismiss(self._team)  # what they hold is free for this one
+                yield from _run(self._team, work, iter([task]), 1)
+        finally:
+            _dismiss(self._team, only_busy=self._kept)
 
 
 @dataclass(eq=False, slots=True)
 class _Worker:
-    """A process and what it is working on."""
+    """A process and whether it is working on something."""
 
     process: "subprocess.Popen[bytes]"
     pipe: Connection
-    task: Task | None = None
+    busy: bool = False
 
     @classmethod
-    def start(cls, work: Work) -> "_Worker":
+    def start(cls) -> "_Worker":
         ours, theirs = Pipe()
         with theirs:  # only the process keeps it: its end is then the end of the pipe, and ours the end of the process
             handle = theirs.fileno()
@@ -71,25 +83,27 @@ class _Worker:
                 stdout=subprocess.DEVNULL,  # results are printed by one process alone
                 start_new_session=True,  # what Ctrl-C means, the main process decides
             )
-        worker = cls(process, ours)
-        worker._send(work)
-        return worker
+        return cls(process, ours)
 
-    def give(self, task: Task) -> None:
-        self.task = task
-        self._send(task)
-
-    def take(self) -> Worked | Lost:
+    def give(self, work: object, task: object) -> None:
+        self.busy = True
         try:
-            outcome: Worked = self.pipe.recv()
+            self.pipe.send((work, task))
+        except OSError:
+            return  # it has died; the end of its pipe will tell
+
+    def take(self) -> Any:  # noqa: ANN401 - whatever its work returns
+        try:
+            outcome = self.pipe.recv()
         except (EOFError, OSError):
             return Lost(_how_it_ended(self.process.wait()))
+        self.busy = False
         return outcome
 
     def dismiss(self) -> None:
         """End the process: at once if it is at work, else as soon as it notices that there is none any more."""
         self.pipe.close()
-        if self.task is not None:
+        if self.busy:
             self.process.kill()
         try:
             self.process.wait(PATIENCE_S)
@@ -97,47 +111,52 @@ class _Worker:
             self.process.kill()
             self.process.wait()
 
-    def _send(self, what: object) -> None:
-        try:
-            self.pipe.send(what)
-        except OSError:
-            return  # it has died; the end of its pipe will tell
+
+def _run(
+    team: list[_Worker], work: Callable[[Asked], Done], waiting: Iterator[Asked], workers: int
+) -> Generator[tuple[Asked, Done | Lost]]:
+    under_way: dict[_Worker, Asked] = {}
+    _employ(team, work, waiting, workers, under_way)
+    while under_way:
+        busy = {worker.pipe: worker for worker in under_way}
+        for pipe in connection.wait(list(busy)):
+            worker = busy[pipe]  # type: ignore[index] # wait returns what it was given
+            outcome, task = worker.take(), under_way.pop(worker)
+            if isinstance(outcome, Lost):
+                team.remove(worker)
+                worker.dismiss()
+            # Before anybody looks at what came of the last task: no worker waits for that.
+            _employ(team, work, waiting, workers, under_way)
+            yield task, outcome
 
 
-def _run(work: Work, tasks: Iterable[Task], workers: int) -> Outcomes:
-    waiting = iter(tasks)
-    team: list[_Worker] = []
-    try:
-        _employ(team, work, waiting, workers)
-        while busy := {worker.pipe: worker for worker in team if worker.task is not None}:
-            for pipe in connection.wait(list(busy)):
-                worker = busy[pipe]  # type: ignore[index] # wait returns what it was given
-                outcome, task = worker.take(), worker.task
-                assert task is not None
-                worker.task = None
-                if isinstance(outcome, Lost):
-                    team.remove(worker)
-                    worker.dismiss()
-                yield task, outcome
-            _employ(team, work, waiting, workers)
-    finally:
-        for worker in team:
-            worker.dismiss()
-
-
-def _employ(team: list[_Worker], work: Work, waiting: Iterable[Task], workers: int) -> None:
+def _employ(
+    team: list[_Worker],
+    work: Callable[[Asked], Done],
+    waiting: Iterator[Asked],
+    workers: int,
+    under_way: dict[_Worker, Asked],
+) -> None:
     """Give every idle worker a task, and start workers while there are tasks for them."""
-    idle = [worker for worker in team if worker.task is None]
-    for _ in range(workers - len(team) + len(idle)):
-        task = next(iter(waiting), None)
-        if task is None:
+    while len(under_way) < workers:
+        try:
+            task = next(waiting)
+        except StopIteration:
             return
-        if idle:
-            worker = idle.pop()
-        else:
-            worker = _Worker.start(work)
+        worker = next((worker for worker in team if not worker.busy), None)
+        if worker is None:
+            worker = _Worker.start()
             team.append(worker)
-        worker.give(task)
+        under_way[worker] = task
+        worker.give(work, task)
+
+
+def _dismiss(team: list[_Worker], *, only_busy: bool = False) -> None:
+    """End the processes, or those that are at work, and forget them."""
+    leaving = [worker for worker in team if worker.busy or not only_busy]
+    team[:] = [worker for worker in team if worker not in leaving]
+    for worker in leaving:
+        worker.dismiss()
 
 
 def _how_it_ended(code: int) -> str:

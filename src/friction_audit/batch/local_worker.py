@@ -1,4 +1,4 @@
-"""What a process of the local executor does: it takes the work, then task after task, until there is nobody left."""
+"""What a process of the local executor does: work after work, each with its task, until there is nobody left."""
 
 from multiprocessing.connection import Connection
 
@@ -11,8 +11,8 @@ def labour(handle: int) -> None:
     """
     with Connection(handle) as pipe:
         try:
-            work = pipe.recv()
             while True:
-                pipe.send(work(pipe.recv()))
+                work, task = pipe.recv()
+                pipe.send(work(task))
         except (EOFError, BrokenPipeError, ConnectionResetError):
             return  # whoever wanted it has gone

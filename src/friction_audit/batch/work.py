@@ -9,19 +9,22 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from friction_audit.audit import Estimate, diagnose_estimate, estimate_log
 from friction_audit.batch.log_file import LogFile
 from friction_audit.batch.recorded import Fault, Recorded, Worked
 from friction_audit.batch.remote import fetched
 from friction_audit.batch.settings import BatchSettings
-from friction_audit.discrepancy.result import Discrepancy
 from friction_audit.drift.session import Session
 from friction_audit.drift.summarise import conditions_of, summarise_joints
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.ingest import SeveralArmsError, arm_told_by, read_log
 from friction_audit.ingest.fingerprint import sha256_of
 from friction_audit.per_joint import one_joint_at_a_time
+
+if TYPE_CHECKING:
+    from friction_audit.discrepancy.result import Discrepancy
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -111,7 +114,7 @@ def _record(settings: BatchSettings, path: Path, topic: str, read_topic: str | N
     )
 
 
-def _summary(estimate: Estimate, discrepancy: Discrepancy | None) -> Session:
+def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
     log, interaction = estimate.log, estimate.interaction
     source = log.source
     return Session(

@@ -1,10 +1,11 @@
 """Parts of an estimate -> what a session keeps of them: a few numbers per joint instead of a million samples."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import KEPT, EnergyCycles
-from friction_audit.discrepancy.result import Discrepancy
 from friction_audit.drift.session import Conditions, JointSummary, SpeedCurve
 from friction_audit.friction.equations import set_up
 from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
@@ -12,6 +13,9 @@ from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Fit, fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, JointLog
+
+if TYPE_CHECKING:
+    from friction_audit.discrepancy.result import Discrepancy
 
 COULOMB, VISCOUS = "coulomb_nm", "viscous_nms_per_rad"
 COEFFICIENTS = (COULOMB, VISCOUS)
@@ -50,7 +54,7 @@ def summarise_joints(
     interaction: Interaction,
     cycles: EnergyCycles,
     friction: FrictionHistory,
-    discrepancy: Discrepancy | None = None,
+    discrepancy: "Discrepancy | None" = None,
 ) -> tuple[JointSummary, ...]:
     """Return the summary of every joint that was estimated.
 

@@ -1,13 +1,15 @@
 """Why joints have no result, in as few sentences as there are reasons."""
 
 from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
-from friction_audit.drift.session import JointSummary
-from friction_audit.friction.history import JointFriction
-from friction_audit.replay.result import JointReplay
+if TYPE_CHECKING:
+    from friction_audit.drift.session import JointSummary
+    from friction_audit.friction.history import JointFriction
+    from friction_audit.replay.result import JointReplay
 
 
-def reason_lines(joints: Iterable[JointFriction | JointReplay | JointSummary]) -> list[str]:
+def reason_lines(joints: "Iterable[JointFriction | JointReplay | JointSummary]") -> list[str]:
     """Return one line per reason, led by the joints that it holds for; none for joints with a result."""
     reasons: dict[str, list[int]] = {}
     for joint in joints:

@@ -1,5 +1,6 @@
 """Figure -> file, the same bytes for the same result."""
 
+import io
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +16,17 @@ UNDATED = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}, "p
 
 def save_figure(figure: "Figure", path: Path) -> None:
     """Write a figure in the format that the suffix names, one of FORMATS."""
-    kind = path.suffix[1:]
+    path.write_bytes(figure_bytes(figure, path.suffix[1:]))
+
+
+def figure_bytes(figure: "Figure", kind: str) -> bytes:
+    """Return the content of a figure's file.
+
+    Args:
+        figure: The figure.
+        kind: One of FORMATS.
+    """
+    content = io.BytesIO()
     with figure_style():
-        figure.savefig(path, format=kind, metadata=UNDATED[kind])
+        figure.savefig(content, format=kind, metadata=UNDATED[kind])
+    return content.getvalue()

@@ -1,9 +1,9 @@
 """BatchSummary -> one HTML page: verdicts, figures, every session, every setting."""
 
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Mapping
 
 from friction_audit.drift.report import ArmDrift
+from friction_audit.report.batch_drawings import draw, page_drawings
 from friction_audit.report.batch_summary import BatchSummary
 from friction_audit.report.drift_words import (
     arm_sentence,
@@ -13,8 +13,7 @@ from friction_audit.report.drift_words import (
     enumerate_words,
     span_of,
 )
-from friction_audit.report.figures.batch import BATCH_FIGURES, BatchFigure
-from friction_audit.report.html.batch_captions import CAPTIONS, TITLES, describe
+from friction_audit.report.figures.batch import BATCH_FIGURES
 from friction_audit.report.html.batch_tables import (
     TONES,
     coefficient_tables,
@@ -31,12 +30,9 @@ from friction_audit.report.html.citation import citation_section
 from friction_audit.report.html.page import render_page
 from friction_audit.report.html.parts import Figure, Page, Part, Section, Table, Terms, Text, Verdict, Verdicts
 from friction_audit.report.html.settings_section import settings_section
-from friction_audit.report.html.svg import draw_inline
 
 MOST_BYTES = 1_600_000
 """Figures of one page together: a page of many arms shows those that drift, and names the others."""
-ON_A_SHEET = 8
-"""Joints of one figure."""
 WORDS = {
     "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
     "reference": "The sessions that the others are held against: a control chart's normal state.",
@@ -52,14 +48,20 @@ WORDS = {
     "within a session": "Change from the first to the last third of a session, warm-up for one; no part of drift.",
 }
 """What the words of the page mean."""
+NOTHING_YET: Mapping[str, Figure] = {}
 
 
-def write_page(summary: BatchSummary) -> str:
-    """Return the page of a batch as HTML text, the same bytes for the same batch."""
-    return render_page(batch_page(summary))
+def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> str:
+    """Return the page of a batch as HTML text, the same bytes for the same batch.
+
+    Args:
+        summary: The batch.
+        drawn: Figures that somebody has drawn, by their anchors; the others are drawn here.
+    """
+    return render_page(batch_page(summary, drawn))
 
 
-def batch_page(summary: BatchSummary) -> Page:
+def batch_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> Page:
     """Return what the page of a batch is made of; another page may take sections from it."""
     return Page(
         title="Friction over sessions",
@@ -67,7 +69,7 @@ def batch_page(summary: BatchSummary) -> Page:
         facts=_facts(summary),
         sections=(
             _verdict_section(summary),
-            *_arm_sections(summary),
+            *_arm_sections(summary, drawn),
             *_failed_section(summary),
             Section(anchor="words", title="How to read it", parts=(Terms(pairs=tuple(WORDS.items())),)),
             settings_section(summary.settings, summary.command),
@@ -111,20 +113,20 @@ def _verdict(arm: ArmDrift) -> Verdict:
     return Verdict(name=arm.robot, word=word, tone=TONES[word], sentence=arm_sentence(arm))
 
 
-def _arm_sections(summary: BatchSummary) -> Iterator[Section]:
+def _arm_sections(summary: BatchSummary, drawn: Mapping[str, Figure]) -> Iterator[Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
-    pictures, most = _pictures(summary.arms), rows_for(summary.arms)
+    pictures, most = _pictures(summary.arms, drawn), rows_for(summary.arms)
     for number, arm in enumerate(summary.arms, start=1):
         yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
 
 
-def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
+def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[int, tuple[Figure, ...]]:
     """Return the figures of each arm, by its number, as many arms as there is room for."""
     order = sorted(range(len(arms)), key=lambda k: not arms[k].drift)
     found: dict[int, tuple[Figure, ...]] = {}
     left = MOST_BYTES
     for k in order:
-        figures = tuple(_figures(arms[k], f"arm-{k + 1}"))
+        figures = tuple(_figures(arms[k], f"arm-{k + 1}", drawn))
         left -= sum(figure.picture.size for figure in figures)
         if left < 0 and found:
             break
@@ -132,18 +134,13 @@ def _pictures(arms: tuple[ArmDrift, ...]) -> dict[int, tuple[Figure, ...]]:
     return found
 
 
-def _figures(arm: ArmDrift, anchor: str) -> Iterator[Figure]:
-    """Yield the figures of an arm; more joints than fit on a sheet of paper make several of each kind."""
+def _figures(arm: ArmDrift, anchor: str, drawn: Mapping[str, Figure]) -> Iterator[Figure]:
+    """Yield the figures of an arm."""
     for kind in BATCH_FIGURES:
-        for first in range(0, len(arm.joints), ON_A_SHEET):
-            part = replace(arm, joints=arm.joints[first : first + ON_A_SHEET])
-            yield _figure(part, kind, f"{anchor}-{kind.name}-{first + 1}", whole=len(part.joints) == len(arm.joints))
-
-
-def _figure(arm: ArmDrift, kind: BatchFigure, prefix: str, *, whole: bool) -> Figure:
-    picture = draw_inline(kind.draw(arm, None), prefix=prefix, description=describe(arm, kind.name))
-    which = "" if whole else f", joints {arm.joints[0].joint} to {arm.joints[-1].joint}"
-    return Figure(picture=picture, title=f"{TITLES[kind.name]}{which}", caption=CAPTIONS[kind.name])
+        for drawing in page_drawings(arm, anchor, kind.name):
+            figure = drawn.get(drawing.anchor) or draw(drawing).figure
+            if figure is not None:
+                yield figure
 
 
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: int) -> Section:

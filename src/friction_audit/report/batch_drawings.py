@@ -1,0 +1,111 @@
+"""What is drawn of a batch: each figure once, by whoever has time, for its files and for the page."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from friction_audit.drift.report import ArmDrift
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from friction_audit.report.html.parts import Figure as PageFigure
+
+ON_A_SHEET = 8
+"""Joints of one figure of the page."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Drawing:
+    """A figure to be drawn; it can be given to another process.
+
+    Attributes:
+        name: Of its files, without the suffix; empty if it is for the page alone.
+        kind: Name of the kind of figure.
+        arm: The arm, with the joints to be drawn.
+        joint: Number of the one joint to be drawn at column width, or None for a sheet.
+        formats: Suffixes of its files.
+        anchor: What its names in the page begin with; empty if it is for the files alone.
+        which: Joints of a sheet of some, for its title on the page; empty for all.
+    """
+
+    name: str
+    kind: str
+    arm: ArmDrift
+    joint: int | None = None
+    formats: tuple[str, ...] = ()
+    anchor: str = ""
+    which: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Drawn:
+    """What came of a drawing.
+
+    Attributes:
+        files: Content of its files by their names.
+        figure: What stands on the page, or None.
+    """
+
+    files: Mapping[str, bytes]
+    figure: "PageFigure | None"
+
+
+def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
+    """Yield what is to be drawn of the arms that have joints.
+
+    Args:
+        arms: All arms of a batch.
+        prefixes: What the names of each arm's files begin with, by the arm's name.
+        formats: Suffixes of the files.
+    """
+    from friction_audit.report.figures.batch import BATCH_FIGURES
+
+    for number, arm in enumerate(arms, start=1):
+        for kind in BATCH_FIGURES if arm.joints else ():
+            sheets = list(page_drawings(arm, f"arm-{number}", kind.name))
+            name, suffixes = f"{prefixes[arm.robot]}{kind.name}", tuple(formats)
+            if len(sheets) == 1 and len(arm.joints) > 1:
+                yield replace(sheets[0], name=name, formats=suffixes)
+                continue
+            yield from sheets
+            # A sheet of one joint is that joint's figure.
+            joint = arm.joints[0].joint if len(arm.joints) == 1 else None
+            yield Drawing(name=name, kind=kind.name, arm=arm, joint=joint, formats=suffixes)
+
+
+def page_drawings(arm: ArmDrift, anchor: str, kind: str) -> Iterator[Drawing]:
+    """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
+    for first in range(0, len(arm.joints), ON_A_SHEET):
+        part = replace(arm, joints=arm.joints[first : first + ON_A_SHEET])
+        some = f", joints {part.joints[0].joint} to {part.joints[-1].joint}"
+        yield Drawing(
+            name="",
+            kind=kind,
+            arm=part,
+            anchor=f"{anchor}-{kind}-{first + 1}",
+            which="" if len(part.joints) == len(arm.joints) else some,
+        )
+
+
+def draw(drawing: Drawing) -> Drawn:
+    """Draw a figure, and save it in all its forms."""
+    from friction_audit.report.figures.batch import BATCH_FIGURES
+    from friction_audit.report.figures.save import figure_bytes
+
+    (kind,) = (kind for kind in BATCH_FIGURES if kind.name == drawing.kind)
+    figure = kind.draw(drawing.arm, drawing.joint)
+    files = {}
+    for suffix in drawing.formats:
+        files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
+        figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
+    return Drawn(files=files, figure=_on_page(figure, drawing) if drawing.anchor else None)
+
+
+def _on_page(figure: "Figure", drawing: Drawing) -> "PageFigure":
+    from friction_audit.report.html.batch_captions import CAPTIONS, TITLES, describe
+    from friction_audit.report.html.parts import Figure as PageFigure
+    from friction_audit.report.html.svg import draw_inline
+
+    picture = draw_inline(figure, prefix=drawing.anchor, description=describe(drawing.arm, drawing.kind))
+    return PageFigure(picture=picture, title=f"{TITLES[drawing.kind]}{drawing.which}", caption=CAPTIONS[drawing.kind])
