@@ -1,12 +1,16 @@
-"""A report made by hand: six joints, a verdict each, the third at rest; and one in which every name is hostile."""
+"""Reports made by hand: six joints, a verdict each, the third at rest; hostile names; many joints; one at rest."""
 
 from dataclasses import replace
+from typing import Any
+
+import numpy as np
 
 from friction_audit.audit import AuditSettings, Diagnosis, Estimate, estimate_log, replay_estimate
 from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.replay.settings import ReplaySettings
-from friction_audit.report.log_report import LogReport
+from friction_audit.report.log_report import LogReport, report_estimate
 from tests.report.conftest import build_estimate
 from tests.report.test_diagnose_figures import ALL
 
@@ -26,6 +30,22 @@ def hostile() -> LogReport:
     missing = replace(ALL, discrepancy=Discrepancy(joints=joints))
     found = _report(replace(log, joint_names=(HOSTILE,) * 2, source=source), missing, HOSTILE)
     return replace(found, reading={HOSTILE: [HOSTILE]})
+
+
+def many(joints: int) -> LogReport:
+    """Return a report of an arm of many joints, each moving alike."""
+    one = build_estimate(1, rate=100.0).log
+    columns: dict[str, Any] = {name: np.repeat(channel, joints, axis=1) for name, channel in one.channels().items()}
+    log = replace(one, **columns, joint_names=tuple(f"segment_{k}" for k in range(1, joints + 1)))
+    return LogReport(estimate=estimate_log(log, AuditSettings()), command=COMMAND)
+
+
+def still() -> LogReport:
+    """Return a report of a joint that did not move, to which no part has an answer but the estimate's reason."""
+    moved = build_estimate(1, rate=100.0).log
+    resting: dict[str, Any] = {name: np.zeros_like(channel) for name, channel in moved.channels().items()}
+    estimate = estimate_log(replace(moved, **resting), AuditSettings())
+    return report_estimate(estimate, ReplaySettings(), DiagnosisSettings(), command=COMMAND)
 
 
 def _with_finding(log: JointLog, message: str) -> JointLog:

@@ -10,14 +10,14 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
-from friction_audit.cli.export_files import plan_exports, write_exports
+from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Diagnosis
+    from friction_audit.audit import AuditSettings, Diagnosis
     from friction_audit.discrepancy.settings import DiagnosisSettings
     from friction_audit.joint_log import JointLog
     from friction_audit.model.joint_model import ArmModel
@@ -107,26 +107,35 @@ def command(
         files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, choices.DIAGNOSIS_FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
-    with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
-        recorded = chain.read(log, reading, voice)
-    _check_model(options.model, settings.model, recorded)
-    with voice.step("diagnose"):
-        from friction_audit.audit import diagnose_log
-
-        found = diagnose_log(recorded, audit, settings)
-    if not output.json:
-        _warn(found, voice)
-    _require_an_answer(found)
-    text = _document(found, chain.reading_settings(reading))
-    if folder is not None:
-        _write(found, text, folder, voice, overwrite=output.overwrite)
-        _draw(found, folder, figures, voice, overwrite=output.overwrite)
-    if plan is not None:
-        from friction_audit.report.tables import diagnose_tables
-
-        write_exports(plan, diagnose_tables(found), found.estimate, voice, overwrite=output.overwrite)
+    with voice.stages(2 + (len(choices.DIAGNOSIS_FIGURES) if folder else 0) + len(export)) as told:
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
+            recorded = chain.read(log, reading, told)
+        _check_model(options.model, settings.model, recorded)
+        found = _diagnose(recorded, audit, settings, told)
+        if not output.json:
+            _warn(found, told)
+        _require_an_answer(found)
+        text = _document(found, chain.reading_settings(reading))
+        if folder is not None:
+            _write(found, text, folder, told, overwrite=output.overwrite)
+            _draw(found, folder, figures, told, overwrite=output.overwrite)
+        if plan is not None:
+            _export(found, plan, told, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
     chain.exit_if_damaged(recorded)
+
+
+def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSettings", voice: Voice) -> "Diagnosis":
+    from friction_audit.audit import diagnose_log
+
+    with voice.step("diagnose"):
+        return diagnose_log(log, audit, settings)
+
+
+def _export(found: "Diagnosis", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.report.tables import diagnose_tables
+
+    write_exports(plan, diagnose_tables(found), found.estimate, voice, overwrite=overwrite)
 
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":

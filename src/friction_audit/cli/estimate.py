@@ -8,7 +8,7 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
-from friction_audit.cli.export_files import plan_exports, write_exports
+from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
@@ -53,22 +53,21 @@ def command(
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.ESTIMATE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
-    with chain.loading("friction_audit.friction.estimate"):
-        recorded = chain.read(log, options, voice)
-    result = chain.estimate(recorded, settings, voice)
-    if not output.json:
-        chain.warn_about(result, voice)
-    chain.require_an_estimate(result)
     reading_settings = chain.reading_settings(options)
-    if folder is not None:
-        _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
-        write_figures(
-            result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=voice
-        )
-    if plan is not None:
-        from friction_audit.report.tables import estimate_tables
-
-        write_exports(plan, estimate_tables(result), result, voice, overwrite=output.overwrite)
+    with voice.stages(2 + (len(choices.FIGURES) if folder else 0) + len(export)) as told:
+        with chain.loading("friction_audit.friction.estimate"):
+            recorded = chain.read(log, options, told)
+        result = chain.estimate(recorded, settings, told)
+        if not output.json:
+            chain.warn_about(result, told)
+        chain.require_an_estimate(result)
+        if folder is not None:
+            _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
+            write_figures(
+                result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=told
+            )
+        if plan is not None:
+            _export(result, plan, told, overwrite=output.overwrite)
     _print(result, reading_settings, json=output.json)
     chain.exit_if_damaged(result.log)
 
@@ -87,6 +86,12 @@ def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *
     for name, text in ((DOCUMENT, _document(result, reading)), (HISTORY, history_csv(result))):
         with whole_file(folder / name, overwrite=overwrite) as draft:
             draft.write_text(text, encoding="utf-8")
+
+
+def _export(result: "Estimate", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.report.tables import estimate_tables
+
+    write_exports(plan, estimate_tables(result), result, voice, overwrite=overwrite)
 
 
 def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:

@@ -9,7 +9,7 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich
-from friction_audit.cli.export_files import plan_exports, write_exports
+from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
@@ -17,9 +17,9 @@ from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import LogReplay
+    from friction_audit.audit import Estimate, LogReplay
     from friction_audit.joint_log import JointLog
-    from friction_audit.replay.settings import ModelFile
+    from friction_audit.replay.settings import ModelFile, ReplaySettings
 
 EXAMPLES = """Examples:
   friction-audit replay run.mcap
@@ -62,28 +62,36 @@ def command(
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite)
-    with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
-        recorded = chain.read(log, reading, voice)
-    _check_model(settings.joint_model, recorded)
-    estimate = chain.estimate(recorded, audit, voice)
-    with voice.step("replay"):
-        from friction_audit.audit import replay_estimate
-
-        found = replay_estimate(estimate, settings)
-    if not output.json:
-        _warn(found, voice)
-        _warn_of_moments(settings.joint_model, recorded, voice)
-    _require_a_joint(found)
-    text = _document(found, chain.reading_settings(reading))
-    if folder is not None:
-        _write(found, text, folder, overwrite=output.overwrite)
-        _draw(found, folder, figures, overwrite=output.overwrite, voice=voice)
-    if plan is not None:
-        from friction_audit.report.tables import replay_tables
-
-        write_exports(plan, replay_tables(found), found.estimate, voice, overwrite=output.overwrite)
+    with voice.stages(3 + (len(choices.REPLAY_FIGURES) if folder else 0) + len(export)) as told:
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
+            recorded = chain.read(log, reading, told)
+        _check_model(settings.joint_model, recorded)
+        found = _replay(chain.estimate(recorded, audit, told), settings, told)
+        if not output.json:
+            _warn(found, told)
+            _warn_of_moments(settings.joint_model, recorded, told)
+        _require_a_joint(found)
+        text = _document(found, chain.reading_settings(reading))
+        if folder is not None:
+            _write(found, text, folder, overwrite=output.overwrite)
+            _draw(found, folder, figures, overwrite=output.overwrite, voice=told)
+        if plan is not None:
+            _export(found, plan, told, overwrite=output.overwrite)
     _print(found, text, json=output.json)
     chain.exit_if_damaged(recorded)
+
+
+def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "LogReplay":
+    from friction_audit.audit import replay_estimate
+
+    with voice.step("replay"):
+        return replay_estimate(estimate, settings)
+
+
+def _export(found: "LogReplay", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+    from friction_audit.report.tables import replay_tables
+
+    write_exports(plan, replay_tables(found), found.estimate, voice, overwrite=overwrite)
 
 
 def _check_model(given: "ModelFile | None", log: "JointLog") -> None:

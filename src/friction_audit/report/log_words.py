@@ -84,6 +84,8 @@ def lead_sentence(report: LogReport) -> str:
     """Return what the report says, in two sentences."""
     joints = report.joints
     known = [one for one in joints if not one.friction.reason]
+    if not known:
+        return "Friction is estimated on no joint."
     of_all = "" if len(known) == len(joints) else f" of {len(joints)}"
     estimated = f"Friction is estimated on {_joints(known, len(joints))}{of_all}."
     groups: dict[str, list[JointReport]] = {}

@@ -1,16 +1,42 @@
-"""The page of a log, in a browser, at night: quiet, nothing overflows, no barrier; plain and with hostile names."""
+"""The page of a log, in a browser: quiet, whole at any width, on paper, by day and night, without barriers."""
 
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from friction_audit.report.html import log_figures
 from friction_audit.report.html.log_figures import LOG_FIGURES
+from friction_audit.report.html.log_page import write_log_page
+from friction_audit.report.html.log_part import part_of
 from tests.report import log_report_by_hand as by_hand
 from tests.report.html.conftest import Open, Opened
-from tests.report.html.test_log_page import hostile_page, page
+from tests.report.html.test_log_page import hostile_page, page, report
 
-NARROW = 360
+WIDTHS = (360, 768, 1280)
+"""Of a phone, a tablet, a laptop."""
+PAPER_PX = 688
+"""Width of A4 between margins of 14 mm, at 96 dots to the inch."""
+NARROWEST_FIGURE = 300
+CASES = ("plain", "hostile", "one joint", "forty joints", "no cycles")
+SCHEMES = ("light", "dark")
+
+
+@cache
+def page_of(case: str) -> str:
+    match case:
+        case "hostile":
+            return hostile_page()
+        case "one joint":
+            return write_log_page(part_of(report(), (2,)))
+        case "forty joints":
+            with pytest.MonkeyPatch.context() as patch:
+                patch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
+                return write_log_page(by_hand.many(40))
+        case "no cycles":
+            return write_log_page(by_hand.still())
+    return page()
 
 
 def overflow(opened: Opened) -> int:
@@ -19,29 +45,79 @@ def overflow(opened: Opened) -> int:
     return wider
 
 
-@pytest.mark.parametrize("case", ["plain", "hostile"])
-def test_the_page_holds_in_a_browser(open_page: Open, case: str) -> None:
-    opened = open_page(page() if case == "plain" else hostile_page(), scheme="dark")
+def unfold(opened: Opened) -> None:
     opened.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> None:
+    opened = open_page(page_of(case))
+    for width in WIDTHS:
+        opened.page.set_viewport_size({"width": width, "height": 900})
+        assert overflow(opened) <= 0, width
+    unfold(opened)
+    for width in WIDTHS:
+        opened.page.set_viewport_size({"width": width, "height": 900})
+        assert overflow(opened) <= 0, width
+    opened.page.mouse.wheel(0, 3000)
+    assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
+    assert opened.complaints == []
+    assert opened.evaluate("document.querySelectorAll('script').length") == 1
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_paper_holds_everything(open_page: Open, case: str) -> None:
+    opened = open_page(page_of(case), width=PAPER_PX, scheme="dark")
+    opened.page.emulate_media(media="print")
+    opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
     assert overflow(opened) <= 0
+    wide = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.checkVisibility())
+        .filter((one) => one.getBoundingClientRect().right > window.innerWidth + 1).map((one) => one.outerHTML)"""
+    assert opened.evaluate(wide) == []
+    assert opened.evaluate("[...document.querySelectorAll('details')].every((one) => one.open)")
+    assert opened.evaluate("getComputedStyle(document.body).color") == "rgb(22, 25, 29)"
+    assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_every_figure_is_there(open_page: Open, scheme: str) -> None:
+    opened = open_page(page_of("plain"), scheme=scheme)
     figures = opened.page.locator("figure svg")
     assert figures.count() == len(LOG_FIGURES)
-    assert all((figures.nth(k).bounding_box() or {"height": 0})["height"] > 80 for k in range(figures.count()))
+    for k in range(figures.count()):
+        box = figures.nth(k).bounding_box()
+        assert box is not None
+        assert box["width"] > NARROWEST_FIGURE
+        assert box["height"] > 80
     drawn = "[...document.querySelectorAll('svg image')].every((one) => one.getBoundingClientRect().width > 10)"
     assert opened.evaluate(drawn)
-    assert opened.evaluate("document.querySelectorAll('script').length") == 1
-    if case == "hostile":
-        assert by_hand.HOSTILE in (opened.page.locator("main").text_content() or "")
-        assert barriers(opened) == []
-    opened.page.set_viewport_size({"width": NARROW, "height": 900})
-    assert overflow(opened) <= 0
-    assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
+
+
+def test_hostile_names_are_text(open_page: Open) -> None:
+    opened = open_page(page_of("hostile"))
+    assert by_hand.HOSTILE in (opened.page.locator("main").text_content() or "")
     assert opened.complaints == []
 
 
-def barriers(opened: Opened) -> list[Any]:
-    """Return what the accessibility checker finds."""
+def test_a_log_without_cycles_says_why(open_page: Open) -> None:
+    opened = open_page(page_of("no cycles"))
+    said = opened.page.locator("body").text_content() or ""
+    assert "Friction is estimated on no joint." in said
+    assert "did not move" in said
+    assert opened.page.locator("figure svg").count() == 0
+
+
+def test_forty_joints_have_a_verdict_each_and_figures_on_several_sheets(open_page: Open) -> None:
+    opened = open_page(page_of("forty joints"))
+    assert opened.page.locator("#verdicts .badge").count() == 40
+    assert opened.page.locator("figure svg").count() == 5
+
+
+@pytest.mark.parametrize(("case", "scheme"), [("plain", "light"), ("hostile", "dark"), ("no cycles", "dark")])
+def test_no_barrier_is_found(open_page: Open, case: str, scheme: str) -> None:
     axe = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
+    opened = open_page(page_of(case), scheme=scheme)
+    unfold(opened)
     opened.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text(encoding="utf-8"))
     found: list[dict[str, Any]] = opened.evaluate("async () => (await axe.run()).violations")
-    return [(one["id"], [node["html"][:200] for node in one["nodes"][:3]]) for one in found]
+    assert [(one["id"], [node["html"][:200] for node in one["nodes"][:3]]) for one in found] == []
