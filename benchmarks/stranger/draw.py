@@ -11,13 +11,15 @@ from scipy.signal import butter, sosfiltfilt
 from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED, Setup
 from benchmarks.stranger.joint import STEP_S, Drive, Joint, integrate, known_load
 from benchmarks.stranger.motions import MOTIONS, tremor
-from benchmarks.stranger.sensors import Recording, Sensors, coloured, read_torque, record
+from benchmarks.stranger.sensors import Recording, Sensors, clock_of, coloured, read_torque, record
 
 Array = NDArray[np.float64]
 SIZES = (0.3, 0.5, 1.0, 3.0)
 """Partial sizes rho: rms of what an effect adds, free of the declared columns, over the noise rms below 20 Hz."""
 SLOW_HZ = 20.0
 TOLERANCE = 0.03
+SHOULDER_AND_ELBOW = 4
+"""Joints of an arm before its wrist."""
 EVERY = round(0.01 / STEP_S)
 
 
@@ -35,35 +37,38 @@ class Case:
     """A recording of one joint, and all that is true of it."""
 
     seed: int
+    joint: int
     names: tuple[str, ...]
     motion: str
     hand: bool
     size: float
-    reached: float
+    reached: tuple[float, ...]
     strengths: tuple[float, ...]
     setup: Setup
     recording: Recording
     load: Array
 
 
-def draw_setup(rng: np.random.Generator, *, distal: bool) -> Setup:
-    """A joint and its sensors by chance; those of the wrist are lighter, and their sensors finer."""
-    joint = Joint(
-        inertia=float(np.exp(rng.uniform(np.log(0.06), np.log(0.2))) * (1 if distal else 3)),
+def draw_setup(seed: int, joint: int) -> Setup:
+    """A joint of an arm and its sensors; those of the wrist are lighter, and their sensors finer. One clock for all."""
+    common, rng = np.random.default_rng([seed, 0]), np.random.default_rng([seed, 10, joint])
+    wrist = joint > SHOULDER_AND_ELBOW
+    made = Joint(
+        inertia=float(np.exp(rng.uniform(np.log(0.06), np.log(0.2))) * (1 if wrist else 3)),
         coulomb=rng.uniform(0.15, 0.5),
         viscous=rng.uniform(0.03, 0.1),
     )
     sensors = Sensors(
-        rate_hz=float(rng.choice([500.0, 1000.0])),
-        torque_noise_nm=rng.uniform(0.024, 0.036) if distal else rng.uniform(0.045, 0.06),
+        rate_hz=float(common.choice([500.0, 1000.0])),
+        clock=str(common.choice(["steady", "late_stamps", "late_samples"])),
+        lost=common.uniform(0.01, 0.03),
+        torque_noise_nm=rng.uniform(0.024, 0.036) if wrist else rng.uniform(0.045, 0.06),
         noise_memory_s=float(np.exp(rng.uniform(np.log(0.01), np.log(0.1)))),
-        torque_step_nm=0.006 if distal else 0.0357,
+        torque_step_nm=0.006 if wrist else 0.0357,
         encoder_bits=int(rng.integers(15, 21)),
-        clock=str(rng.choice(["steady", "late_stamps", "late_samples"])),
-        lost=rng.uniform(0.01, 0.03),
         repeated=rng.uniform(0.0, 0.19),
     )
-    return Setup(joint=joint, sensors=sensors, duration_s=float(rng.uniform(60, 120)))
+    return Setup(joint=made, sensors=sensors, duration_s=float(common.uniform(60, 120)))
 
 
 def drive_of(joint: Joint, rng: np.random.Generator, *, hand: bool) -> Drive:
@@ -105,47 +110,52 @@ def missing_rms(motion: Moved, declared_inertia: float | None) -> float:
     return float(np.sqrt(np.mean(left**2)))
 
 
+def draw_motion(
+    setup: Setup, seed: int, joint: int
+) -> tuple[str, bool, tuple[Drive, NDArray[np.float64], NDArray[np.float64]]]:
+    """Name of a motion, whether a hand makes it, and the drive with where it goes and how firmly it holds."""
+    common, rng = np.random.default_rng([seed, 1]), np.random.default_rng([seed, 11, joint])
+    hand = bool(common.random() < 0.5)
+    name = str(rng.choice(["reaches", "reaches", "spline", "multisine"] if hand else [*MOTIONS]))
+    drive = drive_of(setup.joint, rng, hand=hand)
+    wanted, grip = MOTIONS[name](rng, setup.duration_s)
+    wanted = wanted + rng.uniform(-0.5, 0.5) + (tremor(rng, wanted.size) if hand else 0.0)
+    return name, hand, (drive, wanted, grip)
+
+
 def draw_case(
-    seed: int, names: Sequence[str], size: float, *, distal: bool = False, duration_s: float | None = None
+    seed: int, names: Sequence[str], size: float, *, joint: int = 1, duration_s: float | None = None
 ) -> Case | None:
     """A recording that hides each of the named effects at this size; None where no strength reaches it.
 
-    A size that no strength reaches within a factor of ten thousand, or only by stopping the joint, is not reached.
+    Joints of one seed are recorded by one clock, and are moved all by hand or all by motors.
     """
-    rng = np.random.default_rng([seed, distal])
-    setup = draw_setup(rng, distal=distal)
+    setup = draw_setup(seed, joint)
     setup = setup if duration_s is None else replace(setup, duration_s=duration_s)
-    hand = bool(rng.random() < 0.5)
-    motion = str(rng.choice([*MOTIONS])) if not hand else str(rng.choice(["reaches", "reaches", "spline", "multisine"]))
-    drive = drive_of(setup.joint, rng, hand=hand)
-    wanted, grip = MOTIONS[motion](rng, setup.duration_s)
-    wanted = wanted + rng.uniform(-0.5, 0.5) + (tremor(rng, wanted.size) if hand else 0.0)
-    noise = coloured(round(setup.duration_s * 1000), 1e-3, setup.sensors, np.random.default_rng([seed, 1]))
+    motion, hand, driven = draw_motion(setup, seed, joint)
+    noise = coloured(round(setup.duration_s * 1000), 1e-3, setup.sensors, np.random.default_rng([seed, 12, joint]))
     slow_noise = float(slow(noise, 1e-3).std())
-    reached, strengths = 0.0, []
-    for name in names:
-        if name in RECORDED:
-            strengths.append(0.0)
-            continue
-        found = strength_for(setup, name, seed, size * slow_noise, (drive, wanted, grip))
-        if found is None:
-            return None
-        reached = found[1] / slow_noise
-        strengths.append(found[0])
-    for name, strength in zip(names, strengths, strict=True):
+    found = [(0.0, 0.0) if n in RECORDED else strength_for(setup, n, seed, size * slow_noise, driven) for n in names]
+    reached = [one for one in found if one is not None]
+    if len(reached) < len(names):
+        return None
+    for name, (strength, _) in zip(names, reached, strict=True):
         setup = put(setup, name, strength, seed)
-    motion_made = moved(setup, drive, wanted, grip, np.random.default_rng([seed, 2]))
-    recording = record(motion_made.theta, motion_made.omega, motion_made.torque, setup.sensors, rng)
+    made = moved(setup, *driven, np.random.default_rng([seed, 2]))
+    clock = clock_of(setup.sensors, setup.duration_s, np.random.default_rng([seed, 3]))
+    rng = np.random.default_rng([seed, 13, joint])
+    recording = record(made.theta, made.omega, made.torque, setup.sensors, clock, rng)
     load = np.array([known_load(setup.joint, q, t) for q, t in zip(recording.q, recording.true_t, strict=True)])
     return Case(
-        seed=seed, names=tuple(names), motion=motion, hand=hand, size=size, reached=reached,
-        strengths=tuple(strengths), setup=setup, recording=recording, load=load,
+        seed=seed, joint=joint, names=tuple(names), motion=motion, hand=hand, size=size,
+        reached=tuple(rms / slow_noise for _, rms in reached), strengths=tuple(s for s, _ in reached),
+        setup=setup, recording=recording, load=load,
     )  # fmt: skip
 
 
 def put(setup: Setup, name: str, strength: float, seed: int) -> Setup:
     """The setup with an effect; what is drawn of it does not depend on its strength."""
-    rng = np.random.default_rng([seed, 3])
+    rng = np.random.default_rng([seed, 4])
     if name in RECORDED:
         return RECORDED[name](setup, rng)
     return {**HIDDEN, **OUTSIDE}[name][0](setup, strength, rng)

@@ -1,6 +1,6 @@
 """Hidden effects: how each is put into a joint or its sensors, with a strength that ``strength`` turns to a given size.
 
-``OUTSIDE`` holds what no catalogue names, ``RECORDED`` what is no effect but a way of recording.
+``OUTSIDE`` holds what no one name of the catalogue stands for, ``RECORDED`` what is no effect but a way of recording.
 """
 
 from collections.abc import Callable
@@ -64,11 +64,6 @@ def asymmetric_coulomb(setup: Setup, s: float, rng: np.random.Generator) -> Setu
 def asymmetric_viscous(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
     """Viscous friction by direction."""
     return _with(setup, uneven_viscous=s * rng.choice([-1, 1]))
-
-
-def stiction(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
-    """Contacts that age at rest and are renewed by sliding (Dieterich 1979; Ruina 1983)."""
-    return _with(setup, ageing=s, ageing_s=rng.uniform(0.05, 0.5), renewal_rad=rng.uniform(0.005, 0.03))
 
 
 def load_dependent_friction(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
@@ -162,6 +157,11 @@ def contact_event(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
     return _with(setup, pushed=s, push_s=setup.duration_s * rng.uniform(0.2, 0.8), push_long_s=rng.uniform(0.15, 0.5))
 
 
+def rate_and_state(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
+    """Contacts that age at rest and are renewed by sliding (Dieterich 1979; Ruina 1983)."""
+    return _with(setup, ageing=s, ageing_s=rng.uniform(0.05, 0.5), renewal_rad=rng.uniform(0.005, 0.03))
+
+
 def relaxing_hose(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
     """A hose whose pull relaxes (a Maxwell element)."""
     return _with(setup, maxwell=s, maxwell_s=rng.uniform(0.3, 1.5))
@@ -216,6 +216,7 @@ RECORDED: dict[str, Callable[[Setup, np.random.Generator], Setup]] = {
 }
 """Nothing is hidden in the joint, and it is recorded in a way that a tool has to expect."""
 OUTSIDE: dict[str, tuple[Put, float]] = {
+    "rate_and_state": (rate_and_state, 0.05),
     "relaxing_hose": (relaxing_hose, 0.5),
     "loose_load": (loose_load, 0.03),
     "hum": (hum, 0.05),
@@ -227,7 +228,6 @@ HIDDEN: dict[str, tuple[Put, float]] = {
     "nonlinear_viscous": (nonlinear_viscous, 0.1),
     "asymmetric_coulomb": (asymmetric_coulomb, 0.05),
     "asymmetric_viscous": (asymmetric_viscous, 0.03),
-    "stiction": (stiction, 0.05),
     "load_dependent_friction": (load_dependent_friction, 0.02),
     "position_dependent_friction": (position_dependent_friction, 0.1),
     "torque_ripple": (torque_ripple, 0.05),

@@ -1,6 +1,6 @@
 """Write logs of hidden effects, diagnose them from the command line, one row per joint.
 
-python -m benchmarks.stranger.run --logs DIR --output FILE.csv [--effects all] [--first 0] [--seeds 4]
+python -m benchmarks.stranger.run --logs DIR --output FILE.csv [--effects all] [--first 0] [--seeds 4] [--joints 1|7]
 
 ``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed), ``all`` (each alone, those outside the
 catalogue too). A file that is there is gone on with.
@@ -13,6 +13,7 @@ import itertools
 import json
 from contextlib import redirect_stderr, redirect_stdout
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from benchmarks.stranger.logs import write_log
 from friction_audit.cli import main as command_line
 
 FIELDS = (
-    "truth", "seed", "motion", "hand", "rate_hz", "clock", "bits", "size", "strengths", "code",
+    "truth", "seed", "joint", "hides", "motion", "hand", "rate_hz", "clock", "bits", "size", "strengths", "code",
     "verdict", "sets", "faults", "before_nm", "after_nm", "floor_nm", "message",
 )  # fmt: skip
 
@@ -39,35 +40,43 @@ def diagnosed(argv: list[str]) -> tuple[int, str, str]:
     return code, out.getvalue(), err.getvalue()
 
 
-def run_one(truth: str, seed: int, folder: Path) -> dict[str, object]:
-    """One log, and what is said of it; a row without a verdict where the size cannot be reached."""
+def run_one(truth: str, seed: int, folder: Path, joints: int) -> list[dict[str, object]]:
+    """One log, and what is said of each joint; a row without a verdict where the size cannot be reached.
+
+    One joint alone is one of the shoulder or of the wrist; in an arm the effects are hidden in one of seven.
+    """
     names = () if truth == "none" else tuple(truth.split("+"))
-    case = draw_case(seed, names, SIZES[seed % len(SIZES)], distal=seed % 3 == 0)
-    if case is None:
-        return {"truth": truth, "seed": seed, "verdict": "", "size": SIZES[seed % len(SIZES)]}
-    path = folder / f"{truth}_{seed}.csv"
-    model = write_log(case, path)
+    size = SIZES[seed % len(SIZES)]
+    numbers = range(1, joints + 1) if joints > 1 else [7 if seed % 3 == 0 else 1]
+    felt = numbers[seed % len(numbers)]
+    cases = [draw_case(seed, names if j == felt or set(names) <= set(RECORDED) else (), size, joint=j) for j in numbers]
+    drawn = [case for case in cases if case is not None]
+    if len(drawn) < len(cases):
+        return [{"truth": truth, "seed": seed, "verdict": "", "size": size}]
+    path = folder / f"{truth}_{seed}{'_arm' if joints > 1 else ''}.csv"
+    model = write_log(drawn, path)
     declared = ["--model", str(model)] if model else []
     code, out, err = diagnosed(["diagnose", str(path), "--json", "-q", *declared])
-    return {**_told(case, truth), "code": code, **(_answer(json.loads(out)) if code == 0 else {"message": err.strip()})}
+    found = json.loads(out)["joints"] if code == 0 else [{}] * joints
+    return [{**_told(case, truth), **(_answer(one) if one else {"message": err.strip()}), "code": code}
+            for case, one in zip(drawn, found, strict=True)]  # fmt: skip
 
 
 def _told(case: Case, truth: str) -> dict[str, object]:
     sensors = case.setup.sensors
     return {
-        "truth": truth, "seed": case.seed, "motion": case.motion, "hand": case.hand, "rate_hz": sensors.rate_hz,
-        "clock": sensors.clock, "bits": sensors.encoder_bits, "size": case.size,
-        "strengths": "+".join(f"{s:.4g}" for s in case.strengths), "verdict": "error",
+        "truth": truth, "seed": case.seed, "joint": case.joint, "hides": "+".join(case.names), "motion": case.motion,
+        "hand": case.hand, "rate_hz": sensors.rate_hz, "clock": sensors.clock, "bits": sensors.encoder_bits,
+        "size": case.size, "strengths": "+".join(f"{s:.4g}" for s in case.strengths), "verdict": "error",
     }  # fmt: skip
 
 
-def _answer(document: dict[str, list[dict[str, list[dict[str, object]]]]]) -> dict[str, object]:
-    joint = document["joints"][0]
-    gap: dict[str, float] = dict(joint.get("gap") or {})  # type: ignore[arg-type]
+def _answer(joint: dict[str, Any]) -> dict[str, object]:
+    gap = joint["gap"]
     return {
         "verdict": joint["verdict"],
-        "sets": ";".join("|".join((str(e["name"]), *map(str, e["alternatives"]))) for e in joint["effects"]),  # type: ignore[call-overload]
-        "faults": ";".join(str(f["code"]) for f in joint["findings"] if f["verdict"] == "fault"),
+        "sets": ";".join("|".join((e["name"], *e["alternatives"])) for e in joint["effects"]),
+        "faults": ";".join(f["code"] for f in joint["findings"] if f["verdict"] == "fault"),
         **{f"{key}_nm": gap and round(gap[name], 4) for key, name in _GAPS},
         "message": joint["message"],
     }
@@ -92,6 +101,7 @@ def main() -> None:
     parser.add_argument("--effects", default="all")
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seeds", type=int, default=4)
+    parser.add_argument("--joints", type=int, choices=(1, 7), default=1)
     parser.add_argument("--logs", type=Path, required=True)
     parser.add_argument("--output", type=Path, required=True)
     asked = parser.parse_args()
@@ -104,10 +114,11 @@ def main() -> None:
         for seed in range(asked.first, asked.first + asked.seeds):
             for truth in truths(asked.effects, seed):
                 if (truth, seed) not in done:
-                    row = run_one(truth, seed, asked.logs)
-                    writer.writerow(row)
+                    rows = run_one(truth, seed, asked.logs, asked.joints)
+                    writer.writerows(rows)
                     file.flush()
-                    print(truth, seed, row.get("motion", ""), row["verdict"], row.get("sets", ""), flush=True)
+                    for row in rows:
+                        print(truth, *map(row.get, ("seed", "joint", "motion", "verdict", "sets")), flush=True)
 
 
 if __name__ == "__main__":

@@ -41,33 +41,35 @@ class Sensors:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Recording:
-    """Samples: moments as they were and as they were stamped [s], position [rad], speed [rad/s], torque [N m]."""
+    """Samples that arrived: moments as they were and as stamped [s], position [rad], speed [rad/s], torque [N m]."""
 
     true_t: Array
     t: Array
     q: Array
     dq: Array
     torque: Array
-    noise: Array
 
 
-def moments(sensors: Sensors, duration_s: float, rng: np.random.Generator) -> tuple[Array, Array]:
-    """True moments and stamps of all samples. [s]"""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Clock:
+    """Moments of all samples as they are and as they are stamped [s], and which samples arrive."""
+
+    true_t: Array
+    stamps: Array
+    arrives: NDArray[np.bool_]
+
+
+def clock_of(sensors: Sensors, duration_s: float, rng: np.random.Generator) -> Clock:
+    """Ticks, read or stamped late, of which one to five at a time are lost."""
     ticks = np.arange(int((duration_s - 0.1) * sensors.rate_hz)) / sensors.rate_hz + 0.05
     late = np.minimum(rng.exponential(sensors.jitter_s, ticks.size), 0.8 / sensors.rate_hz)
+    packets = np.minimum(np.arange(ticks.size) // 4 * 4 + 3, ticks.size - 1)
     true = ticks + late if sensors.clock == "late_samples" else ticks
-    if sensors.clock == "batches":
-        packets = np.arange(ticks.size) // 4 * 4 + 3
-        return ticks, ticks[np.minimum(packets, ticks.size - 1)] + 1e-4 * (np.arange(ticks.size) % 4)
-    return true, ticks if sensors.clock == "steady" else ticks + late
-
-
-def arriving(n: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:
-    """Which samples are not lost; they are lost one to five at a time."""
-    kept = np.ones(n, bool)
-    for start in rng.integers(0, n, round(sensors.lost * n / 3)):
-        kept[start : start + rng.integers(1, 6)] = False
-    return kept
+    stamps = {"steady": ticks, "batches": ticks[packets] + 1e-4 * (np.arange(ticks.size) % 4)}
+    arrives = np.ones(ticks.size, bool)
+    for start in rng.integers(0, ticks.size, round(sensors.lost * ticks.size / 3)):
+        arrives[start : start + rng.integers(1, 6)] = False
+    return Clock(true_t=true, stamps=stamps.get(sensors.clock, ticks + late), arrives=arrives)
 
 
 def coloured(n: int, step_s: float, sensors: Sensors, rng: np.random.Generator) -> Array:
@@ -98,10 +100,11 @@ def logged_speed(q: Array, true_speed: Array, sensors: Sensors, rng: np.random.G
     return np.asarray(lfilter([1 - stay], [1.0, -stay], once))
 
 
-def record(theta: Array, omega: Array, torque: Array, sensors: Sensors, rng: np.random.Generator) -> Recording:
+def record(
+    theta: Array, omega: Array, torque: Array, sensors: Sensors, clock: Clock, rng: np.random.Generator
+) -> Recording:
     """Motion and torque, in steps of STEP_S, as they are logged; ``torque`` is what ``read_torque`` gave."""
-    fine = np.arange(theta.size) * STEP_S
-    true_t, stamps = moments(sensors, float(fine[-1]), rng)
+    fine, true_t = np.arange(theta.size) * STEP_S, clock.true_t
     count = 2 * np.pi / 2**sensors.encoder_bits
     q = np.round(np.interp(true_t, fine, theta) / count) * count
     noise = np.interp(true_t, fine[::5], coloured(fine[::5].size, 5 * STEP_S, sensors, rng))
@@ -111,7 +114,5 @@ def record(theta: Array, omega: Array, torque: Array, sensors: Sensors, rng: np.
     fresh[0] = True
     stepped = stepped[np.maximum.accumulate(np.where(fresh, np.arange(q.size), 0))]
     dq = logged_speed(q, np.interp(true_t, fine, omega), sensors, rng)
-    kept = arriving(q.size, sensors, rng)
-    return Recording(
-        true_t=true_t[kept], t=stamps[kept], q=q[kept], dq=dq[kept], torque=stepped[kept], noise=noise[kept]
-    )
+    kept = clock.arrives
+    return Recording(true_t=true_t[kept], t=clock.stamps[kept], q=q[kept], dq=dq[kept], torque=stepped[kept])

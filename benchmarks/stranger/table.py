@@ -31,7 +31,7 @@ def sets_of(row: Row) -> list[set[str]]:
 
 def truth_of(row: Row) -> set[str]:
     """Hidden effects that have a name in the catalogue."""
-    return set(row["truth"].split("+")) & set(HIDDEN)
+    return set(row["hides"].split("+")) & set(HIDDEN)
 
 
 def held(row: Row) -> bool:
@@ -63,13 +63,18 @@ def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
 
 def table(rows: Sequence[Row]) -> str:
     """One line per hidden effect, those of one kind together at the end."""
-    own = {name: [row for row in rows if row["truth"] == name] for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)}
-    alone = [row for row in rows if row["truth"] in HIDDEN]
-    pairs = [row for row in rows if "+" in row["truth"]]
+    beside = [row for row in rows if row["truth"] != "none" and not row["hides"]]
+    own = {
+        name: [row for row in rows if (row["hides"] or row["truth"]) == name]
+        for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)
+    }
+    alone = [row for row in rows if row["hides"] in HIDDEN]
+    pairs = [row for row in rows if "+" in row["hides"]]
     lines = [line(name, part) for name, part in own.items() if part]
     lines += [line(f"one effect, size {size}", [row for row in alone if row["size"] == size])
               for size in sorted({row["size"] for row in alone}, key=float)]  # fmt: skip
-    lines += [line("one effect, all", alone), line("two effects", pairs)]
+    lines += [line("one effect, all", alone), line("two effects", pairs),
+              line("none, an effect in another joint", beside)]  # fmt: skip
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (HEAD, ["---"] * len(HEAD), *lines))
 
 
