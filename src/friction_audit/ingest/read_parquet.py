@@ -1,9 +1,7 @@
 """Parquet -> Recording: scalar columns, or one list-valued column per channel."""
 
 import json
-import os
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
@@ -22,10 +20,10 @@ from friction_audit.ingest.stated_serial import serial_in
 from friction_audit.ingest.time_column import TimeColumn, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 from friction_audit.joint_log import Float
+from friction_audit.per_joint import per_joint
 
 _MAGIC = b"PAR1"
 _BATCH_ROWS = 1 << 16
-_WORKERS = min(4, os.cpu_count() or 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -181,12 +179,10 @@ def _read_numbers(
     parts = [time] if len(clock.cells) == 1 else [time[:, part] for part in range(len(clock.cells))]
     stamps = [(cells[cell], part) for cell, part in zip(clock.cells, parts, strict=True)]
     wanted = _targets(cells, [*aims, *stamps])
+    wishes = [(*wish, targets) for wish, targets in wanted.items()]
     # Column by column: as fast as all at once, and only one row group of one column per thread is in memory beside
-    # the arrays that are kept.
-    with ThreadPoolExecutor(max_workers=_WORKERS, thread_name_prefix="parquet") as pool:
-        tasks = [pool.submit(_read_column, file.metadata, path, *wish, targets) for wish, targets in wanted.items()]
-        for task in tasks:
-            task.result()
+    # the arrays that are kept; columns are shared out as joints are.
+    per_joint(lambda number: _read_column(file.metadata, path, *wishes[number]), len(wishes))
     return time if len(clock.cells) == 1 else time[:, 0] * 1_000_000_000 + time[:, 1]
 
 
