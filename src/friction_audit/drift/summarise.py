@@ -68,7 +68,8 @@ def summarise_joints(
     said = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
     found = []
     for column, joint in enumerate(friction.joints):
-        moving = np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column]
+        moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
+        velocity = interaction.dq[moving, column]
         diagnosed = said.get(joint.joint)
         found.append(
             JointSummary(
@@ -77,10 +78,10 @@ def summarise_joints(
                 coefficients=dict(zip(COEFFICIENTS, (joint.coulomb, joint.viscous), strict=True)),
                 cycles=joint.cycles,
                 moving_s=joint.moving_s,
-                speed_rad_s=_quartiles(np.abs(interaction.dq[moving, column])),
+                speed_rad_s=_quartiles(np.abs(velocity)),
                 temperature_c=_mean_temperature(log, joint.joint - 1),
                 within=_change_within(cycles.of_joint(column), joint),
-                curve=bin_torque(interaction.dq[moving, column], _port_torque(interaction, column)[moving]),
+                curve=bin_torque(velocity, _port_torque(interaction, column)[moving]),
                 reason=joint.reason,
                 verdict=None if diagnosed is None else diagnosed.verdict,
                 effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
