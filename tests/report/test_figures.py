@@ -251,3 +251,18 @@ def test_the_legend_says_how_long_the_window_is_and_whether_a_band_is_cut(single
     assert figure.axes[0].get_ylim()[1] < 1
     paper = FrictionSettings(estimator="paper", model="coulomb")
     assert legend(draw(replace(single, settings=replace(single.settings, friction=paper)), 1))[0] == "last cycle"
+
+
+@KINDS
+def test_dollar_signs_in_a_name_are_no_mathematics(kind: FigureKind, seven: Estimate, tmp_path: Path) -> None:
+    """As mathematics this name would be an error."""
+    names = (r"arm$\bad{$", *seven.interaction.joint_names[1:])
+    joints = tuple(replace(one, name=name) for one, name in zip(seven.friction.joints, names, strict=True))
+    odd = replace(
+        seven,
+        interaction=replace(seven.interaction, joint_names=names),
+        friction=replace(seven.friction, joints=joints),
+    )
+    save_figure(kind.draw(odd, None), tmp_path / "sheet.svg")
+    titles = [axes.get_title(loc="left") for axes in kind.draw(odd, 1).axes]
+    assert any(r"arm\$\bad{\$" in title for title in titles)

@@ -16,6 +16,7 @@ from friction_audit.report.drift_words import (
 )
 from friction_audit.report.estimate_table import NOTHING, joint_label
 from friction_audit.report.figures.layout import add_legend, new_pairs
+from friction_audit.report.figures.names import printable
 from friction_audit.report.figures.style import DISSIPATED, FILTERED, FITTED, MUTED, figure_style
 
 if TYPE_CHECKING:
@@ -65,11 +66,6 @@ def chosen_joints(arm: ArmDrift, joint: int | None) -> tuple[JointDrift, ...]:
 def joint_name(joint: JointDrift) -> str:
     """Return what a panel calls a joint."""
     return f"joint {shortened(printable(joint_label(joint.joint, joint.name)))}"
-
-
-def printable(name: str) -> str:
-    """Return a name without characters that no font can draw and no drawing can hold."""
-    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in name)
 
 
 def shortened(name: str) -> str:

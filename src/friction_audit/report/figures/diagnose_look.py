@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile
 from friction_audit.errors import UsageError
-from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.layout import is_narrow, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.names import joint_title
 from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, FITTED, SHEET_IN
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def chosen_joints(found: Diagnosis, joint: int | None) -> tuple[JointDiscrepancy
 
 def joint_name(joint: JointDiscrepancy) -> str:
     """Return what a panel calls a joint."""
-    return f"joint {joint_label(joint.joint, joint.name)}"
+    return joint_title(joint.joint, joint.name)
 
 
 def grown_name(joint: JointDiscrepancy) -> str:

@@ -9,7 +9,7 @@ from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
-from friction_audit.report.estimate_table import joint_label
+from friction_audit.report.figures.names import joint_title
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -39,7 +39,7 @@ class JointSeries:
     @property
     def title(self) -> str:
         """What a panel is called: the joint's number, and its name where that says more."""
-        return f"joint {joint_label(self.number, self.name)}"
+        return joint_title(self.number, self.name)
 
     @property
     def not_determined(self) -> str:

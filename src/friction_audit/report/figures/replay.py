@@ -8,8 +8,8 @@ from friction_audit.audit import Estimate, LogReplay, replay_estimate
 from friction_audit.joint_log import Float
 from friction_audit.replay.result import JointReplay
 from friction_audit.replay.settings import ReplaySettings
-from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.layout import MOST_SHADED, add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.names import joint_title
 from friction_audit.report.figures.smoothing import cutoff_hz, smooth
 from friction_audit.report.figures.style import (
     BORDER,
@@ -112,7 +112,7 @@ def _within(limits: tuple[float, float], least: float, most: float) -> tuple[flo
 
 
 def _name(joint: JointReplay) -> str:
-    return f"joint {joint_label(joint.joint, joint.name)}"
+    return joint_title(joint.joint, joint.name)
 
 
 def _finish(panels: "Sequence[Axes]", joint: JointReplay, titles: tuple[str, ...]) -> None:

@@ -6,8 +6,8 @@ import numpy as np
 
 from friction_audit.audit import Estimate, LogReplay
 from friction_audit.replay.result import JointReplay, Signals
-from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure, say_in_panel
+from friction_audit.report.figures.names import joint_title
 from friction_audit.report.figures.replay import MOST_OF_WITHOUT, SMALLEST_SPEED_RAD_S, replayed
 from friction_audit.report.figures.smoothing import CUTOFF_HZ, cutoff_hz, median_rate_hz, smooth
 from friction_audit.report.figures.style import COLUMN_IN, FILTERED, FITTED, MUTED, RAW, SHEET_IN, figure_style
@@ -59,7 +59,7 @@ def _draw_panel(axes: "Axes", joint: JointReplay) -> "list[Artist]":
     reach = min(1.05 * max(speeds), MOST_OF_WITHOUT * max(speeds[0], SMALLEST_SPEED_RAD_S))
     reach = max(reach, SMALLEST_SPEED_RAD_S)
     axes.set_xlim(-reach, reach)
-    label_panel(axes, f"joint {joint_label(joint.joint, joint.name)}", across=4)
+    label_panel(axes, joint_title(joint.joint, joint.name), across=4)
     if joint.replayed is None or joint.history is None:
         say_in_panel(axes, f"not replayed: {joint.reason.partition(';')[0]}", characters=24)
         return handles

@@ -8,7 +8,8 @@ import numpy as np
 from friction_audit.audit import Estimate
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.report.figures.batch_look import printable, shortened
+from friction_audit.report.figures.batch_look import shortened
+from friction_audit.report.figures.names import printable
 from friction_audit.report.log_report import LogReport
 
 PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
