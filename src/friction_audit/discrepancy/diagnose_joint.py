@@ -22,13 +22,12 @@ from friction_audit.discrepancy.naming import Names, find_names, search_library,
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
+from friction_audit.discrepancy.restless import find_restless
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
-from friction_audit.discrepancy.ringing import LEAST_VIBRATION, find_ringing, rings
+from friction_audit.discrepancy.ringing import find_ringing, rings
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.discrepancy.spectrum import find_vibration
-from friction_audit.discrepancy.stroke_scatter import find_stroke_scatter
-from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of, vibration_of
+from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -167,20 +166,16 @@ def _told(
     profiles = [profile_all(before, ground.curves, speed, cycle, tests[0])]
     profiles += [profile_all(after, ground.curves, speed, cycle, tests[1])] if names.found else profiles
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
-    vibration = find_vibration(ground.fine_residual(columns, fine), ground.data)
-    scatter = find_stroke_scatter(after, speed > 0.0, ground.run)
+    over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
+    restless = find_restless(ground, columns, fine, over, lambda vibration: rings(names, events, vibration))
     limit = _detection_limit(ground, names, gap, alpha)
-    shakes = vibration is not None and vibration.rms_nm > LEAST_VIBRATION * gap.after
-    shaken = shakes and vibration is not None and not rings(names, events, vibration)
-    restless = shaken or scatter is not None
-    verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), restless=restless)
-    also = ([] if vibration is None else [vibration_of(vibration)]) + ([] if scatter is None else [scatter.message])
+    verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), restless=restless.decides)
     return JointDiscrepancy(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
         message=message_of(
-            verdict, effects, profiles[1], also, limit, tests[0].p_value <= alpha, names.library.untestable
+            verdict, effects, profiles[1], restless.phrases, limit, tests[0].p_value <= alpha, names.library.untestable
         ),
         effects=effects,
         declared=declared,
@@ -194,8 +189,8 @@ def _told(
         detection_limit_nm=limit,
         profiles=profiles[0],
         remaining=profiles[1],
-        vibration=vibration,
-        scatter_nm=None if scatter is None else scatter.rms_nm,
+        vibration=restless.vibration,
+        scatter_nm=None if restless.scatter is None else restless.scatter.rms_nm,
         untestable=names.library.untestable,
         findings=subject.findings,
         traces=_traces(ground, ground.curves, before, after),
