@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from friction_audit.audit import AuditSettings, Estimate, estimate_log
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import fresh_samples, holes, low_pass_for, prepare
+from friction_audit.interaction.late_velocity import lag_of
 from friction_audit.simulate import BenchSettings, simulate
 
 
@@ -119,3 +121,28 @@ def test_a_quick_reversal_is_certain_and_a_rest_is_not() -> None:
     # Bench strokes end at rest: what is not moving lies below the dead speed, and most of what is below is not moving.
     assert np.all(speed[~data.moving] <= data.dead_speed_rad_s)
     assert np.mean(data.moving[rests]) < 0.5
+
+
+@pytest.mark.parametrize("corner_hz", [30.0, 2.0])
+def test_a_filtered_difference_gives_way_to_the_position(corner_hz: float) -> None:
+    estimate = bench()
+    log = estimate.log
+    step = float(np.median(np.diff(log.t)))
+    pole = np.exp(-2 * np.pi * corner_hz * step)
+    slope = np.diff(log.q[:, 0], prepend=log.q[0, 0]) / step
+    late = lfilter([1 - pole], [1, -pole], slope)[:, None]
+    assert prepared(replace(estimate, log=replace(log, dq=late))).derived_from == "q"
+
+
+def test_a_late_velocity_that_stays_is_put_on_time() -> None:
+    """The position is too coarse for a derivative, so the velocity is kept and its lag taken out."""
+    estimate = bench()
+    log = estimate.log
+    t, coarse = log.t, np.round(log.q / 2e-3) * 2e-3
+    late = np.interp(t - 0.004, t, log.dq[:, 0])[:, None]
+    data = prepared(replace(estimate, log=replace(log, q=coarse, dq=late)))
+    true = prepared(replace(estimate, log=replace(log, q=coarse)))
+    assert data.derived_from == true.derived_from == "dq"
+    reference = np.interp(data.t, true.t, true.dq)
+    left, _ = lag_of(*(one[data.valid, None] for one in (data.dq, reference, np.gradient(reference, data.t))))
+    assert abs(left[0]) < 4e-4

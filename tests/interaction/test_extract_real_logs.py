@@ -78,7 +78,7 @@ def test_the_sign_is_proved_on_all_seven_joints_and_the_model_is_right() -> None
     settings = TorqueSettings(drive="robot", gravity="model", inertia="model")
     found = extract_interaction(excitation("unknown"), settings)
     assert [one.verdict for one in found.choice.sign_evidence] == ["rises"] * 7
-    assert [caution.code for caution in found.warnings] == ["robot_assumed"]
+    assert [caution.code for caution in found.warnings] == ["robot_assumed", "dq_late"]
     error = np.abs(coulomb(found) - PUBLISHED_COULOMB_NM)
     assert error.max() < 0.10
     assert error[4:].max() < 0.06
@@ -88,13 +88,13 @@ def test_auto_finds_out_that_the_arm_moved_by_itself() -> None:
     found = extract_interaction(excitation("panda"), TorqueSettings())
     assert (found.choice.drive, found.choice.inertia, found.choice.sign_turned) == ("robot", "model", True)
     assert found.choice.sign_proved
-    assert [caution.code for caution in found.warnings] == ["sign_turned"]
+    assert [caution.code for caution in found.warnings] == ["dq_late", "sign_turned"]
 
 
 def test_one_way_motion_proves_no_sign() -> None:
     found = extract_interaction(one_way_csv(), TorqueSettings())
     assert not found.choice.sign_proved
-    assert [caution.code for caution in found.warnings] == ["sign_unproved"]
+    assert [caution.code for caution in found.warnings] == ["dq_late", "sign_unproved"]
     assert np.isfinite(found.torque).all()
 
 

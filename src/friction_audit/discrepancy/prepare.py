@@ -8,8 +8,9 @@ The grid is fine (400 Hz, corner 80 Hz), for what is not linear in the motion, t
 built on it and only then low-passed as far as a regression wants (``rows``): what a filter smears at a reversal of the
 measured torque it smears in the column too. Slower logs keep their own rate, and a quarter of it as corner.
 
-Velocity and acceleration are derivatives of the position where that leaves less noise than the velocity that was
-logged; a Panda's position is a hundred times quieter than its velocity.
+Velocity and acceleration are derivatives of the position where that errs less than the velocity that was logged: a
+Panda's position is a hundred times quieter, and drivers log differences of the position behind a filter, which come
+some milliseconds late. Position and torque were sampled together; a velocity that lags them would pass for a delay.
 """
 
 from dataclasses import dataclass
@@ -24,7 +25,9 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_load import know_load
 from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.late_velocity import find_lag
 from friction_audit.interaction.plan import CHANNELS
+from friction_audit.interaction.sign import coarse_log
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 from friction_audit.per_joint import per_joint
 from friction_audit.robot import Arm
@@ -215,14 +218,17 @@ def _filter_everyone(
     interaction: Interaction, log: JointLog, low_pass: LowPass, t: Float, new: NDArray[np.bool_]
 ) -> _Everyone:
     read: Float = getattr(log, CHANNELS[interaction.choice.source])
+    coarse = coarse_log(log)
+    lag = find_lag(coarse, median_step(log.t))
+    brisk = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
     def one(column: int) -> tuple[Float, Float, Float, Float, Float, str]:
         q, slope = low_pass.with_slope(t, log.q[new, column])
-        dq, ddq = low_pass.with_slope(t, log.dq[new, column])
+        logged = low_pass.of(t, log.dq[new, column])
         sensed = interaction.choice.sign * low_pass.of(t, read[new, column])
-        if _noise(slope) < _noise(dq):
-            return q, slope, np.gradient(slope, low_pass.t), sensed, dq, "q"
-        return q, dq, ddq, sensed, dq, "dq"
+        if _noise(slope) < np.hypot(_noise(logged), lag[column] * brisk[column]):
+            return q, slope, np.gradient(slope, low_pass.t), sensed, logged, "q"
+        return q, *low_pass.with_slope(t - lag[column], log.dq[new, column]), sensed, logged, "dq"
 
     filtered = per_joint(one, log.q.shape[1])
     q, dq, ddq, sensed, logged = (np.stack([joint[k] for joint in filtered], axis=1) for k in range(5))

@@ -9,6 +9,7 @@ from friction_audit.errors import UsageError
 from friction_audit.interaction.balance import SIGNS, Balance, formula
 from friction_audit.interaction.cautions import not_used, sign_cautions
 from friction_audit.interaction.interaction import Interaction, TorqueChoice
+from friction_audit.interaction.late_velocity import on_time
 from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
@@ -22,6 +23,7 @@ def extract_interaction(
     """Make the torque at the friction port of a log, and prove its sign.
 
     Every joint of the log takes part in the rigid-body model and in the proof of the sign, the selected ones or not.
+    Velocities that come behind the positions are put on time.
 
     Args:
         log: The log.
@@ -33,6 +35,7 @@ def extract_interaction(
         UsageError: If the settings contradict the log, or a joint is not in it.
     """
     columns = _columns(log, joints)
+    log, late = on_time(log, coarse_log(log))
     coarse = coarse_log(log)
     plan = make_plan(log, coarse, settings)
     grids = grids_of(log, settings.model_rate_hz)
@@ -53,7 +56,7 @@ def extract_interaction(
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
-        warnings=plan.warnings + unused + sign_cautions(log, plan, balance, settings, turned=turned),
+        warnings=plan.warnings + late + unused + sign_cautions(log, plan, balance, settings, turned=turned),
     )
 
 

@@ -1,0 +1,94 @@
+"""A logged velocity that comes behind the position is put on time.
+
+Drivers log differences of the position behind a filter: a Panda's dq comes 1 to 3 ms late, others 5 to 10. Position
+and torque are sampled together, so against a late velocity the torque of an acceleration looks like friction, and an
+energy balance charges it to the wrong part of a stroke. With v and a from differences of the position,
+
+    dq(t) = v(t - d)   =>   v - dq = d a + what an independent noise does.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.interaction.interaction import Caution
+from friction_audit.interaction.sign import CoarseLog
+from friction_audit.joint_log import Float, JointLog, median_step
+
+CERTAIN = 5.0
+"""Standard errors that a lag must differ from zero."""
+SHARE_OF_STEP = 0.5
+"""And so much of a step of the clock: channels of one message may be sampled in turn."""
+FINE = 0.01
+"""Noise of a velocity from the position, of the usual speed, that is no loss."""
+
+
+def lag_of(logged: Float, slope: Float, bend: Float) -> tuple[Float, Float]:
+    """Least squares of how long velocities come behind the derivatives of their positions.
+
+    Args:
+        logged: Velocities as logged, shape (n, j). [rad/s]
+        slope: Derivatives of the positions, shape (n, j). [rad/s]
+        bend: Second derivatives, shape (n, j). [rad/s^2]
+
+    Returns:
+        Lag and its standard error, shape (j,) each; a joint that never accelerates has lag 0, error infinite. [s]
+    """
+    power = np.sum(bend**2, axis=0)
+    still = power <= 0.0
+    lag = np.where(still, 0.0, np.sum(bend * (slope - logged), axis=0) / np.where(still, 1.0, power))
+    left = np.mean((slope - logged - lag * bend) ** 2, axis=0)
+    return lag, np.where(still, np.inf, np.sqrt(left / np.where(still, 1.0, power)))
+
+
+def find_lag(coarse: CoarseLog, step_s: float) -> Float:
+    """Tell by how much each joint's velocity comes late, shape (j,); 0 where that cannot be told from nothing. [s]
+
+    Args:
+        coarse: Means of the log over short blocks.
+        step_s: Step of the log's clock. [s]
+    """
+    inner = slice(1, -1)
+    before, after = np.diff(coarse.q, axis=0)[:-1], np.diff(coarse.q, axis=0)[1:]
+    half = 0.5 * (coarse.t[2:] - coarse.t[:-2])[:, None]
+    whole = coarse.whole[:-2] & coarse.whole[inner] & coarse.whole[2:]
+    slope, bend = (before + after) / (2.0 * half), (after - before) / half**2
+    lag, error = lag_of(coarse.dq[inner][whole], slope[whole], bend[whole])
+    return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
+
+
+def read_on_time(log: JointLog, lag: Float) -> JointLog:
+    """Return a log whose velocities belong to its positions.
+
+    A filter that delays also flattens, so a late velocity is replaced by the change of the position over as long a
+    memory, centred: (q(t + d) - q(t - d)) / 2 d. Where the position is too coarse for that, it is read earlier.
+
+    Args:
+        log: The log.
+        lag: How much later each velocity comes, shape (j,). [s]
+    """
+    dq = log.dq.copy()
+    for joint in np.flatnonzero(lag):
+        q, late = log.q[:, joint], lag[joint]
+        ahead, behind = np.interp(log.t + late, log.t, q), np.interp(log.t - late, log.t, q)
+        fine = _roughness(q) / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
+        dq[:, joint] = (ahead - behind) / (2.0 * late) if fine else np.interp(log.t + late, log.t, log.dq[:, joint])
+    return replace(log, dq=dq)
+
+
+def _roughness(q: Float) -> float:
+    """Root mean square of a position's noise and resolution, from second differences. [rad]"""
+    return float(np.sqrt(np.mean(np.diff(q, n=2) ** 2) / 6.0))
+
+
+def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:
+    """Return the log with its velocities on time, and what the user must know about it."""
+    lag = find_lag(coarse, median_step(log.t))
+    if not lag.any():
+        return log, ()
+    late = np.flatnonzero(lag)
+    least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
+    much = least if least == most else f"{least} to {most}"
+    joints = f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}"
+    message = f"{joints}: dq comes {much} ms behind the change of q, as behind a filter; it is put on time"
+    return read_on_time(log, lag), (Caution(code="dq_late", message=message),)
