@@ -119,11 +119,11 @@ def _rivals(products: CrossProducts, active: list[int], unit: int, n_eff: float)
     """Every other candidate in the place of one effect, with its best admissible shape."""
     others = [u for u in active if u != unit]
     ranking = Ranking(products, n_eff)
-    scores = ranking.scores(others)
+    scores, possible = ranking.tried(others)
     best: dict[int, int] = {products.units[unit].group: unit}
     for u in np.argsort(-scores, kind="stable"):
         group = products.units[int(u)].group
-        if np.isfinite(scores[u]) and group not in best and ranking.admissible([*others, int(u)], int(u)):
+        if np.isfinite(scores[u]) and group not in best and possible(int(u)):
             best[group] = int(u)
     pairs = [u for u in best.values() if u != unit]
     return tuple(_rival(products, ranking, others, unit, u) for u in pairs)

@@ -220,9 +220,12 @@ class Ranking:
         self.n_eff = n_eff
         self.diagonal = np.diag(self.gram)
         self.by_width = _by_width(products.units)
+        self.group = np.array([unit.group for unit in products.units], dtype=np.int64)
         # A term may have more factors than one of its shapes uses; columns that are zero cost nothing.
         self.width = np.array([np.count_nonzero(self.diagonal[unit.columns]) for unit in products.units])
         self.penalty = _by_chance(products, self.width)
+        self.additions: dict[frozenset[int], int | None] = {}
+        self.objectives: dict[frozenset[int], float] = {}
 
     def columns(self, active: Sequence[int]) -> Index:
         """Columns of the base and of some units."""
@@ -241,7 +244,12 @@ class Ranking:
 
     def objective(self, active: Sequence[int]) -> float:
         """What the search makes large: n_eff ln(1 / RSS) less what chance gives each."""
-        return float(-self.n_eff * np.log(self.rss(active)) - self.penalty[list(active)].sum())
+        # Exchange and deletion come by the same sets again and again.
+        known = self.objectives.get(key := frozenset(active))
+        if known is None:
+            known = float(-self.n_eff * np.log(self.rss(active)) - self.penalty[list(active)].sum())
+            self.objectives[key] = known
+        return known
 
     def admissible(self, active: Sequence[int], unit: int) -> bool:
         """Whether one unit's factors are possible with everything fitted together."""
@@ -256,19 +264,24 @@ class Ranking:
         return np.asarray(ordered * self.products.scale[0] / self.products.scale[cols])
 
     def reductions(self, active: Sequence[int]) -> Float:
-        """By how much each unit alone would lower the residual sum of squares, shape (m,); 0 for copies.
+        """By how much each unit alone would lower the residual sum of squares, shape (m,); 0 for copies."""
+        return self._joined(active)[0]
 
-        With the residualised products R = W'M W and r = W'M y it is r' R^-1 r (Frisch and Waugh 1933).
+    def _joined(self, active: Sequence[int]) -> tuple[Float, Float]:
+        """The same, and each unit's factors once it is added, of columns with a root mean square of 1, shape (m, p).
+
+        With the residualised products R = W'M W and r = W'M y they are r' R^-1 r and R^-1 r (Frisch and Waugh 1933).
         """
         cols = self.columns(active)
         left, projected = _eigen_root(self.gram[np.ix_(cols, cols)]), self.gram[cols]
         inside = left @ projected
         outcome = np.zeros(len(self.products.units))
+        factors = np.zeros((len(outcome), max((table.shape[1] for _, table in self.by_width), default=0)))
         for where, table in self.by_width:
-            outcome[where] = self._reductions_of(table, inside)
-        return outcome
+            outcome[where], factors[where, : table.shape[1]] = self._joined_of(table, inside)
+        return outcome, factors
 
-    def _reductions_of(self, table: Index, inside: Float) -> Float:
+    def _joined_of(self, table: Index, inside: Float) -> tuple[Float, Float]:
         """The same for units of one width, columns (m, p)."""
         taken = inside[:, table]
         r = self.gram[table, 0] - np.einsum("amp,a->mp", taken, inside[:, 0])
@@ -279,35 +292,45 @@ class Ranking:
         value, vector = np.linalg.eigh(R)
         good = value > MIN_FRACTION_LEFT
         along = np.einsum("mpe,mp->me", vector, r / norm)
-        return np.asarray(np.where(good, along**2 / np.where(good, value, 1.0), 0.0).sum(axis=1))
+        solved = np.where(good, along / np.where(good, value, 1.0), 0.0)
+        return np.sum(along * solved, axis=1), np.einsum("mpe,me->mp", vector, solved) / norm
 
     def scores(self, active: Sequence[int]) -> Float:
         """Score of adding each unit, shape (m,); minus infinity for candidates already in."""
+        return self.tried(active)[0]
+
+    def tried(self, active: Sequence[int]) -> tuple[Float, Callable[[int], bool]]:
+        """The same, and whether a unit's factors are possible once it is added."""
         rss = self.rss(active)
-        left = np.maximum(rss - self.reductions(active), 1e-14 * float(self.gram[0, 0]))
+        reductions, factors = self._joined(active)
+        left = np.maximum(rss - reductions, 1e-14 * float(self.gram[0, 0]))
         score: Float = self.n_eff * np.log(rss / left) - self.penalty
-        groups = {self.products.units[u].group for u in active}
-        score[[unit.group in groups for unit in self.products.units]] = -np.inf
-        return score
+        score[np.isin(self.group, [self.group[u] for u in active])] = -np.inf
+
+        def possible(unit: int) -> bool:
+            entry, scale = self.products.units[unit], self.products.scale
+            own = factors[unit, : len(entry.columns)] * scale[0] / scale[entry.columns]
+            return self.products.admissible[entry.group](own, entry.shape)
+
+        return score, possible
 
     def best_addition(self, active: Sequence[int]) -> int | None:
         """The unit with the highest score above 0 whose factors are possible; None if there is none."""
-        score = self.scores(active)
-        for unit in np.argsort(-score, kind="stable"):
-            if not score[unit] > 0:
-                return None
-            if self.admissible([*active, int(unit)], int(unit)):
-                return int(unit)
-        return None
+        key = frozenset(active)
+        if key not in self.additions:
+            score, possible = self.tried(active)
+            ordered = np.argsort(-score, kind="stable").tolist()
+            self.additions[key] = next((u for u in ordered[: np.count_nonzero(score > 0.0)] if possible(u)), None)
+        return self.additions[key]
 
     def nearly(self, active: Sequence[int], lacking: float) -> list[tuple[str, int]]:
         """Names and best possible shapes of candidates that lack less than so much to come in, the best first."""
-        score = self.scores(active)
+        score, possible = self.tried(active)
         best: dict[str, int] = {}
-        for unit in np.argsort(-score, kind="stable"):
-            entry = self.products.units[int(unit)]
+        for unit in np.argsort(-score, kind="stable").tolist():
+            entry = self.products.units[unit]
             name = self.products.names[entry.group]
-            if score[unit] > -lacking and name not in best and self.admissible([*active, int(unit)], int(unit)):
+            if score[unit] > -lacking and name not in best and possible(unit):
                 best[name] = entry.shape
         return list(best.items())
 
