@@ -45,7 +45,17 @@ def test_a_joint_is_a_column_wide_and_a_sheet_of_all_a_page(kind: BatchFigure) -
     assert kind.draw(ARM, 2).get_figwidth() == COLUMN_IN
     sheet = kind.draw(ARM, None)
     assert sheet.get_figwidth() == SHEET_IN
-    assert [n for n in range(1, 8) if f"joint {n}" not in words_in(sheet)] == []
+    moving = [one.joint for one in ARM.joints if one.joint != by_hand.STILL_JOINT]
+    assert [n for n in moving if f"joint {n}" not in words_in(sheet)] == []
+
+
+@KINDS
+def test_a_joint_that_never_moves_takes_no_room_on_a_sheet(kind: BatchFigure) -> None:
+    sheet = kind.draw(ARM, None)
+    assert f"joint {by_hand.STILL_JOINT}" not in words_in(sheet)
+    assert sheet.get_supxlabel().endswith(f"not drawn, for lack of any estimate: joint {by_hand.STILL_JOINT}")
+    still = replace(ARM, joints=ARM.joints[by_hand.STILL_JOINT - 1 :])
+    assert f"joint {by_hand.STILL_JOINT}" in words_in(kind.draw(still, None))
 
 
 @KINDS

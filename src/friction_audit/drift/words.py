@@ -65,8 +65,9 @@ def _main(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumst
     went = _verb(drift.change, "rose", "fell")
     if drift.shape == "temperature":
         return (
-            f"{name} {went} by {total} while the temperature changed by {beside.warmer_k:+.1f} K: drift and "
-            "temperature cannot be told apart"
+            f"{name} {went} by {total} while it became {abs(beside.warmer_k):.1f} K "
+            f"{'warmer' if beside.warmer_k >= 0 else 'colder'}: drift and temperature cannot be told apart; "
+            "sessions at like temperature would tell"
         )
     if drift.shape == "none":
         like = " at like temperature" if beside.by_temperature else ""

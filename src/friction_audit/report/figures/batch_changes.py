@@ -16,6 +16,7 @@ from friction_audit.report.figures.batch_look import (
     coefficient_title,
     in_order,
     joint_name,
+    name_joints_left_out,
     of_coefficient,
 )
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
@@ -56,6 +57,8 @@ def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
         panels[0].set_ylim(len(joints) - 0.5, -0.5)
         add_legend(figure, in_order(handles, LEGEND))
         figure.supxlabel("Change from the reference to the last sessions [%]", fontsize=7.5)
+        if joint is None:
+            name_joints_left_out(figure, arm, joints)
         return figure
 
 

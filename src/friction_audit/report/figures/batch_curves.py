@@ -16,6 +16,7 @@ from friction_audit.report.figures.batch_look import (
     chosen_joints,
     in_order,
     joint_name,
+    name_joints_left_out,
 )
 from friction_audit.report.figures.diagnose_look import draw_grid
 from friction_audit.report.figures.layout import add_legend, label_panel, say_in_panel
@@ -55,6 +56,8 @@ def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
         labels = [label for label, _ in _names(arm)]
         add_legend(figure, in_order(handles, [*labels, SPREAD]))
         figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
+        if sheet:
+            name_joints_left_out(figure, arm, joints)
         figure.supylabel("Interaction torque [N m]", fontsize=7.5)
         return figure
 

@@ -1,11 +1,13 @@
 """What the figures of a batch share: their style, which joints, the axis of sessions, colours."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.errors import UsageError
+from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.report.drift_words import (
     DRIFT,
     coefficient_name,
@@ -51,16 +53,35 @@ def batch_style() -> Iterator[None]:
 
 
 def chosen_joints(arm: ArmDrift, joint: int | None) -> tuple[JointDrift, ...]:
-    """Return one joint, given by its number for people, or with None all of them.
+    """Return one joint, given by its number for people, or with None all that there is something to draw of.
 
     Raises:
         UsageError: If the arm does not have that joint.
     """
-    chosen = tuple(one for one in arm.joints if joint in (None, one.joint))
+    if joint is None:
+        return tuple(one for one in arm.joints if not is_silent(arm, one)) or arm.joints
+    chosen = tuple(one for one in arm.joints if one.joint == joint)
     if not chosen:
         held = ", ".join(str(one.joint) for one in arm.joints)
         raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
     return chosen
+
+
+def is_silent(arm: ArmDrift, joint: JointDrift) -> bool:
+    """Return whether a joint has neither an estimate nor a curve in any session: it never moved."""
+    estimated = any(math.isfinite(value.value) for found in joint.coefficients for value in found.values)
+    curves = (one.curve for session in arm.sessions for one in session.joints if one.joint == joint.joint)
+    return not estimated and not any(curve.speed_rad_s for curve in curves)
+
+
+def name_joints_left_out(figure: "Figure", arm: ArmDrift, drawn: Sequence[JointDrift]) -> None:
+    """Say below a sheet which joints are not on it, where some are not."""
+    missing = [one.joint for one in arm.joints if one not in drawn]
+    if missing:
+        below = figure.get_supxlabel()
+        figure.supxlabel(
+            f"{below}\nnot drawn, for lack of any estimate: joint {write_joint_numbers(missing)}", fontsize=7.5
+        )
 
 
 def joint_name(joint: JointDrift) -> str:
@@ -154,6 +175,8 @@ def draw_pairs(arm: ArmDrift, joint: int | None, draw_panel: DrawPanel, legend: 
                 handles += draw_panel(axes, arm, one, coefficient)
         add_legend(figure, in_order(handles, legend))
         name_axis(figure, session_label(arm))
+        if joint is None:
+            name_joints_left_out(figure, arm, joints)
         return figure
 
 
