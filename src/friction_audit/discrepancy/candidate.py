@@ -30,6 +30,10 @@ class Baseline:
     declared: frozenset[str] = frozenset()
 
 
+def _sharp(_baseline: Baseline, _shape: Shape) -> float:
+    return 0.0
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Candidate:
     """One effect, as a detector sees it.
@@ -51,6 +55,9 @@ class Candidate:
         same_as: Names that no motion of this kind tells apart from it.
         term: The term of a joint model that it adds; None for an effect that no model can hold.
         leans_on_model: Whether its columns hold torque of the declared model, so that they change with its factors.
+        rugged: Name of the number of its shape on which the misfit has many valleys; empty without one.
+        beside_rugged: Values of other numbers of the shape to try for each value of that one.
+        blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
     """
 
     name: str
@@ -64,6 +71,9 @@ class Candidate:
     same_as: tuple[str, ...] = ()
     term: Term | None = None
     leans_on_model: bool = False
+    rugged: str = ""
+    beside_rugged: tuple[Shape, ...] = ()
+    blur: Callable[[Baseline, Shape], float] = _sharp
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:

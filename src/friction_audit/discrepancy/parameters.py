@@ -1,11 +1,11 @@
 """Values and intervals of the grown model's numbers, from all cycles, shapes included.
 
 A shape's interval is that of one step of Gauss and Newton: the derivative of the effect's torque with respect to the
-shape is one more column, and its factor is how far the shape is off.
+shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged it is profiled instead.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found
+from friction_audit.discrepancy.profile_likelihood import profile_number
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -39,6 +40,7 @@ class Parameters:
 
 def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Parameters:
     """Fit everything together on all cycles."""
+    found, profiled = _with_profiles(ground, found, baseline)
     base = ground.base.shape[1]
     linear = np.hstack([ground.base, *(f.columns for f in found)])
     factors = [c.value for c in coefficients(linear, ground.y, ground.rows.cycle)]
@@ -50,15 +52,34 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
     every = coefficients(np.hstack([linear, *slopes]), ground.y, ground.rows.cycle)
     declared = dict(zip(ground.declared.names, every[:base], strict=True))
     effects, at, after = [], base, linear.shape[1]
-    for f, slope in zip(found, slopes, strict=True):
+    for f, slope, numbers in zip(found, slopes, profiled, strict=True):
         width, shapes = f.columns.shape[1], slope.shape[1]
         named = zip(_factor_names(f), every[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
         values = {name: coefficient for name, coefficient, there in named if there}
         free = every[after : after + shapes]
         values |= {name: _shifted(f.shape[name], step) for name, step in zip(f.shape, free, strict=True)}
-        effects.append(_reaching_both(values))
+        effects.append(_reaching_both(values) | numbers)
         at, after = at + width, after + shapes
     return Parameters(declared=declared, effects=tuple(effects))
+
+
+def _with_profiles(
+    ground: Ground, found: Sequence[Found], baseline: Baseline
+) -> tuple[list[Found], list[dict[str, Coefficient]]]:
+    """The effects with the best shapes on all cycles where those are rugged, and the intervals of such numbers."""
+    told = list(found)
+    profiled: list[dict[str, Coefficient]] = []
+    for k, f in enumerate(told):
+        name = f.candidate.rugged
+        if not name:
+            profiled.append({})
+            continue
+        others = np.hstack([ground.base, *(g.columns for g in told if g is not f)])
+        best = profile_number(f.candidate, name, f.shape, ground, baseline, others)
+        columns = ground.rows.of(f.candidate.columns(ground.data, baseline, best.shape))
+        told[k] = replace(f, shape=best.shape, columns=columns)
+        profiled.append({name: best.number})
+    return told, profiled
 
 
 def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:

@@ -13,6 +13,8 @@ SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
 CONTACTS_HZ = (22.0, 50.0)
 """Flanks that ring about as fast as a regression sees, and hard ones."""
+PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 6)
+"""Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 """All that is behind the sensor is behind the play, as far as a fit that did not know of it can tell."""
@@ -34,6 +36,12 @@ def admissible(factors: Float, _shape: Shape) -> bool:
     return bool(LEAST_SHARE <= factors[0] <= LARGEST_SHARE)
 
 
+def flank_twist(baseline: Baseline, shape: Shape) -> float:
+    """By how much one flank gives way under friction: its law is unknown, so that much more or less is play. [rad]"""
+    stiffness = baseline.inertia_kg_m2 * (2.0 * np.pi * shape["contact_hz"]) ** 2
+    return float(abs(baseline.coulomb_nm) / stiffness) if stiffness > 0.0 else 0.0
+
+
 CANDIDATE = Candidate(
     name="backlash",
     label="free play at a reversal",
@@ -46,4 +54,7 @@ CANDIDATE = Candidate(
     axis="displacement",
     term=TERM,
     leans_on_model=True,
+    rugged="gap_rad",
+    beside_rugged=tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ),
+    blur=flank_twist,
 )

@@ -1,0 +1,91 @@
+"""The number of a shape on which the misfit has many valleys: its best value, and an interval, by profile likelihood.
+
+When a play is crossed a moment sooner its flanks ring out of step, so that the misfit goes up and down with the width.
+No derivative tells how well such a number is known, and no descent finds the lowest valley. So many values are tried,
+each with the best of the other numbers of the shape, and those are kept that the log does not rule out:
+
+    n_eff ln(RSS / RSS_best) < chi2_1 quantile at 0.95
+
+(A. F. Venzon, S. H. Moolgavkar, A method for computing profile-likelihood-based confidence intervals, Journal of the
+Royal Statistical Society C 37 (1988) 87). The ends lie at the next values tried, which the log does rule out, and
+farther by what the candidate's formula assumes and nobody knows.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.declared import CONFIDENCE, least_squares
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+FARTHEST = 1.8
+"""Values are tried from so many times less to so many times more than the one that was found."""
+VALUES = 21
+BETWEEN = 4
+"""Values that are tried once more between the neighbours of the best one."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Profiled:
+    """The best shape on all rows, and the interval of its number."""
+
+    shape: Shape
+    number: Coefficient
+
+
+def profile_number(
+    candidate: Candidate, name: str, shape: Shape, ground: Ground, baseline: Baseline, base: Float
+) -> Profiled:
+    """Profile one number, above zero, of a shape on all rows.
+
+    Args:
+        candidate: The effect.
+        name: The number.
+        shape: The shape that was found.
+        ground: The joint.
+        baseline: What columns may lean on.
+        base: All other columns of the model on the rows, shape (m, b).
+    """
+    from scipy.special import chdtri
+
+    best: dict[float, tuple[float, Shape]] = {}
+
+    def look(values: Sequence[float]) -> None:
+        for value in values:
+            tried = [{**shape, name: value, **others} for others in candidate.beside_rugged]
+            misfits = [_misfit(candidate, one, ground, baseline, base) for one in tried]
+            best[value] = min(zip(misfits, tried, strict=True), key=lambda pair: pair[0])
+
+    look((shape[name] * np.geomspace(1.0 / FARTHEST, FARTHEST, VALUES)).tolist())
+    low, high = _around(sorted(best), min(best, key=lambda value: best[value][0]))
+    look(np.geomspace(low, high, BETWEEN + 2)[1:-1].tolist())
+    value = min(best, key=lambda value: best[value][0])
+    worth = len(ground.y) / ground.memory(
+        base, ground.rows.of(candidate.columns(ground.data, baseline, best[value][1]))
+    )
+    least = best[value][0] * float(np.exp(chdtri(1, 1.0 - CONFIDENCE) / worth))
+    every = sorted(best)
+    kept = [k for k, tried in enumerate(every) if best[tried][0] <= least]
+    low, high = every[max(kept[0] - 1, 0)], every[min(kept[-1] + 1, len(every) - 1)]
+    blur = candidate.blur(baseline, best[value][1])
+    return Profiled(shape=best[value][1], number=Coefficient(value=value, low=max(low - blur, 0.0), high=high + blur))
+
+
+def _around(every: Sequence[float], value: float) -> tuple[float, float]:
+    """The neighbours of a value."""
+    at = every.index(value)
+    return every[max(at - 1, 0)], every[min(at + 1, len(every) - 1)]
+
+
+def _misfit(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, base: Float) -> float:
+    """Residual sum of squares on all rows; that of no effect where its factors are impossible."""
+    own = ground.rows.of(candidate.columns(ground.data, baseline, shape))
+    columns = np.hstack([base, own])
+    factors = least_squares(columns, ground.y)
+    if not candidate.admissible(factors[base.shape[1] :], shape):
+        columns, factors = base, least_squares(base, ground.y)
+    return float(np.sum((ground.y - columns @ factors) ** 2))
