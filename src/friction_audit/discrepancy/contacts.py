@@ -4,7 +4,7 @@ An event is in the cycle in which it happened and in no other, so that no locked
 fitted to its rows is not a property of the joint.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,12 +31,15 @@ class Undisturbed:
 
 
 def leave_out_contacts(ground: Ground, library: Library) -> Undisturbed:
-    """Leave contacts out where a search takes them beside everything that the motion can explain."""
+    """Leave contacts out where a search takes them beside everything that the motion can explain.
+
+    The search goes over all cycles: an event that lies in a locked one is in no other, and nothing is learned from it.
+    """
     others = without(library, CANDIDATE.name)
     contacts = find_contacts(ground.data) if len(others.entries) < len(library.entries) else ()
     if not contacts:
         return Undisturbed(ground=ground, library=others, contacts=())
-    _, outcome, _ = search_library(ground, library)
+    _, outcome, _ = search_library(replace(ground, working=np.ones_like(ground.working)), library)
     if all(chosen.name != CANDIDATE.name for chosen in outcome.chosen):
         return Undisturbed(ground=ground, library=others, contacts=())
     kept = ~_touched(ground, contacts)

@@ -55,5 +55,11 @@ def test_what_comes_with_every_stroke_is_no_contact() -> None:
     assert find_contacts(with_torque(every)) == ()
 
 
+def test_friction_that_has_changed_turns_with_the_direction_and_is_no_contact() -> None:
+    late = MOTION.t > MOTION.t[-1] - 5.0
+    assert find_contacts(with_torque(0.15 * late)) != ()
+    assert find_contacts(with_torque(0.15 * late * np.sign(MOTION.dq))) == ()
+
+
 def test_a_joint_at_rest_has_none() -> None:
     assert find_contacts(replace(MOTION, moving=np.zeros(len(MOTION.t), bool))) == ()

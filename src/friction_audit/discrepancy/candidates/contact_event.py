@@ -23,6 +23,8 @@ EDGE_SIGMAS = 2.5
 """How far the shortest window stands out at the beginning and the end of a contact."""
 LEAST_FILLED = 0.5
 """Share of a window in which the joint must move."""
+TURNING_S = 2.0
+"""A shorter touch may drag at a reversal, and turn with it."""
 TURN_S = 0.05
 """About a reversal, where the filter mixes both directions, nothing is looked for."""
 APART_S = 0.1
@@ -62,13 +64,23 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     outlying = np.zeros(len(left), bool)
     for length, mean in zip(WINDOWS_S, means, strict=True):
         outlying |= _widened(np.abs(mean) > LEAST_SIGMAS, _samples(length, data))
-    found = _stretches(data.t, outlying, np.abs(means[0]) > EDGE_SIGMAS)
+    stretches = _stretches(data.t, outlying, np.abs(means[0]) > EDGE_SIGMAS)
+    found = tuple(contact for contact in stretches if not _turns(data, left, contact))
     inside = np.zeros(len(left), bool)
     for contact in found:
         inside |= (data.t >= contact.start_s) & (data.t <= contact.stop_s)
     touched = len(np.unique(data.cycle[data.used & inside]))
     rare = touched <= MOST_CYCLES * len(np.unique(data.cycle[data.used])) and float(np.mean(inside)) <= MOST_TIME
     return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
+
+
+def _turns(data: JointData, left: Float, contact: Contact) -> bool:
+    """Whether what is left in a long stretch turns with the direction: friction that has changed, and no touch."""
+    inside = (data.t >= contact.start_s) & (data.t <= contact.stop_s) & (left != 0.0)
+    both = [left[inside & (data.dq > 0.0)], left[inside & (data.dq < 0.0)]]
+    if contact.stop_s - contact.start_s < TURNING_S or min(map(len, both)) < _samples(WINDOWS_S[0], data):
+        return False
+    return float(both[0].mean() * both[1].mean()) < 0.0
 
 
 def _samples(length_s: float, data: JointData) -> int:

@@ -1,9 +1,30 @@
 """Drift: the zero of the torque sensor moves, whatever the motion."""
 
-from friction_audit.discrepancy.candidate import Candidate, Shape, columns_of
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import both_directions
+from friction_audit.discrepancy.candidates.extent import duration
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
-from friction_audit.model.terms.torque_drift import TERM
+from friction_audit.model.terms.torque_drift import TERM, WAVES
+
+SHORTEST_S = 30.0
+"""Sensors drift with their temperature, within minutes: what changes within seconds is the motion's."""
+CYCLES_PER_HALF_TURN = 2
+"""A wave is slow that lasts longer than strokes do: else any misfit of the motion's own slow part passes for drift."""
+
+
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking."""
+    length, found = duration(data), len(np.unique(data.cycle[data.used]))
+    needed = CYCLES_PER_HALF_TURN * WAVES
+    if length < SHORTEST_S or found < needed:
+        return (
+            f"{found} cycles in {length:.0f} s: a drift is told from slow motion over at least {needed} cycles and "
+            f"{SHORTEST_S:g} s"
+        )
+    return both_directions(data, baseline)
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
@@ -17,7 +38,7 @@ CANDIDATE = Candidate(
     shapes=({},),
     columns=columns_of(TERM),
     column_units=("nm",) * len(TERM.linear),
-    untestable=both_directions,
+    untestable=untestable,
     admissible=admissible,
     axis="time",
     term=TERM,
