@@ -35,13 +35,13 @@ def lag_ms(log: JointLog) -> float:
 
 def test_a_velocity_of_a_shifted_line_has_that_lag_by_hand() -> None:
     slope, bend = np.array([[1.0], [3.0], [2.0]]), np.array([[1.0], [-1.0], [0.0]])
-    lag, error = lag_of(slope - 0.1 * bend, slope, bend)
+    lag, error = lag_of(slope - 0.1 * bend, slope, bend, bend)
     assert lag[0] == pytest.approx(0.1)
     assert error[0] == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_joint_that_never_accelerates_tells_nothing() -> None:
-    lag, error = lag_of(np.ones((5, 1)), np.zeros((5, 1)), np.zeros((5, 1)))
+    lag, error = lag_of(np.ones((5, 1)), *[np.zeros((5, 1))] * 3)
     assert lag[0] == 0.0
     assert np.isinf(error[0])
 
@@ -76,6 +76,12 @@ def test_a_velocity_that_is_not_late_stays_as_it_is(lag_s: float) -> None:
     same, cautions = on_time(log, coarse_log(log))
     assert same is log
     assert cautions == ()
+
+
+def test_noise_of_the_position_does_not_make_the_lag_smaller() -> None:
+    q, dq = motion()
+    noisy = q + 3e-3 * np.random.default_rng(2).standard_normal(len(T))
+    assert lag_ms(log_with(np.interp(T - 0.006, T, dq), noisy)) == pytest.approx(6.0, rel=0.1)
 
 
 def test_noise_alone_is_not_late() -> None:

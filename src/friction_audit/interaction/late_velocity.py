@@ -23,22 +23,27 @@ FINE = 0.01
 """Noise of a velocity from the position, of the usual speed, that is no loss."""
 
 
-def lag_of(logged: Float, slope: Float, bend: Float) -> tuple[Float, Float]:
-    """Least squares of how long velocities come behind the derivatives of their positions.
+def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
+    """Estimate how long velocities come behind the derivatives of their positions.
+
+    The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
+    the logged velocity has a noise of its own, and is the instrument.
 
     Args:
         logged: Velocities as logged, shape (n, j). [rad/s]
         slope: Derivatives of the positions, shape (n, j). [rad/s]
         bend: Second derivatives, shape (n, j). [rad/s^2]
+        change: Derivatives of the velocities, shape (n, j). [rad/s^2]
 
     Returns:
         Lag and its standard error, shape (j,) each; a joint that never accelerates has lag 0, error infinite. [s]
     """
-    power = np.sum(bend**2, axis=0)
+    power = np.sum(change * bend, axis=0)
     still = power <= 0.0
-    lag = np.where(still, 0.0, np.sum(bend * (slope - logged), axis=0) / np.where(still, 1.0, power))
-    left = np.mean((slope - logged - lag * bend) ** 2, axis=0)
-    return lag, np.where(still, np.inf, np.sqrt(left / np.where(still, 1.0, power)))
+    power = np.where(still, 1.0, power)
+    lag = np.where(still, 0.0, np.sum(change * (slope - logged), axis=0) / power)
+    left = np.mean((slope - logged - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)
+    return lag, np.where(still, np.inf, np.sqrt(left) / power)
 
 
 def find_lag(coarse: CoarseLog, step_s: float) -> Float:
@@ -48,12 +53,12 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
         coarse: Means of the log over short blocks.
         step_s: Step of the log's clock. [s]
     """
-    inner = slice(1, -1)
-    before, after = np.diff(coarse.q, axis=0)[:-1], np.diff(coarse.q, axis=0)[1:]
-    half = 0.5 * (coarse.t[2:] - coarse.t[:-2])[:, None]
-    whole = coarse.whole[:-2] & coarse.whole[inner] & coarse.whole[2:]
-    slope, bend = (before + after) / (2.0 * half), (after - before) / half**2
-    lag, error = lag_of(coarse.dq[inner][whole], slope[whole], bend[whole])
+    step = np.diff(coarse.t)[:, None]
+    slope = np.diff(coarse.q, axis=0) / step
+    whole = coarse.whole[:-2] & coarse.whole[1:-1] & coarse.whole[2:]
+    middle, reach = 0.5 * (slope[1:] + slope[:-1]), 0.5 * (step[1:] + step[:-1])
+    bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
+    lag, error = lag_of(coarse.dq[1:-1][whole], middle[whole], bend[whole], change[whole])
     return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
 
 
