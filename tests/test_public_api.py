@@ -4,7 +4,7 @@ import ast
 import inspect
 import subprocess
 import sys
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import pytest
 
 import friction_audit
 from friction_audit.api import options
+from friction_audit.api.calls import replay_settings
 from friction_audit.cycles.settings import CycleSettings
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
@@ -19,6 +20,7 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.ingest import ReadOptions
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
+from friction_audit.replay.compensators import EnergyCompensator
 from friction_audit.replay.settings import ReplaySettings
 from friction_audit.report.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
 from tests.report.conftest import build_estimate
@@ -80,6 +82,16 @@ def test_options_reach_the_steps(log: JointLog) -> None:
     settings = found.settings
     assert (settings.joints, settings.friction.estimator, settings.cycles.cutoff_hz) == ((1,), "paper", 15.0)
     assert settings.torque.drive == "hand"
+
+
+def test_a_replay_counts_the_cycles_that_the_hand_ended(log: JointLog) -> None:
+    estimate = friction_audit.estimate_log(log)
+    by_hand = CycleSettings(cycles_from="hand", minimum_path_rad=0.3)
+    hand = replace(estimate, settings=replace(estimate.settings, cycles=by_hand))
+    assert replay_settings(estimate, {}) == ReplaySettings()
+    compensator = replay_settings(hand, {}).compensator
+    assert isinstance(compensator, EnergyCompensator)
+    assert compensator.minimum_path_rad == 0.3
 
 
 @pytest.mark.parametrize(

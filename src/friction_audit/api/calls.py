@@ -18,7 +18,7 @@ from friction_audit.audit import Diagnosis, Estimate, LogReplay
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.replay.settings import ReplaySettings
+from friction_audit.replay.settings import ReplaySettings, energy_compensator
 from friction_audit.report.log_report import LogReport, report_estimate
 from friction_audit.simulate import SCENARIOS, Simulation, simulate
 from friction_audit.simulate.hide import hide
@@ -113,7 +113,8 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
         AnalysisError: If the log cannot be replayed.
     """
     check_names("replay_log", options, ReplayOptions)
-    return audit.replay_estimate(_estimated(log), ReplaySettings(**options))
+    estimate = _estimated(log)
+    return audit.replay_estimate(estimate, replay_settings(estimate, options))
 
 
 def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
@@ -150,11 +151,20 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     writers = dict(REPORT_FORMATS.values())
     if path is not None and Path(path).suffix.lower() not in writers:
         raise UsageError(f"{path}: ending {Path(path).suffix or 'missing'}: expected one of {', '.join(writers)}")
-    report = report_estimate(_estimated(log), ReplaySettings(), DiagnosisSettings())
+    estimate = _estimated(log)
+    report = report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
     if path is not None:
         with whole_file(Path(path), overwrite=overwrite) as draft:
             draft.write_bytes(writers[Path(path).suffix.lower()](report))
     return report
+
+
+def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySettings:
+    """Return how an estimate is replayed: where the hand ends cycles, the compensator counts those that it does."""
+    cycles = estimate.settings.cycles
+    if "compensator" not in options and cycles.cycles_from == "hand":
+        options = {**options, "compensator": energy_compensator(minimum_path_rad=cycles.minimum_path_rad)}
+    return ReplaySettings(**options)
 
 
 def _estimated(log: JointLog | Estimate) -> Estimate:
