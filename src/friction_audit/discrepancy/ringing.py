@@ -27,6 +27,7 @@ from friction_audit.discrepancy.spectrum import find_vibration
 from friction_audit.discrepancy.tell import effects_of
 from friction_audit.joint_log import Float
 
+RINGING = (ELASTICITY.name, BACKLASH.name)
 LEAST_VIBRATION = 0.5
 """A vibration of less than this share of what the grown model leaves is told, and does not decide."""
 CORNER_HZ = 60.0
@@ -68,7 +69,7 @@ def rings(names: Names, events: Sequence[Effect], vibration: Vibration) -> bool:
     A spring's lies from its resonance with the far side up to twice that, for a light link on its other end makes it
     higher; that of flanks from where those of the model ring upwards, for the model's are as hard as rows can tell.
     """
-    if any(event.name in {ELASTICITY.name, BACKLASH.name} for event in events):
+    if any(event.name in RINGING for event in events):
         return True
     for f in names.found:
         if f.candidate.name == ELASTICITY.name:
@@ -98,9 +99,14 @@ def find_ringing(ground: Ground, names: Names, alpha: float, rng: np.random.Gene
         rng: Source of randomness.
     """
     vibration = shaking(ground, names)
-    known = {f.candidate.name for f in names.found} | set(names.library.untestable)
-    if vibration is None or vibration.frequency_hz < ground.rows.corner_hz or known & {ELASTICITY.name, BACKLASH.name}:
+    if (
+        vibration is None
+        or vibration.frequency_hz < ground.rows.corner_hz
+        or ELASTICITY.name in names.library.untestable
+    ):
         return None
+    # A spring of the rows that does not ring so was none, or another one.
+    names = replace(names, found=tuple(f for f in names.found if f.candidate.name not in RINGING))
     fine = on_every_sample(ground, names)
     candidates = _near(ground, names, vibration)
     found = find_names(fine, candidates, _library(fine, candidates, names), alpha, rng)
