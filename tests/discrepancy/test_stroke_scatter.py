@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.stroke_scatter import FEWEST_PARTS, find_stroke_scatter
+from friction_audit.discrepancy.stroke_scatter import FEWEST_REVERSALS, find_stroke_scatter
 from friction_audit.joint_log import Float
 
 ROWS = 100
@@ -56,7 +56,7 @@ def test_a_torque_that_does_not_turn_with_the_direction_is_left_to_others() -> N
 
 
 def test_a_few_strokes_tell_nothing() -> None:
-    few = slice(0, ROWS * FEWEST_PARTS)
+    few = slice(0, ROWS * FEWEST_REVERSALS)
     assert find_stroke_scatter((SIGN * levels(2))[few], FORWARDS[few], T[few]) is None
 
 

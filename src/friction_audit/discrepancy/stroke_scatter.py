@@ -22,8 +22,7 @@ BIN_S = 0.05
 REACH_S = 0.3
 """Pairs count by exp(-l / reach): friction that flips within a second is seen."""
 PART_PER_REACH = 4.0
-FEWEST_PARTS = 12
-"""Parts of the recording in which the joint reverses."""
+FEWEST_REVERSALS = 12
 LEAST_Z = 3.0
 """One in seven hundred joints without it."""
 
@@ -58,7 +57,7 @@ def find_stroke_scatter(left: Float, forwards: NDArray[np.bool_], t: Float) -> S
         The scatter; None where there is none, or too few reversals to tell.
     """
     reversals = int(np.count_nonzero(np.diff(forwards)))
-    if reversals < FEWEST_PARTS:
+    if reversals < FEWEST_REVERSALS:
         return None
     excess, weight = _excess(left, np.where(forwards, 1.0, -1.0), ((t - t[0]) / BIN_S).astype(np.int64))
     parts = np.add.reduceat(excess, np.arange(0, len(excess), round(PART_PER_REACH * REACH_S / BIN_S)))
