@@ -2,13 +2,15 @@
 
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from friction_audit import __version__
 from friction_audit.batch import dask_executor
 from friction_audit.batch.dask_executor import DaskExecutor
 from friction_audit.batch.executor import Lost
@@ -67,19 +69,23 @@ def test_other_versions_are_refused() -> None:
     ours = dask_executor.versions()
     real = dask_executor._check_workers
 
-    class Newer:
-        def run(self, *_: object, **__: object) -> dict[str, dict[str, str]]:
-            return {"tcp://w": ours | {"friction-audit": "99.0"}}
+    class Workers:
+        """One worker, that answers what is installed there, and then which versions it runs."""
 
-    with pytest.raises(UsageError, match=r"worker tcp://w runs other versions: friction-audit 99\.0 there, .* here"):
-        real(Newer(), "tcp://s")
+        def __init__(self, installed: str | Exception, found: object = None) -> None:
+            self.answers: list[object] = [installed, found]
 
-    class Without:
-        def run(self, *_: object, **__: object) -> dict[str, Exception]:
-            return {"tcp://w": ModuleNotFoundError("No module named 'friction_audit'")}
+        def run(self, *_: object, **__: object) -> dict[str, object]:
+            return {"tcp://w": self.answers.pop(0)}
 
+    with pytest.raises(UsageError, match=r"worker tcp://w runs other versions: numpy 0\.1 there, .* here"):
+        real(Workers(__version__, ours | {"numpy": "0.1"}), "tcp://s")
     with pytest.raises(UsageError, match=r"worker tcp://w cannot run friction-audit .*install friction-audit"):
-        real(Without(), "tcp://s")
+        real(Workers(__version__, ModuleNotFoundError("No module named 'friction_audit'")), "tcp://s")
+    with pytest.raises(UsageError, match=r"worker tcp://w has friction-audit 99\.0; expected .* install"):
+        real(Workers("99.0"), "tcp://s")
+    with pytest.raises(UsageError, match=r"worker tcp://w has no friction-audit; expected .* install"):
+        real(Workers(PackageNotFoundError("friction-audit")), "tcp://s")
 
     class Empty:
         def run(self, *_: object, **__: object) -> dict[str, str]:
@@ -87,6 +93,20 @@ def test_other_versions_are_refused() -> None:
 
     with pytest.raises(UsageError, match="the cluster has no workers"):
         real(Empty(), "tcp://s")
+
+
+def test_any_worker_can_say_what_is_installed() -> None:
+    """What asks for it is of the standard library: a worker without this program can unpickle it."""
+    asked: list[Callable[..., object]] = []
+
+    class Listening:
+        def run(self, function: Callable[..., object], *_: object, **__: object) -> dict[str, str]:
+            asked.append(function)
+            return {"tcp://w": "0"}
+
+    with pytest.raises(UsageError):
+        dask_executor._check_workers(Listening(), "tcp://s")
+    assert [function.__module__ for function in asked] == ["importlib.metadata"]
 
 
 def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:

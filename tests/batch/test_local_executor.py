@@ -71,6 +71,16 @@ def test_nothing_to_do_starts_nothing() -> None:
     assert list(LocalExecutor(workers=2).run(fragile, iter(()))) == []
 
 
+def test_processes_are_kept_from_run_to_run_in_a_block(tmp_path: Path) -> None:
+    with LocalExecutor(workers=1) as executor:
+        found = [outcome for name in "ab" for _, outcome in executor.run(fragile, tasks(tmp_path, name))]
+    pids = {outcome.sha256.split()[1] for outcome in found if isinstance(outcome, Worked)}
+    assert len(found) == 2
+    assert len(pids) == 1
+    with pytest.raises(ProcessLookupError):
+        os.kill(int(pids.pop()), 0)
+
+
 def test_giving_up_ends_the_work_under_way(tmp_path: Path) -> None:
     outcomes = LocalExecutor(workers=2).run(_slow_after_one, tasks(tmp_path, "quick", "x"))
     next(outcomes)

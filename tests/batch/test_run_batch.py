@@ -169,6 +169,24 @@ def test_urls_are_fetched_and_known_again(rig: Path, batch: Batch) -> None:
     assert "friction-audit-" not in failed[0].message
 
 
+def test_a_folder_of_an_object_store(rig: Path, batch: Batch) -> None:
+    """A file system that is no disk: objects by their names, as in a bucket."""
+    fsspec = pytest.importorskip("fsspec")
+    store = fsspec.filesystem("memory")
+    store.put(str(rig), "/lab/rig", recursive=True)
+    try:
+        executor = Inline()
+        there = batch("memory://lab/rig", executor=executor)
+        assert [session.path.rpartition("/")[2] for session in there.sessions] == sorted(p.name for p in rig.iterdir())
+        assert {session.robot for session in there.sessions} == {"rig"}
+        assert [coulomb(session) for session in there.sessions] == [
+            coulomb(one) for one in batch(rig, ledger="here").sessions
+        ]
+        assert batch("memory://lab/rig", executor=executor).new == 0
+    finally:
+        store.rm("/lab", recursive=True)
+
+
 def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:
     log = find_logs([str(rig / "2026-03-01.parquet")], {})[0]
     task = replace(work.task_of(log), place="/nowhere/2026-03-01.parquet")

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Callable, Generator, Iterable, Iterator
 from dataclasses import dataclass
 from importlib import import_module
+from importlib.metadata import version
 from itertools import islice
 from queue import SimpleQueue
 from typing import Any
@@ -13,6 +14,7 @@ from friction_audit import __version__
 from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.errors import UsageError
 
+DISTRIBUTION = "friction-audit"
 PATIENCE_S = 15.0
 """For the scheduler's first answer."""
 PER_THREAD = 2
@@ -109,22 +111,31 @@ def versions() -> dict[str, str]:
     }
 
 
+def _check_installed(client: Any, address: str) -> None:  # noqa: ANN401
+    """Ask for the version with a function that any worker has: one that it lacks would never be answered."""
+    found = client.run(version, DISTRIBUTION, on_error="return")
+    if not found:
+        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
+    for worker, there in found.items():
+        if there != __version__:
+            said = "has no friction-audit" if isinstance(there, Exception) else f"has friction-audit {there}"
+            raise UsageError(
+                f"--scheduler {address}: worker {worker} {said}; expected {__version__}, as here, so that the numbers "
+                f"are the same; install friction-audit {__version__} there"
+            )
+
+
 def _check_workers(client: Any, address: str) -> None:  # noqa: ANN401
+    _check_installed(client, address)
     ours = versions()
     theirs = client.run(versions, on_error="return")
-    if not theirs:
-        raise UsageError(f"--scheduler {address}: the cluster has no workers; expected at least one; start one there")
     for worker, found in theirs.items():
         if isinstance(found, Exception):
             raise UsageError(
                 f"--scheduler {address}: worker {worker} cannot run friction-audit ({type(found).__name__}: {found}); "
                 f"install friction-audit {__version__} there"
             )
-        unlike = [
-            f"{name} {found.get(name)} there, {version} here"
-            for name, version in ours.items()
-            if found.get(name) != version
-        ]
+        unlike = [f"{name} {found.get(name)} there, {own} here" for name, own in ours.items() if found.get(name) != own]
         if unlike:
             raise UsageError(
                 f"--scheduler {address}: worker {worker} runs other versions: {', '.join(unlike)}; expected the same, "

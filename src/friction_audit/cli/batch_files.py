@@ -4,6 +4,7 @@ import hashlib
 import json
 import re
 from collections.abc import Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -96,23 +97,15 @@ def write_results(
     voice: Voice,
 ) -> Told:
     """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
-    from friction_audit.export.write_columns import write_columns
-    from friction_audit.report.batch_document import batch_document
     from friction_audit.report.batch_table import batch_table
-    from friction_audit.report.document import write_document
     from friction_audit.report.html.batch_page import write_page
-    from friction_audit.report.session_table import COLUMNS, session_columns, session_csv
     from friction_audit.whole_file import whole_file
 
-    document = write_document(batch_document(summary))
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
-    for name, text in ((DOCUMENT, document), (CSV, session_csv(summary))):
-        with whole_file(folder / name, overwrite=True) as draft:
-            draft.write_text(text, encoding="utf-8")
-    with whole_file(folder / PARQUET, overwrite=True) as draft:
-        write_columns(session_columns(summary), COLUMNS, draft)
-    with voice.step("draw the figures"):
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as beside, voice.step("draw the figures"):
+        tables = beside.submit(_write_tables, summary, folder)  # while others draw
         drawn, pictures = _draw(summary, folder, formats, executor)
+        document = tables.result()
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     lines = batch_table(summary, verbose=voice.verbose)
@@ -121,6 +114,23 @@ def write_results(
     )
     _remember(told, request, [*RESULTS, *drawn], folder, ledger)
     return told
+
+
+def _write_tables(summary: "BatchSummary", folder: Path) -> str:
+    """Write the document and the tables of all sessions; return the document."""
+    from friction_audit.export.write_columns import write_columns
+    from friction_audit.report.batch_document import batch_document
+    from friction_audit.report.document import write_document
+    from friction_audit.report.session_table import COLUMNS, session_columns, session_csv
+    from friction_audit.whole_file import whole_file
+
+    document = write_document(batch_document(summary))
+    for name, text in ((DOCUMENT, document), (CSV, session_csv(summary))):
+        with whole_file(folder / name, overwrite=True) as draft:
+            draft.write_text(text, encoding="utf-8")
+    with whole_file(folder / PARQUET, overwrite=True) as draft:
+        write_columns(session_columns(summary), COLUMNS, draft)
+    return document
 
 
 def _remember(told: Told, request: object, names: Sequence[str], folder: Path, ledger: "Ledger") -> None:
