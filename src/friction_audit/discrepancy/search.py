@@ -24,6 +24,7 @@ PROMISING = 8
 """Candidates that are tried as the first of two in the place of one."""
 BY_CHANCE = 0.01
 """Probability that anything enters where nothing is missing, all candidates and shapes together."""
+SAMPLES_AT_A_TIME = 4096
 MAX_ROUNDS = 50
 """Rounds of exchange and deletion: only rules that exclude one another's factors could go round for ever."""
 
@@ -162,13 +163,13 @@ def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProdu
     Raises:
         AnalysisError: A value is not finite.
     """
-    rows, units = _stack(y, base, groups)
-    scale = np.sqrt(np.mean(rows**2, axis=1))
+    columns, units = _columns(y, base, groups)
+    gram = _gram(columns)
+    scale = np.sqrt(np.diag(gram) / len(y))
     if not np.all(np.isfinite(scale)):
         raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
     scale[scale == 0.0] = 1.0
-    rows /= scale[:, None]
-    gram: Float = rows @ rows.T
+    gram /= scale[:, None] * scale
     shapes = [[unit.columns for unit in units if unit.group == g] for g in range(len(groups))]
     return CrossProducts(
         gram=gram,
@@ -425,8 +426,8 @@ class Ranking:
         )
 
 
-def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple[Unit, ...]]:
-    """All columns one below the other, shape (k, n), and where each unit's are."""
+def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float], tuple[Unit, ...]]:
+    """All columns, shape (p, n) each, and where each unit's are."""
     columns, units, start = [y[None], base.T], [], 1 + base.shape[1]
     for g, group in enumerate(groups):
         for s, shape in enumerate(group.shapes):
@@ -435,7 +436,18 @@ def _stack(y: Float, base: Float, groups: Sequence[Group]) -> tuple[Float, tuple
             numbers = group.numbers[s] if group.numbers else 0
             units.append(Unit(group=g, shape=s, columns=columns_of_shape, numbers=numbers))
             start += shape.shape[1]
-    return np.concatenate(columns, dtype=float), tuple(units)
+    return columns, tuple(units)
+
+
+def _gram(columns: Sequence[Float]) -> Float:
+    """Cross products of columns, shape (k, k), some samples at a time: all of them stacked would not fit a cache."""
+    every = sum(len(one) for one in columns)
+    gram = np.zeros((every, every))
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
+        for first in range(0, columns[0].shape[1], SAMPLES_AT_A_TIME):
+            block = np.concatenate([one[:, first : first + SAMPLES_AT_A_TIME] for one in columns], dtype=float)
+            gram += block @ block.T
+    return gram
 
 
 def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:
