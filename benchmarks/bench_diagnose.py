@@ -25,8 +25,8 @@ GOALS_S = {120: 10.0, 600: 40.0}
 INERTIA, COULOMB, VISCOUS, STRIBECK, RIPPLE, NOISE = 0.15, 0.3, 0.1, 0.15, 0.1, 0.05
 HIDDEN = ("stribeck", "torque_ripple", None)
 """In turn, joint by joint."""
-MOST_WRONG = 1
-"""Joints whose answer may be another: this is no test of the detector, only that it had its whole work to do."""
+MOST_MISSED = 1
+"""Joints whose effect may go unnamed: this is no test of the detector, only that it had its whole work to do."""
 BEGIN, END = "<!-- diagnose speed -->", "<!-- end of diagnose speed -->"
 
 
@@ -58,13 +58,15 @@ def write_log(path: Path, seconds: float, seed: int = 1) -> None:
 
 
 def check(command: Sequence[str]) -> None:
-    """Make sure that the joints that hide something were searched, and only they."""
+    """Make sure that what is hidden is among what is named."""
     output = subprocess.run([*command, "--json"], check=True, capture_output=True).stdout
     found = [tuple(effect["name"] for effect in joint["effects"]) for joint in json.loads(output)["joints"]]
-    wanted = [(name,) if (name := HIDDEN[joint % len(HIDDEN)]) else () for joint in JOINTS]
-    wrong = [(joint, names) for joint, names, hidden in zip(JOINTS, found, wanted, strict=True) if names != hidden]
-    if len(wrong) > MOST_WRONG:
-        raise SystemExit(f"other names than those hidden: {wrong}")
+    hidden = [HIDDEN[joint % len(HIDDEN)] for joint in JOINTS]
+    missed = [
+        (joint, name) for joint, name, names in zip(JOINTS, hidden, found, strict=True) if name not in (*names, None)
+    ]
+    if len(missed) > MOST_MISSED:
+        raise SystemExit(f"hidden, and not named: {missed}")
 
 
 def rows(seconds: int, runs: int, folder: Path) -> Iterator[str]:
