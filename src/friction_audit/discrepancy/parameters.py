@@ -83,16 +83,20 @@ def _with_profiles(
 
 
 def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:
-    """The numbers of an effect; the interval of one that is read twice reaches both readings."""
-    reaching = dict(values)
+    """The numbers of an effect; of one that is read twice the better known reading, with an interval that reaches both.
+
+    Noise in what a factor is multiplied with makes it too small, and leaves alone what says when.
+    """
+    told = dict(values)
     for name, shape, power in READ_TWICE:
         if name not in values or values[shape].low * values[shape].high <= 0.0:
             continue
-        one = values[name]
-        ends = sorted(end**power for end in (values[shape].low, values[shape].high))
-        if 1.0 / FARTHEST <= one.value / values[shape].value ** power <= FARTHEST:
-            reaching[name] = Coefficient(value=one.value, low=min(one.low, ends[0]), high=max(one.high, ends[1]))
-    return reaching
+        one, ends = values[name], sorted(end**power for end in (values[shape].low, values[shape].high))
+        other = Coefficient(value=values[shape].value ** power, low=ends[0], high=ends[1])
+        if 1.0 / FARTHEST <= one.value / other.value <= FARTHEST:
+            better = min((one, other), key=lambda reading: reading.high - reading.low)
+            told[name] = Coefficient(value=better.value, low=min(one.low, ends[0]), high=max(one.high, ends[1]))
+    return told
 
 
 def _factor_names(found: Found) -> list[str]:

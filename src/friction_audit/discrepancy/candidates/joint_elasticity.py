@@ -26,8 +26,9 @@ MOTION_BELOW_HZ = 18.0
 to do is below 4 Hz; unless the measured side rings with the far one, it is better taken as smooth."""
 FILTER_S = 0.2
 """Reach of the low-pass to either side."""
-SOFT_SHARES = (1e-3, 0.3, 1.0, 3.0)
-"""Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring."""
+SOFT_SHARES = (1e-3, 0.3, 1.0)
+"""Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring. One that
+is soft for all the torque there is would be a linear one again, and told half as soft as it is."""
 LARGEST_SHARE = 1.6
 FEWEST_REVERSALS = 20
 LEAST_SHARE = 0.5
