@@ -1,5 +1,6 @@
 """The documentation as a site: built strictly, whole, the same as in the repository, asking for nothing."""
 
+import ast
 import re
 from html import unescape
 
@@ -81,6 +82,16 @@ def test_every_verdict_is_explained() -> None:
     headings = re.findall(r"^## `(\w+)`(?:: (.+))?$", (DOCS / "verdicts.md").read_text(), re.MULTILINE)
     assert [name for name, _ in headings] == list(VERDICTS)
     assert all(words in ("", WORDS[name]) for name, words in headings)
+
+
+def test_every_fault_of_the_data_is_explained() -> None:
+    explained = set(
+        re.findall(r"^\| `(\w+)` \|", (DOCS / "verdicts.md").read_text().partition("| check |")[2], re.MULTILINE)
+    )
+    source = ast.parse((ROOT / "src/friction_audit/discrepancy/data_audit.py").read_text())
+    judged = [node for node in ast.walk(source) if isinstance(node, ast.Call) and ast.unparse(node.func) == "_judged"]
+    faults = {ast.literal_eval(call.args[0]) for call in judged if not any(key.arg == "bad" for key in call.keywords)}
+    assert explained == faults
 
 
 def test_motions_are_those_of_the_effects() -> None:

@@ -1,5 +1,7 @@
 """The site in a browser, opened as files: quiet, readable at any width, in the dark, and searchable."""
 
+from pathlib import Path
+
 import pytest
 
 from tests.docs.conftest import Visit
@@ -50,3 +52,14 @@ def test_a_word_is_found_without_a_server(visit: Visit) -> None:
     found.wait_for(timeout=20_000)
     assert "batch-report" in (found.get_attribute("href") or "")
     assert visited.complaints == []
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("name", PAGES)
+def test_words_and_links_stand_out(visit: Visit, name: str, scheme: str) -> None:
+    axe = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
+    visited = visit(name, scheme=scheme)
+    visited.evaluate((Path(axe.__file__).parent / "axe.min.js").read_text(encoding="utf-8"))
+    rules = ["color-contrast", "link-in-text-block", "image-alt", "link-name", "heading-order"]
+    found = visited.evaluate(f"async () => (await axe.run({{runOnly: {rules}}})).violations")
+    assert [(rule["id"], node["html"], node["failureSummary"]) for rule in found for node in rule["nodes"]] == []
