@@ -56,7 +56,7 @@ def profile_number(
 
     def look(values: Sequence[float]) -> None:
         for value in values:
-            tried = [{**shape, name: value, **others} for others in candidate.beside_rugged]
+            tried = [{**shape, name: value, **others} for others in ({}, *candidate.beside_rugged)]
             misfits = [_misfit(candidate, one, ground, baseline, base) for one in tried]
             best[value] = min(zip(misfits, tried, strict=True), key=lambda pair: pair[0])
 

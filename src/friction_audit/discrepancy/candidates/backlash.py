@@ -13,7 +13,7 @@ SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
 CONTACTS_HZ = (22.0, 50.0)
 """Flanks that ring about as fast as a regression sees, and hard ones."""
-PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 6)
+PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
