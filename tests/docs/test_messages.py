@@ -9,12 +9,15 @@ import pytest
 
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from tests.documented_commands import ROOT
+from tests.test_docs import codes_in_the_source
 
 PAGE = ROOT / "docs" / "troubleshooting.md"
 ERRORS = tuple(error.__name__ for error in (InputError, AnalysisError, UsageError))
 GENERIC = 14
 """A message with so few letters of its own says nothing without the values that are put in."""
 PUT_IN = "..."
+LIMITS = ("holes", "standstill", "cycles", "speed_spread", "reversals")
+"""Codes of the audit of the data that a diagnosis warns of."""
 
 
 def words(text: ast.expr) -> str:
@@ -62,6 +65,13 @@ def test_there_are_headlines() -> None:
 def test_headlines_are_the_program_s() -> None:
     source = "\n".join(words(node) for _, node in nodes() if isinstance(node, (ast.Constant, ast.JoinedStr)))
     assert [part for headline in headlines() for part in parts(headline) if part not in source] == []
+
+
+def test_every_code_of_a_warning_has_its_words() -> None:
+    rows = re.findall(r"^\| [^`|]+ \| (`\w+`(?:, `\w+`)?) \|$", PAGE.read_text(), re.MULTILINE)
+    found = {code for row in rows for code in re.findall(r"`(\w+)`", row)}
+    assert found - set(LIMITS) == codes_in_the_source()
+    assert found >= set(LIMITS)
 
 
 @pytest.mark.parametrize("message", sorted(set(errors())))
