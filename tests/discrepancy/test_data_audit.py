@@ -10,7 +10,7 @@ from friction_audit.discrepancy.data_audit import DataFinding, audit_data, fault
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.interaction import Interaction
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Finding, JointLog
 from friction_audit.simulate import BenchSettings, simulate
 
 
@@ -31,6 +31,13 @@ def test_delay_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -
     delay = found(clean, replace(data, logged_dq=np.interp(data.t - 0.03, data.t, data.dq)))["dq_delay"]
     assert delay.verdict == "fault"
     assert delay.value == pytest.approx(0.03, rel=0.1)
+
+
+def test_stamps_of_batches_are_a_fault(clean: tuple[JointLog, Interaction, JointData]) -> None:
+    log, interaction, data = clean
+    batched = replace(log.source, findings=(Finding(code="batched_stamps", message="", amount=9.0),))
+    codes = {one.code for one in faults(audit_data(replace(log, source=batched), interaction, data))}
+    assert codes == {"batched_stamps"}
 
 
 def test_scale_of_the_velocity(clean: tuple[JointLog, Interaction, JointData]) -> None:

@@ -190,6 +190,33 @@ def test_jitter_is_measured() -> None:
     assert 0.15e-3 < amount <= 0.3e-3 * np.sqrt(2 / 3) * 1.02
 
 
+def test_samples_of_a_batch_are_put_a_period_apart() -> None:
+    given_recording = recording(4000)
+    even = given_recording.t.copy()
+    batch = np.arange(4000) // 4
+    given_recording.t = even[batch * 4 + 3] - 1e-4 * (3 - np.arange(4000) % 4)
+    log = vetted(given_recording)
+    assert finding(log, "batched_stamps").amount == 1000
+    np.testing.assert_allclose(log.t, even - even[0], atol=1e-9)
+    assert "dropped_samples" not in codes(log)
+
+
+def test_a_backlog_is_spread_over_the_time_since_the_last_batch() -> None:
+    """Eight samples come with a batch of four's time: half a period apart, still in order."""
+    given_recording = recording(4000)
+    t = np.repeat(np.arange(1, 1001) * 4e-3, 4) - np.tile([3e-4, 2e-4, 1e-4, 0.0], 1000)
+    t[2000:2008] = t[2007] - np.arange(7, -1, -1) * 1e-5
+    given_recording.t = np.sort(t)
+    assert np.diff(vetted(given_recording).t).min() > 0.4e-3
+
+
+def test_jitter_and_single_holes_are_no_batches() -> None:
+    rng = np.random.default_rng(3)
+    given_recording = without(recording(20_000), [*range(1000, 1200), *range(5000, 20_000, 50)])
+    given_recording.t += rng.uniform(-0.3e-3, 0.3e-3, len(given_recording.t))
+    assert "batched_stamps" not in codes(vetted(given_recording))
+
+
 def test_a_low_rate_is_named() -> None:
     assert finding(vetted(recording(900, rate_hz=30.0)), "low_rate").amount == pytest.approx(30.0)
 

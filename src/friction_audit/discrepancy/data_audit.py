@@ -90,7 +90,9 @@ def _clock(log: JointLog) -> tuple[DataFinding, ...]:
     usual = median_step(log.t)
     jitter = SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual
     lost = float(np.diff(t)[holes(t)].sum()) / log.duration_s
+    batched = float(sum(finding.code == "batched_stamps" for finding in log.source.findings))
     return (
+        _judged("batched_stamps", batched, 0.0, "samples came in batches: their stamps are guesses, a period wide"),
         _judged("clock_jitter", jitter, MOST_JITTER, "steps of the clock scatter by {value:.0%} of a step"),
         _judged("holes", lost, MOST_HOLES, "{value:.0%} of the time lies in holes", bad="limit"),
         _judged("stale", float(np.mean(~new)), MOST_STALE, "{value:.0%} of the samples repeat the one before"),

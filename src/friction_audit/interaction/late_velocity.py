@@ -58,6 +58,8 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
     whole = coarse.whole[:-2] & coarse.whole[1:-1] & coarse.whole[2:]
     middle, reach = 0.5 * (slope[1:] + slope[:-1]), 0.5 * (step[1:] + step[:-1])
     bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
+    if not whole.any():
+        return np.zeros(coarse.q.shape[1])
     lag, error = lag_of(coarse.dq[1:-1][whole], middle[whole], bend[whole], change[whole])
     return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.reader import ReadOptions, Recording
+from friction_audit.ingest.vet.batches import spread_batches
 from friction_audit.ingest.vet.clock import order_clock
 from friction_audit.ingest.vet.missing import leave_out_missing
 from friction_audit.ingest.vet.motion import check_motion, mend_units
@@ -30,6 +31,7 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     _refuse_short(recording, path)
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
+    recording = spread_batches(recording)
     recording = mend_units(recording)
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
