@@ -74,7 +74,7 @@ def draw_setup(seed: int, joint: int) -> Setup:
 def drive_of(joint: Joint, rng: np.random.Generator, *, hand: bool) -> Drive:
     """A hand is soft; a motor follows firmly, and knows the inertia."""
     rate = 2 * np.pi * (rng.uniform(1.2, 2.5) if hand else rng.uniform(5.0, 8.0))
-    return Drive(joint.inertia * rate**2, 1.6 * rate * joint.inertia, 0.0 if hand else 1.0)
+    return Drive(joint.inertia * rate**2, 1.6 * rate * joint.inertia, 0.0 if hand else 1.0, -1.0 if hand else 1.0)
 
 
 def moved(setup: Setup, drive: Drive, wanted: Array, grip: Array, rng: np.random.Generator) -> Moved:

@@ -67,7 +67,7 @@ def asymmetric_viscous(setup: Setup, s: float, rng: np.random.Generator) -> Setu
 
 
 def load_dependent_friction(setup: Setup, s: float, rng: np.random.Generator) -> Setup:
-    """Friction in proportion to the known load, which a payload changes in the middle of the recording."""
+    """Friction in proportion to what the gear transmits, which a payload changes in the middle of the recording."""
     heavy = {"payload_factor": rng.uniform(1.6, 2.5), "payload_s": setup.duration_s * rng.uniform(0.35, 0.65)}
     return _with(setup, load_share=s, pendulum=rng.uniform(3, 8), **heavy)
 

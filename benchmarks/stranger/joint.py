@@ -85,6 +85,8 @@ class Drive(NamedTuple):
     stiffness: float
     damping: float
     ahead: float
+    through: float = 1.0
+    """1 where the gear transmits weight and drive, -1 where a hand beyond the sensor takes from the weight."""
 
 
 @njit(cache=True)
@@ -95,13 +97,13 @@ def known_load(joint: Joint, q: float, t: float) -> float:
 
 
 @njit(cache=True)
-def friction_level(joint: Joint, q: float, v: float, t: float, rested: float) -> float:
+def friction_level(joint: Joint, q: float, v: float, t: float, rested: float, transmitted: float) -> float:
     """What the bristles carry in steady sliding. [N m]"""
     level = joint.coulomb + joint.stribeck * np.exp(-((abs(v) / joint.stribeck_speed) ** joint.stribeck_exponent))
     level += joint.uneven_coulomb * np.sign(v)
     level += joint.worn * np.exp(-0.5 * ((q - joint.worn_centre_rad) / joint.worn_width_rad) ** 2)
     level += joint.eccentric * np.cos(joint.eccentric_order * q + 1.0)
-    level += joint.load_share * abs(known_load(joint, q, t))
+    level += joint.load_share * abs(transmitted)
     level += joint.cold * np.exp(-t / joint.warming_s) + joint.ageing * np.log1p(rested / joint.ageing_s)
     level += joint.stepped if t > joint.step_s else 0.0
     return float(max(level, 0.02))
@@ -169,7 +171,8 @@ def integrate(
         twist = through_gap(x - q, joint.gap_rad)
         link = torque if rigid else spring * twist + (damper * (w - v) if twist != 0.0 else 0.0)
 
-        level = friction_level(joint, q, v, t, rested)
+        transmitted = known_load(joint, q, t) + drive.through * link
+        level = friction_level(joint, q, v, t, rested, transmitted)
         new = (bristle + STEP_S * v) / (1.0 + STEP_S * stiff * abs(v) / level)
         calm = np.exp(-((v / joint.bristle_speed) ** 2))
         rub = stiff * new + calm * bristle_damping * (new - bristle) / STEP_S + viscous_torque(joint, v, t)

@@ -130,3 +130,10 @@ def test_joints_of_an_arm_share_their_clock() -> None:
     assert last is not None
     assert np.array_equal(first.recording.t, last.recording.t)
     assert not np.array_equal(first.recording.q, last.recording.q)
+
+
+def test_friction_grows_with_what_the_gear_transmits() -> None:
+    joint = Joint(coulomb=0.3, viscous=0.0, pendulum=5.0, load_share=0.05)
+    theta, _, torque, _ = moved(joint, 0.3 * times(1.0))
+    weight = 5.0 * np.sin(theta[-1] + 0.4)
+    assert torque[-1] == pytest.approx((0.3 + 0.05 * weight) / (1 - 0.05), abs=2e-3)
