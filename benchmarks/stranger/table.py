@@ -13,14 +13,14 @@ from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
 
 Row = dict[str, str]
 HEAD = ("hidden", "logs", "in the answer", "the only name", "a wrong name", "`unexplained`", "`none`", "`not_testable`",
-        "`data_fault`", "error", "named instead, or beside")  # fmt: skip
+        "`data_fault`", "refused (exit 4)", "named instead, or beside")  # fmt: skip
 INTRODUCTION = """\
 # Answers on logs of a generator that the tool has never seen
 
 Made by `python -m benchmarks.stranger.table` from rows of `python -m benchmarks.stranger.run`. Sizes are partial:
 {sizes} times the rms of the noise below 20 Hz. *In the answer*: every hidden effect is among the names or their
 alternatives. *The only name*: it alone, without alternatives. *A wrong name*: a name, none of whose alternatives
-is hidden, in a verdict that is sure (`named`, `ambiguous`).
+is hidden, in a verdict that is sure (`named`, `ambiguous`). A log of one joint with a fault in its data is refused.
 """
 
 
