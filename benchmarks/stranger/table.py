@@ -34,6 +34,11 @@ def truth_of(row: Row) -> set[str]:
     return set(row["hides"].split("+")) & set(HIDDEN)
 
 
+def label_of(row: Row) -> str:
+    """What a joint hides; nothing, too, beside one that hides something."""
+    return row["hides"] or ("none" if row["truth"] == "none" else "")
+
+
 def held(row: Row) -> bool:
     """Whether every hidden effect is in the answer."""
     truth = truth_of(row)
@@ -64,17 +69,14 @@ def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
 def table(rows: Sequence[Row]) -> str:
     """One line per hidden effect, those of one kind together at the end."""
     beside = [row for row in rows if row["truth"] != "none" and not row["hides"]]
-    own = {
-        name: [row for row in rows if (row["hides"] or row["truth"]) == name]
-        for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)
-    }
+    own = {name: [row for row in rows if label_of(row) == name] for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)}
     alone = [row for row in rows if row["hides"] in HIDDEN]
     pairs = [row for row in rows if "+" in row["hides"]]
     lines = [line(name, part) for name, part in own.items() if part]
     lines += [line(f"one effect, size {size}", [row for row in alone if row["size"] == size])
               for size in sorted({row["size"] for row in alone}, key=float)]  # fmt: skip
-    lines += [line("one effect, all", alone), line("two effects", pairs),
-              line("none, an effect in another joint", beside)]  # fmt: skip
+    rest = {"one effect, all": alone, "two effects": pairs, "none, an effect in another joint": beside}
+    lines += [line(label, part) for label, part in rest.items() if part]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in (HEAD, ["---"] * len(HEAD), *lines))
 
 
@@ -83,10 +85,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", type=Path)
     parser.add_argument("--output", type=Path)
+    parser.add_argument("--note", default="", help="A sentence about the rows, put above the table.")
     asked = parser.parse_args()
     rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"]]
     sizes = ", ".join(sorted({row["size"] for row in rows}, key=float))
-    text = f"{INTRODUCTION.format(sizes=sizes)}\n{table(rows)}\n"
+    text = f"{INTRODUCTION.format(sizes=sizes)}\n{asked.note}\n\n{table(rows)}\n"
     if asked.output is None:
         print(text)
     else:
