@@ -20,7 +20,7 @@ from friction_audit.model.joint_model import ArmModel
 from friction_audit.simulate.dispatch import simulate
 from friction_audit.simulate.effects import EFFECTS
 
-ROUNDS = 5
+ROUNDS = 8
 CLOSE = 0.1
 LARGEST_SCALE = 30.0
 
@@ -67,8 +67,12 @@ def _left(case: Case, scales: Sequence[float], corner_hz: float) -> float:
 
 
 def _scale(case: Case, which: int, wanted: float, ideal: float, corner_hz: float) -> float | None:
-    """Secant steps in the logarithm, for the rest of a model grows nearly in proportion to what it misses."""
-    scale = 1.0
+    """Secant steps in the logarithm, for the rest of a model grows nearly in proportion to what it misses.
+
+    A joint that its motor moves may answer a little more with another motion altogether. Then steps go too far: they
+    are halved between the closest scales on either side, and where none in between has the strength it is not reached.
+    """
+    scale, low, high = 1.0, 0.0, np.inf
     for _ in range(ROUNDS):
         alone: Sequence[float] = [scale if k == which else 0.0 for k in range(len(case.effects))]
         try:
@@ -79,10 +83,12 @@ def _scale(case: Case, which: int, wanted: float, ideal: float, corner_hz: float
         partial = float(np.sqrt(max(total**2 - ideal**2, 1e-12)))
         if abs(partial / wanted - 1.0) < CLOSE:
             return scale
-        scale *= float(np.clip(wanted / partial, 0.1, 10.0))
+        low, high = (scale, high) if partial < wanted else (low, scale)
+        step = scale * float(np.clip(wanted / partial, 0.1, 10.0))
+        scale = step if low < step < high else float(np.sqrt(low * high))
         if scale > min(LARGEST_SCALE, _largest(case, which)):
             return None
-    return scale
+    return None
 
 
 def _largest(case: Case, which: int) -> float:

@@ -52,22 +52,29 @@ def test_what_is_turned_round_on_the_locked_cycles_is_not_confirmed() -> None:
 
 
 @pytest.mark.parametrize(
-    ("p_value", "gain", "evidence", "gain_of_all", "proven", "shown"),
+    ("p_value", "gain", "evidence", "gain_of_all", "again", "proven", "shown"),
     [
-        (0.04, 0.01, 0.0, 0.0, True, False),  # proven where nothing was chosen
-        (0.04, 0.004, 0.0, 0.01, False, False),  # too small there, and all cycles do not pay its price
-        (0.19, 0.001, 12.1, 0.01, False, True),  # all pay, and the locked ones do not object
-        (0.21, 0.001, 50.0, 0.01, False, False),  # they do
-        (0.19, 0.001, 11.9, 0.01, False, False),  # not worth its price
-        (0.19, 0.001, 50.0, 0.004, False, False),  # too small for a word
+        (0.04, 0.01, 0.0, 0.0, 1.0, True, False),  # proven where nothing was chosen
+        (0.04, 0.004, 0.0, 0.01, 1.0, False, False),  # too small there, and all cycles do not pay its price
+        (0.19, 0.001, 12.1, 0.01, 0.6, False, True),  # all pay, and the locked ones do not object
+        (0.21, 0.001, 50.0, 0.01, 1.0, False, False),  # they do
+        (0.19, 0.001, 11.9, 0.01, 1.0, False, False),  # not worth its price
+        (0.19, 0.001, 50.0, 0.004, 1.0, False, False),  # too small for a word
+        (0.19, 0.001, 50.0, 0.01, 0.4, False, False),  # what was predicted makes the locked cycles worse
     ],
 )
 def test_locked_cycles_prove_or_all_pay(
-    p_value: float, gain: float, evidence: float, gain_of_all: float, proven: bool, shown: bool
+    p_value: float, gain: float, evidence: float, gain_of_all: float, again: float, proven: bool, shown: bool
 ) -> None:
-    one = np.array([[p_value], [gain], [0.01], [evidence], [gain_of_all]])
+    one = np.array([[p_value], [gain], [0.01], [evidence], [gain_of_all], [again]])
     proof = Confirmed(
-        p_value=one[0], gain=one[1], size=one[2], evidence=one[3], gain_of_all=one[4], factors=(np.ones(1),)
+        p_value=one[0],
+        gain=one[1],
+        size=one[2],
+        evidence=one[3],
+        gain_of_all=one[4],
+        factors=(np.ones(1),),
+        again=one[5],
     )
     assert proof.proven(0.05).tolist() == [proven]
     assert proof.shown(np.array([12.0])).tolist() == [shown]

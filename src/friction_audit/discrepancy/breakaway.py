@@ -5,14 +5,16 @@ the motion that follows. That moment is told by the position, not by the torque:
 steadily moves the joint as the cube of the time since. With stiction the joint starts faster, and the moment is
 told too early, so that the torque, still rising, is told too low; a smooth start is never told too high.
 
-A joint that creeps before it moves, on bristles or on a spring, has no such moment.
+A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
+controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -33,6 +35,10 @@ CERTAIN = 2.0
 """The start is fitted up to so many times the dead speed."""
 SOON_S = 0.1
 """A joint that does not reach it in this time has not left its rest for good."""
+ONSET_S = 0.01
+"""The onset is known to so much: two samples by the low-pass, and two by a start that is not quite cubic."""
+SMALL_SHARE = 0.05
+"""What the torque changes in that time is nothing if it is below its noise, or below this share of the torque."""
 POWER = 3
 """Of the time, by which the path grows from a standstill under a torque that rises steadily."""
 
@@ -58,6 +64,11 @@ class Breakaways:
     def of(self, columns: Float) -> Float:
         """Columns, shape (n,) or (n, p), carried on to the onsets, shape (k,) or (k, p)."""
         return np.asarray((columns.T[..., self.samples] @ self.weights).T, np.float64)
+
+    def take(self, which: NDArray[np.bool_]) -> "Breakaways":
+        """Some of them, by a mask of shape (k,)."""
+        kept = {name: getattr(self, name)[which] for name in ("first", "onset", "certain", "direction")}
+        return replace(self, **kept)
 
     @property
     def samples(self) -> Index:
@@ -97,6 +108,25 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
         direction=np.sign(dq[table[:, 2]]),
         weights=_carrying_on(still),
     )
+
+
+def loaded_slowly(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
+    """Whether the torque at each break-away is the same some milliseconds earlier or later, shape (k,).
+
+    Args:
+        torque: On the fine grid, shape (n,). [N m]
+        breakaways: The moments.
+        step_s: Spacing of the grid. [s]
+    """
+    if not len(breakaways.onset):
+        return np.zeros(0, np.bool_)
+    windows = torque[breakaways.samples]
+    still = windows.shape[1] - 1
+    back = np.arange(-still, 1) - float(APART)
+    powers = np.vander(back, DEGREE + 1)
+    fitted = windows @ np.linalg.pinv(powers).T
+    change = np.abs(fitted[:, -2]) * ONSET_S / step_s
+    return np.asarray(change <= max(grid_noise(torque), SMALL_SHARE * float(np.median(np.abs(fitted[:, -1])))))
 
 
 def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float) -> tuple[Float, Float]:

@@ -18,6 +18,8 @@ AGREES = 0.2
 """p-value on locked cycles that does not speak against an effect that all cycles show: at the limit of detection,
 n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten."""
 
+HALF = 0.5
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Confirmed:
@@ -30,6 +32,7 @@ class Confirmed:
         evidence: n_eff ln(RSS without / RSS with) over all cycles, shape (k,).
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
+        again: Factor of the torque that the working cycles predict, fitted on the locked ones, shape (k,).
     """
 
     p_value: Float
@@ -38,6 +41,7 @@ class Confirmed:
     evidence: Float
     gain_of_all: Float
     factors: tuple[Float, ...]
+    again: Float
 
     def proven(self, alpha: float) -> NDArray[np.bool_]:
         """Whether the locked cycles prove each effect, with a family-wise error of alpha, shape (k,)."""
@@ -46,12 +50,14 @@ class Confirmed:
     def shown(self, price: Float) -> NDArray[np.bool_]:
         """Whether all cycles pay the price of each effect and the locked ones do not object, shape (k,).
 
-        Three cycles in ten miss an effect at the limit of detection one time in four, however plain it is on all.
+        Three cycles in ten miss an effect at the limit of detection one time in four, however plain it is on all. They
+        object where the torque that was predicted for them leaves more than nothing did: a factor below a half.
 
         Args:
             price: What evidence for each may be by chance, all that was tried counted, shape (k,).
         """
-        return np.asarray((self.evidence > price) & (self.p_value <= AGREES) & (self.gain_of_all >= LEAST_GAIN))
+        agrees = (self.p_value <= AGREES) & (self.again > HALF)
+        return np.asarray(agrees & (self.evidence > price) & (self.gain_of_all >= LEAST_GAIN))
 
 
 def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) -> Confirmed:
@@ -70,7 +76,8 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
     """
     torques, locked, every = _torques(ground, effects), ground.locked, np.ones_like(ground.working)
     clusters = ground.clusters(locked, *effects)
-    p = [_one_sided(ground, torques, k, clusters, rng) for k in range(len(effects))]
+    again = _factors(ground, locked, [torques[:, [k]] for k in range(len(effects))])
+    p = [_one_sided(ground, torques, k, clusters, rng, float(f[0])) for k, f in enumerate(again)]
     after = _left(ground, locked, torques)
     before = np.array([_left(ground, locked, np.delete(torques, k, axis=1)) for k in range(len(effects))])
     with_all, least = _left(ground, every, *effects), np.finfo(float).tiny
@@ -82,6 +89,7 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         evidence=len(ground.y) / ground.memory(*effects) * np.log(np.maximum(without, least) / max(with_all, least)),
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
+        again=np.concatenate(again),
     )
 
 
@@ -104,13 +112,13 @@ def _torques(ground: Ground, effects: Sequence[Float]) -> Float:
     return np.asarray(np.column_stack([e @ f for e, f in zip(effects, factors, strict=True)]), np.float64)
 
 
-def _one_sided(ground: Ground, torques: Float, k: int, clusters: Clusters, rng: np.random.Generator) -> float:
+def _one_sided(
+    ground: Ground, torques: Float, k: int, clusters: Clusters, rng: np.random.Generator, factor: float
+) -> float:
     locked = ground.locked
     base = np.hstack([ground.base, np.delete(torques, k, axis=1)])[locked]
-    own, y = torques[locked, k : k + 1], ground.y[locked]
-    group = Group(name="effect", shapes=(own,))
-    p = omnibus_test(y, base, [group], clusters.number, rng, remember=clusters.remember).p_value
-    factor = least_squares(np.hstack([base, own]), y)[-1]
+    group = Group(name="effect", shapes=(torques[locked, k : k + 1],))
+    p = omnibus_test(ground.y[locked], base, [group], clusters.number, rng, remember=clusters.remember).p_value
     return p / 2.0 if factor > 0.0 else 1.0
 
 

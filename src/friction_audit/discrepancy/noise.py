@@ -13,6 +13,10 @@ FEWEST_PAIRS = 0.1
 """Lags for which less than this share of the samples has a partner are not looked at."""
 LONGEST_MEMORY = 500
 
+SIGMA_PER_MEDIAN = 1.4826
+SIGMA_PER_BEND = 1.0 / 0.643
+"""Of noise that is white up to the corner, a fifth of the grid's rate, per rms of its second difference."""
+
 
 def runs_of(used: NDArray[np.bool_], cycle: Index) -> Index:
     """Number the unbroken stretches of used samples of one cycle, -1 elsewhere, shape (n,)."""
@@ -60,3 +64,9 @@ def integral_time(residual: Float, run: Index) -> float:
     ends = np.flatnonzero(pair_sums <= 0)
     kept = pair_sums[: ends[0]] if len(ends) else pair_sums
     return max(2.0 * float(kept.sum()) - 1.0, 1.0)
+
+
+def grid_noise(signal: Float) -> float:
+    """Standard deviation of the noise of a signal on the fine grid, from second differences: no motion reaches them."""
+    bend = np.abs(np.diff(signal, n=2))
+    return SIGMA_PER_BEND * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0

@@ -23,6 +23,7 @@ from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
 from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_load import know_load
+from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.interaction.late_velocity import find_lag
@@ -44,9 +45,6 @@ DEAD_SIGMAS = 5.0
 """A speed of so many standard deviations of the filtered velocity's noise has a certain direction."""
 DEAD_SHARE = 1e-3
 """And of so much of the usual speed, which is what the stop band lets through next to a standstill."""
-SIGMA_PER_MEDIAN = 1.4826
-SIGMA_PER_BEND = 1.0 / 0.643
-"""Of noise that is white up to the corner, a fifth of the grid's rate, per rms of its second difference."""
 TINY_SPEED = 1e-6
 
 
@@ -226,7 +224,7 @@ def _filter_everyone(
         q, slope = low_pass.with_slope(t, log.q[new, column])
         logged = low_pass.of(t, log.dq[new, column])
         sensed = interaction.choice.sign * low_pass.of(t, read[new, column])
-        if _noise(slope) < np.hypot(_noise(logged), lag[column] * brisk[column]):
+        if grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * brisk[column]):
             return q, slope, np.gradient(slope, low_pass.t), sensed, logged, "q"
         return q, *low_pass.with_slope(t - lag[column], log.dq[new, column]), sensed, logged, "dq"
 
@@ -275,19 +273,13 @@ def _stamps(t: Float, q: Float) -> Float:
     """Stamps as they are, or without jitter if the joint that moves furthest runs more smoothly with those."""
     farthest = q[:, int(np.argmax(np.ptp(q, axis=0)))]
     steady = steady_clock(t)
-    rough = [_noise(low_pass_for(stamps).with_slope(stamps, farthest)[1]) for stamps in (t, steady)]
+    rough = [grid_noise(low_pass_for(stamps).with_slope(stamps, farthest)[1]) for stamps in (t, steady)]
     return steady if rough[1] < rough[0] else t
-
-
-def _noise(velocity: Float) -> float:
-    """Standard deviation, from second differences, which motion does not reach."""
-    bend = np.abs(np.diff(velocity, n=2))
-    return SIGMA_PER_BEND * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0
 
 
 def _dead_speed(dq: Float) -> float:
     usual = float(np.quantile(np.abs(dq), 0.95)) if len(dq) else 0.0
-    return max(DEAD_SIGMAS * _noise(dq), DEAD_SHARE * usual, TINY_SPEED)
+    return max(DEAD_SIGMAS * grid_noise(dq), DEAD_SHARE * usual, TINY_SPEED)
 
 
 def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
