@@ -61,7 +61,8 @@ def find_restless(
     turning = find_line(bare, path, *ROUNDS_PER_RAD, least, np.abs(speed))
     scatter = find_stroke_scatter(left, speed > 0.0, ground.rows.t)
     scatter = scatter if scatter is not None and scatter.rms_nm >= least else None
-    hump = find_vibration(_shaking(ground, effects, fine), ground.data)
+    shaking, motion = _shaking(ground, effects, fine)
+    hump = find_vibration(shaking, ground.data, motion)
     line = None if hum is None else _vibration(hum)
     shaken = hump is not None and hump.rms_nm > LEAST_VIBRATION * size and not rings(hump)
     vibration = hump if line is None or (hump is not None and hump.rms_nm > line.rms_nm) else line
@@ -72,16 +73,17 @@ def find_restless(
     return Restless(vibration=vibration, scatter=scatter, decides=decides, phrases=tuple(told))
 
 
-def _shaking(ground: Ground, effects: list[Float], fine: list[Float]) -> Float:
-    """What is left on the fine grid, shape (n,), the model's torque only below the corner of the rows. [N m]
+def _shaking(ground: Ground, effects: list[Float], fine: list[Float]) -> tuple[Float, Float]:
+    """What is left with the model's torque below the corner of the rows, and that torque above it, shape (n,). [N m]
 
-    Above it inertia times acceleration is the encoder's noise, and grows with the square of the frequency: a structure
-    that shakes would drown in it.
+    Above the corner inertia times acceleration is the tremor of a hand, or the encoder's noise, which grows with the
+    square of the frequency: a structure that shakes would drown in it.
     """
     left, torque = ground.fine_residual(effects, fine), ground.data.torque
     load = np.zeros_like(torque) if ground.data.load is None else ground.data.load
     predicted = torque - left + load
-    return np.asarray(torque + load - filter_rows(predicted, ground.rows.kernel, 1))
+    above = np.asarray(predicted - filter_rows(predicted, ground.rows.kernel, 1))
+    return np.asarray(left + above), above
 
 
 def _path(data: JointData) -> Float:
