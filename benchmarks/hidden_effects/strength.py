@@ -82,13 +82,25 @@ def _scale(case: Case, which: int, wanted: float, ideal: float, corner_hz: float
             continue
         partial = float(np.sqrt(max(total**2 - ideal**2, 1e-12)))
         if abs(partial / wanted - 1.0) < CLOSE:
-            return scale
+            return scale if _is_itself(case, which, scale) else None
         low, high = (scale, high) if partial < wanted else (low, scale)
         step = scale * float(np.clip(wanted / partial, 0.1, 10.0))
         scale = step if low < step < high else float(np.sqrt(low * high))
         if scale > min(LARGEST_SCALE, _largest(case, which)):
             return None
     return None
+
+
+def _is_itself(case: Case, which: int, scale: float) -> bool:
+    """Whether an effect so small is still what its name says: a play far smaller than its flanks give way is a spring.
+
+    The flanks' full travel under Coulomb friction, from one side to the other, is what a play must at least add.
+    """
+    if case.effects[which] != "backlash":
+        return True
+    group, joints = case.groups[which], settings_of(case, (0.0,) * len(case.effects)).joints
+    give_way = 2.0 * joints[case.number - 1].coulomb_nm * group.contact_compliance_rad_per_nm
+    return bool(scale * group.gap_rad >= give_way)
 
 
 def _largest(case: Case, which: int) -> float:

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
 
 GRID_HZ = 400.0
@@ -38,7 +39,7 @@ def moved_joint(
         ddq -= size * w**2 * np.sin(w * t + phase)
     strokes = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)])
     ends = (t < 0.2) | (t > t[-1] - 0.2)
-    torque = INERTIA_KG_M2 * ddq + COULOMB_NM * np.sign(dq) + VISCOUS_NMS_PER_RAD * dq
+    torque = INERTIA_KG_M2 * ddq + COULOMB_NM * mean_sign(t, dq, ddq) + VISCOUS_NMS_PER_RAD * dq
     noise = noise_nm / NOISE_LEFT * np.random.default_rng(seed).standard_normal(len(t))
     data = JointData(
         joint=0,

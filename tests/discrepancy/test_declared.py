@@ -56,10 +56,10 @@ def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
     declared = declare(EXACT, ROWS, held)
     assert declared.names == ("viscous_nms_per_rad",)
-    assert declared.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * np.sign(EXACT.dq))
+    assert declared.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
     baseline = declared.baseline(np.array([0.07]))
     assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad) == (0.4, 0.07)
-    assert baseline.torque == pytest.approx(EXACT.torque + (0.4 - COULOMB_NM) * np.sign(EXACT.dq))
+    assert baseline.torque == pytest.approx(EXACT.torque + (0.4 - COULOMB_NM) * EXACT.motion().direction)
     assert baseline.declared == {"inertia_kg_m2", "coulomb_nm"}
 
 

@@ -23,9 +23,9 @@ def play(data: JointData) -> Float:
 
 @pytest.mark.parametrize("begin", [0.7, 1.4])
 def test_the_width_is_found_from_far_off_and_its_interval_holds_it(begin: float) -> None:
-    ground = make_ground(moved_joint(play, noise_nm=0.02, duration_s=30.0), None, 0)
+    ground = make_ground(moved_joint(play, noise_nm=0.02, duration_s=60.0), None, 0)
     shape = {"gap_rad": begin * GAP_RAD, "contact_hz": 22.0}
-    baseline = ground.baseline(ground.rows.of(BACKLASH.columns(ground.data, ground.baseline(), shape)))
+    baseline = ground.baseline(ground.rows.of(play(ground.data)[:, None]))
     found = profile_number(BACKLASH, "gap_rad", shape, ground, baseline, ground.base)
     assert found.number.value == pytest.approx(GAP_RAD, rel=0.06)
     assert found.number.low < GAP_RAD < found.number.high

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.discrepancy.rows import Rows
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -67,7 +68,7 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
     Raises:
         AnalysisError: If everything is stated, so that nothing is left to fit.
     """
-    fine = {"coulomb_nm": np.sign(data.dq), "viscous_nms_per_rad": data.dq}
+    fine = {"coulomb_nm": mean_sign(data.t, data.dq, data.ddq), "viscous_nms_per_rad": data.dq}
     stated = np.zeros(len(data.t))
     if model is None:
         fine["inertia_kg_m2"] = data.ddq

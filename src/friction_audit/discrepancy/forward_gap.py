@@ -81,8 +81,9 @@ def simulate_cycles(
     drive = data.torque + known_inertia_kg_m2 * data.ddq
     if not len(pieces) or any(_weightless(model, data, drive) for model in models):
         return None
-    before = simulate_along(models[0], data.motion(), drive, pieces)
-    after = before if models[1] == models[0] else simulate_along(models[1], data.motion(), drive, pieces)
+    motion = replace(data.motion(), way=None)  # what is simulated has its own direction
+    before = simulate_along(models[0], motion, drive, pieces)
+    after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces)
     if before is None or after is None:
         return None
     inside = np.isfinite(before)

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
 from friction_audit.model.rigid_body import RigidBody
 from friction_audit.model.term import Motion, Others
@@ -90,4 +91,5 @@ class JointData:
             others=others if self.others_dq.shape[1] > 1 else None,
             rest=rest,
             rigid=self.rigid,
+            way=mean_sign(self.t, self.dq, self.ddq),
         )

@@ -51,6 +51,7 @@ class Motion:
         rest: Torque that inertia, Coulomb and viscous friction of the same model take; None where a term does not
             need it. Terms that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
         rigid: What the rigid-body model of the arm says about this joint; None where no model is known.
+        way: Mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant.
     """
 
     t: Float
@@ -62,6 +63,12 @@ class Motion:
     others: Others | None = None
     rest: Float | None = None
     rigid: RigidBody | None = None
+    way: Float | None = None
+
+    @property
+    def direction(self) -> Float:
+        """Sign of the velocity, shape (n,)."""
+        return np.sign(self.dq) if self.way is None else self.way
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

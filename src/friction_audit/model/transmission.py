@@ -103,7 +103,7 @@ def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Fl
     far = slow_enough(far, transmission.stiffness_nm_per_rad)
     added = transmitted(motion, far, transmission)
     added -= far.inertia_kg_m2 * motion.ddq
-    added -= far.coulomb_nm * np.sign(motion.dq)
+    added -= far.coulomb_nm * motion.direction
     added -= far.viscous_nms_per_rad * motion.dq
     return added
 

@@ -42,6 +42,11 @@ def flank_twist(baseline: Baseline, shape: Shape) -> float:
     return float(abs(baseline.coulomb_nm) / stiffness) if stiffness > 0.0 else 0.0
 
 
+def lost_in_flanks(baseline: Baseline, shape: Shape) -> float:
+    """Motion that both flanks take by giving way, and that a play may be told too wide or too narrow by. [rad]"""
+    return 2.0 * flank_twist(baseline, shape)
+
+
 CANDIDATE = Candidate(
     name="backlash",
     label="free play at a reversal",
@@ -56,5 +61,5 @@ CANDIDATE = Candidate(
     leans_on_model=True,
     rugged="gap_rad",
     beside_rugged=tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ),
-    blur=flank_twist,
+    blur=lost_in_flanks,
 )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
 
 WINDOWS_S = (0.1, 0.3, 1.0)
@@ -90,7 +91,7 @@ def _samples(length_s: float, data: JointData) -> int:
 def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
     """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
     columns = np.column_stack(
-        [data.ddq, np.sign(data.dq), data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))]
+        [data.ddq, mean_sign(data.t, data.dq, data.ddq), data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))]
     )
     kept = clear
     left = data.torque

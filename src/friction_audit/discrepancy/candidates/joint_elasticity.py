@@ -9,6 +9,7 @@ from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion
 from friction_audit.model.terms.joint_elasticity import TERM
@@ -77,8 +78,9 @@ def _motion(data: JointData, baseline: Baseline, below_hz: float | None) -> Moti
     if below_hz is None:
         return motion
     q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-    friction = baseline.coulomb_nm * np.sign(dq) + baseline.viscous_nms_per_rad * dq
-    return replace(motion, q=q, dq=dq, ddq=ddq, rest=baseline.inertia_kg_m2 * ddq + friction)
+    way = mean_sign(data.t, dq, ddq)
+    rest = baseline.inertia_kg_m2 * ddq + baseline.coulomb_nm * way + baseline.viscous_nms_per_rad * dq
+    return replace(motion, q=q, dq=dq, ddq=ddq, rest=rest, way=way)
 
 
 def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:

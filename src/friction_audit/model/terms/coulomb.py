@@ -2,15 +2,13 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 
 
 def basis(motion: Motion, _shape: Sequence[float]) -> Float:
     """Return sgn(dq) as a column, 0 at rest: there, friction is whatever holds the joint."""
-    return np.sign(motion.dq)[:, None]
+    return motion.direction[:, None]
 
 
 TERM = Term(

@@ -31,7 +31,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes; those with the same lag see the same speed."""
-    far, speed, sign = far_side(motion), np.abs(motion.dq), np.sign(motion.dq)
+    far, speed, sign = far_side(motion), np.abs(motion.dq), motion.direction
     step = float(motion.t[1] - motion.t[0])
     now = {fading: np.exp(-speed / fading) for fading in {fading for _, _, fading in shapes}}
     places: dict[float, list[int]] = {}

@@ -16,7 +16,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return sgn(dq) exp(-((q - c) / w)^2 / 2) times cos and sin of k (q - c), two columns."""
     order, centre, width = shape
     off = motion.q - centre
-    bell = np.sign(motion.dq) * np.exp(-0.5 * (off / width) ** 2)
+    bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
     return np.column_stack([bell * np.cos(order * off), bell * np.sin(order * off)])
 
 

@@ -64,7 +64,7 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
     places: dict[tuple[float, float], list[int]] = {}
     for place, (reach, exponent, _) in enumerate(shapes):
         places.setdefault((reach, exponent), []).append(place)
-    sign, times = np.sign(motion.dq), _spacing(motion.t)
+    sign, times = motion.direction, _spacing(motion.t)
     for (reach, exponent), alike in places.items():
         z = bristle(motion.q, reach, exponent)
         rate = np.gradient(z, times) if any(shapes[place][2] > 0.0 for place in alike) else np.zeros(len(z))

@@ -16,7 +16,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return sgn(dq) exp(-|dq / v_s|^delta) as a column."""
     speed, exponent = shape
     fading = np.exp(-(np.abs(motion.dq / speed) ** exponent))
-    return np.asarray(np.sign(motion.dq) * fading)[:, None]
+    return np.asarray(motion.direction * fading)[:, None]
 
 
 TERM = Term(
