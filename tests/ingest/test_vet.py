@@ -190,15 +190,26 @@ def test_jitter_is_measured() -> None:
     assert 0.15e-3 < amount <= 0.3e-3 * np.sqrt(2 / 3) * 1.02
 
 
-def test_samples_of_a_batch_are_put_a_period_apart() -> None:
-    given_recording = recording(4000)
-    even = given_recording.t.copy()
-    batch = np.arange(4000) // 4
-    given_recording.t = even[batch * 4 + 3] - 1e-4 * (3 - np.arange(4000) % 4)
+@pytest.mark.parametrize("size", [2, 3, 4, 50])
+def test_samples_of_a_batch_are_put_a_period_apart(size: int) -> None:
+    given_recording = recording(6000)
+    even, place = given_recording.t.copy(), np.arange(6000) % size
+    given_recording.t = even[np.arange(6000) - place + size - 1] - 1e-5 * (size - 1 - place)
     log = vetted(given_recording)
-    assert finding(log, "batched_stamps").amount == 1000
+    assert finding(log, "batched_stamps").amount == 6000 / size
     np.testing.assert_allclose(log.t, even - even[0], atol=1e-9)
     assert "dropped_samples" not in codes(log)
+
+
+def test_batches_of_a_long_log_are_seen_wherever_it_begins() -> None:
+    """More samples than are looked at for the rate; the first pair is half a pair."""
+    samples = np.arange(140_001)
+    given_recording = recording(len(samples), joints=1)
+    even = given_recording.t.copy()
+    given_recording.t = even + np.where(samples % 2 == 1, 9e-4, 0.0)
+    log = vetted(given_recording)
+    assert finding(log, "batched_stamps").amount == 70_001
+    assert np.diff(log.t) == pytest.approx(1e-3)
 
 
 def test_a_backlog_is_spread_over_the_time_since_the_last_batch() -> None:
