@@ -120,9 +120,34 @@ def test_results_become_frames(log: JointLog, tmp_path: Path) -> None:
     assert (tmp_path / "run.md").read_text().startswith("# Joint friction")
 
 
-def test_a_report_of_no_known_ending_is_refused_at_once(log: JointLog) -> None:
+def test_a_residual_lies_in_the_cycle_that_it_names(log: JointLog) -> None:
+    estimate = friction_audit.estimate_log(log)
+    cycles = friction_audit.to_frames(estimate)["cycles"]
+    residual = friction_audit.to_frames(friction_audit.diagnose_log(estimate))["residual"]
+    both = residual.merge(cycles, on=["joint", "cycle"])
+    assert len(both) == len(residual) > 100
+    assert both["time_s"].between(both["start_s"], both["stop_s"]).all()
+
+
+def test_a_report_that_cannot_be_written_is_refused_at_once(tmp_path: Path) -> None:
+    never_looked_at: Any = None
     with pytest.raises(UsageError, match=r"run.docx: ending .docx: expected one of .html, .pdf, .md, .json"):
-        friction_audit.report_log(log, "run.docx")
+        friction_audit.report_log(never_looked_at, "run.docx")
+    (tmp_path / "run.md").touch()
+    with pytest.raises(UsageError, match=r"run.md: exists already"):
+        friction_audit.report_log(never_looked_at, tmp_path / "run.md")
+
+
+@pytest.mark.parametrize("call", ["estimate_log", "replay_log", "diagnose_log", "report_log"])
+def test_a_path_is_no_log(call: str) -> None:
+    with pytest.raises(UsageError, match=r"str: expected a log, .* with read_log first"):
+        getattr(friction_audit, call)("run.mcap")
+
+
+def test_a_log_has_no_frames(log: JointLog) -> None:
+    no_result: Any = log
+    with pytest.raises(UsageError, match="to_frames: JointLog: expected the result of estimate_log"):
+        friction_audit.to_frames(no_result)
 
 
 def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
@@ -138,3 +163,6 @@ def test_a_log_is_simulated_written_and_read(tmp_path: Path) -> None:
         friction_audit.simulate_log("jont")
     with pytest.raises(UsageError, match="did you mean duration_s"):
         friction_audit.simulate_log("joint", duraton_s=5.0)
+    alone = friction_audit.simulate_log("joint", seed=1, duration_s=5.0, effects=effect)
+    assert (alone.truth.motion.friction_nm == made.truth.motion.friction_nm).all()
+    assert alone.truth.settings == made.truth.settings

@@ -77,7 +77,9 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
     if scenario not in named:
         raise UsageError(f"{scenario}: no such scenario; expected one of {', '.join(named)}")
     check_names("simulate_log", changes, type(named[scenario]))
-    return simulate(hide(replace(named[scenario], **changes), effects), seed, path=scenario)
+    # One effect alone is a sequence of letters to Python.
+    hidden = (effects,) if isinstance(effects, str) else effects
+    return simulate(hide(replace(named[scenario], **changes), hidden), seed, path=scenario)
 
 
 def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
@@ -94,9 +96,13 @@ def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
         its coefficients are NaN and ``reason`` says why.
 
     Raises:
-        UsageError: If an option is unknown or contradicts the log.
+        UsageError: If an option is unknown or contradicts the log, or it is no log.
         InputError: If the log lacks a channel that the options ask for.
     """
+    if not isinstance(log, JointLog):
+        raise UsageError(
+            f"{type(log).__name__}: expected a log, as read_log returns it; read a file with read_log first"
+        )
     return audit.estimate_log(log, audit_settings(options))
 
 
@@ -148,15 +154,21 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     """
     from friction_audit.report.report_bytes import REPORT_FORMATS
 
-    writers = dict(REPORT_FORMATS.values())
-    if path is not None and Path(path).suffix.lower() not in writers:
-        raise UsageError(f"{path}: ending {Path(path).suffix or 'missing'}: expected one of {', '.join(writers)}")
-    estimate = _estimated(log)
-    report = report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
-    if path is not None:
-        with whole_file(Path(path), overwrite=overwrite) as draft:
-            draft.write_bytes(writers[Path(path).suffix.lower()](report))
+    if path is None:
+        return _reported(log)
+    writers, ending = dict(REPORT_FORMATS.values()), Path(path).suffix
+    if ending.lower() not in writers:
+        raise UsageError(f"{path}: ending {ending or 'missing'}: expected one of {', '.join(writers)}")
+    # What cannot be written is refused before anything long is done.
+    with whole_file(Path(path), overwrite=overwrite) as draft:
+        report = _reported(log)
+        draft.write_bytes(writers[ending.lower()](report))
     return report
+
+
+def _reported(log: JointLog | Estimate) -> LogReport:
+    estimate = _estimated(log)
+    return report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
 
 
 def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySettings:

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis, Estimate, LogReplay
+from friction_audit.errors import UsageError
 from friction_audit.export.write_tables import to_frame
 from friction_audit.report.log_report import LogReport
 from friction_audit.report.tables import diagnose_tables, estimate_tables, replay_tables, report_tables
@@ -22,6 +23,9 @@ def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str
 
     Args:
         result: What ``estimate_log``, ``replay_log``, ``diagnose_log`` or ``report_log`` returned.
+
+    Raises:
+        UsageError: If it is none of these.
     """
     return {table.name: to_frame(table) for table in _tables(result)}
 
@@ -36,3 +40,8 @@ def _tables(result: Estimate | LogReplay | Diagnosis | LogReport) -> tuple[TidyT
             return diagnose_tables(result)
         case LogReport():
             return report_tables(result)
+        case _:
+            raise UsageError(
+                f"to_frames: {type(result).__name__}: expected the result of estimate_log, replay_log, diagnose_log or "
+                "report_log; call one of them first"
+            )
