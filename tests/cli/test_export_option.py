@@ -1,5 +1,6 @@
 """``--export``: every table of a result as topics, CSV and Parquet."""
 
+import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -51,6 +52,16 @@ def test_nothing_is_replaced_unasked(run: Run, logs: Path) -> None:
     again = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv", "--figures", "svg", "--overwrite")
     assert again.code == 0
     assert Path("out/cycles.csv").read_text() != "mine"
+
+
+def test_the_log_itself_is_never_replaced(run: Run, logs: Path) -> None:
+    log = Path("out/interaction.csv")
+    log.parent.mkdir()
+    shutil.copy(logs / "moved1.csv", log)
+    answer = run("estimate", log, "-o", "out", "--export", "csv", "--overwrite")
+    assert answer.code == 2
+    assert "interaction.csv: is the log itself; nothing was written" in answer.err
+    assert log.read_bytes() == (logs / "moved1.csv").read_bytes()
 
 
 def test_a_misspelt_format_suggests_the_near_one(run: Run, logs: Path) -> None:

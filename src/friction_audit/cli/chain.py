@@ -88,12 +88,22 @@ def exit_if_damaged(*logs: "JointLog") -> None:
         raise typer.Exit(DAMAGED)
 
 
-def check_outputs(paths: Sequence[Path], *, overwrite: bool) -> None:
-    """Refuse outputs that could not be written, before anything long is done.
+def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None) -> None:
+    """Refuse outputs that could not be written or must not be, before anything long is done.
+
+    Args:
+        paths: Files that will be written.
+        overwrite: If True, files that exist are replaced.
+        log: The log that they are made from, which never is.
 
     Raises:
-        UsageError: If one of the paths exists and may not be overwritten, or its folder cannot be made or written to.
+        UsageError: If one of the paths is the log, exists and may not be overwritten, or its folder cannot be made or
+            written to.
     """
+    if log is not None and log.exists():
+        for path in paths:
+            if path.exists() and path.samefile(log):
+                raise UsageError(f"{path}: is the log itself; nothing was written; choose another name or folder")
     existing = [str(path) for path in paths if path.exists()]
     if existing and not overwrite:
         names = ", ".join(existing)

@@ -70,9 +70,7 @@ def command(
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     options, joints = read_options(reading), parse_joints(selection.joints)
-    if out.exists() and log.exists() and out.samefile(log):
-        raise UsageError(f"{out}: is the log itself; choose another name")
-    chain.check_outputs([out], overwrite=output.overwrite)
+    chain.check_outputs([out], overwrite=output.overwrite, log=log)
     writer = _choose_writer(out, dialect)
     kept = _take(chain.read(log, options, voice), joints, selection)
     _write(kept, out, writer, voice, overwrite=output.overwrite)

@@ -106,7 +106,7 @@ def command(
     if folder is not None:
         files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, choices.DIAGNOSIS_FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite)
+        chain.check_outputs(files, overwrite=output.overwrite, log=log)
     with voice.stages(2 + (len(choices.DIAGNOSIS_FIGURES) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
             recorded = chain.read(log, reading, told)
@@ -120,7 +120,7 @@ def command(
             _write(found, text, folder, told, overwrite=output.overwrite)
             _draw(found, folder, figures, told, overwrite=output.overwrite)
         if plan is not None:
-            _export(found, plan, told, overwrite=output.overwrite)
+            _export(found, plan, recorded, told, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
     chain.exit_if_damaged(recorded)
 
@@ -132,10 +132,10 @@ def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSetti
         return diagnose_log(log, audit, settings)
 
 
-def _export(found: "Diagnosis", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import diagnose_tables
 
-    write_exports(plan, diagnose_tables(found), found.estimate, voice, overwrite=overwrite)
+    write_exports(plan, diagnose_tables(found), recorded, found.estimate.settings, voice, overwrite=overwrite)
 
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":

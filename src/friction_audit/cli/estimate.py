@@ -15,6 +15,8 @@ from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
     from friction_audit.audit import Estimate
+    from friction_audit.joint_log import JointLog
+
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
   friction-audit estimate run.csv --drive robot -o results --figures pdf,png
@@ -52,7 +54,7 @@ def command(
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.ESTIMATE_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite)
+        chain.check_outputs(files, overwrite=output.overwrite, log=log)
     reading_settings = chain.reading_settings(options)
     with voice.stages(2 + (len(choices.FIGURES) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate"):
@@ -67,7 +69,7 @@ def command(
                 result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=told
             )
         if plan is not None:
-            _export(result, plan, told, overwrite=output.overwrite)
+            _export(result, plan, recorded, told, overwrite=output.overwrite)
     _print(result, reading_settings, json=output.json)
     chain.exit_if_damaged(result.log)
 
@@ -88,10 +90,10 @@ def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *
             draft.write_text(text, encoding="utf-8")
 
 
-def _export(result: "Estimate", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import estimate_tables
 
-    write_exports(plan, estimate_tables(result), result, voice, overwrite=overwrite)
+    write_exports(plan, estimate_tables(result), recorded, result.settings, voice, overwrite=overwrite)
 
 
 def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:

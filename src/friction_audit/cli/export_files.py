@@ -9,7 +9,8 @@ from friction_audit.cli.console import Voice
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Estimate
+    from friction_audit.audit import AuditSettings
+    from friction_audit.joint_log import JointLog
     from friction_audit.tidy_table import TidyTable
 
 MCAP = "mcap"
@@ -59,9 +60,24 @@ def plan_exports(folder: Path | None, kinds: Sequence[str], name: str) -> Export
 
 
 def write_exports(
-    plan: ExportPlan, tables: "Sequence[TidyTable]", estimate: "Estimate", voice: Voice, *, overwrite: bool
+    plan: ExportPlan,
+    tables: "Sequence[TidyTable]",
+    recorded: "JointLog",
+    settings: "AuditSettings",
+    voice: Voice,
+    *,
+    overwrite: bool,
 ) -> list[Path]:
-    """Write the tables, each file whole or not at all; return the files."""
+    """Write the tables, each file whole or not at all; return the files.
+
+    Args:
+        plan: What is written where.
+        tables: The tables.
+        recorded: The log that they were made from, all of it.
+        settings: Tell which part of it was looked at.
+        voice: Told what is written.
+        overwrite: If True, files that exist are replaced.
+    """
     from friction_audit.export.write_tables import write_table_csv, write_table_parquet
     from friction_audit.export.write_topics import span_of, write_topics
     from friction_audit.whole_file import whole_file
@@ -70,7 +86,7 @@ def write_exports(
     for kind in plan.kinds:
         with voice.step(f"export {kind}"):
             if kind == MCAP:
-                span = span_of(estimate.log, skipped_s=estimate.settings.t_start_s or 0.0)
+                span = span_of(recorded, settings.t_start_s, settings.t_stop_s)
                 with whole_file(plan.mcap(), overwrite=overwrite) as draft:
                     write_topics(tables, span, draft)
                 continue

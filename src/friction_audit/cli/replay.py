@@ -61,7 +61,7 @@ def command(
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
         files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite)
+        chain.check_outputs(files, overwrite=output.overwrite, log=log)
     with voice.stages(3 + (len(choices.REPLAY_FIGURES) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
             recorded = chain.read(log, reading, told)
@@ -76,7 +76,7 @@ def command(
             _write(found, text, folder, overwrite=output.overwrite)
             _draw(found, folder, figures, overwrite=output.overwrite, voice=told)
         if plan is not None:
-            _export(found, plan, told, overwrite=output.overwrite)
+            _export(found, plan, recorded, told, overwrite=output.overwrite)
     _print(found, text, json=output.json)
     chain.exit_if_damaged(recorded)
 
@@ -88,10 +88,10 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
         return replay_estimate(estimate, settings)
 
 
-def _export(found: "LogReplay", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> None:
+def _export(found: "LogReplay", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import replay_tables
 
-    write_exports(plan, replay_tables(found), found.estimate, voice, overwrite=overwrite)
+    write_exports(plan, replay_tables(found), recorded, found.estimate.settings, voice, overwrite=overwrite)
 
 
 def _check_model(given: "ModelFile | None", log: "JointLog") -> None:

@@ -17,6 +17,7 @@ from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
     from friction_audit.audit import Estimate
+    from friction_audit.joint_log import JointLog
     from friction_audit.report.log_report import LogReport
 
 EXAMPLES = """Examples:
@@ -68,7 +69,8 @@ def command(
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
     files = _files(log, folder, formats, printed=output.json)
     plan = _plan(log, folder, export)
-    chain.check_outputs((*files.values(), *plan.files(choices.REPORT_TABLES)), overwrite=output.overwrite)
+    outputs = *files.values(), *plan.files(choices.REPORT_TABLES)
+    chain.check_outputs(outputs, overwrite=output.overwrite, log=log)
     with voice.stages(PARTS + len(files) + len(plan.kinds)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
             recorded = chain.read(log, options, told)
@@ -76,10 +78,10 @@ def command(
         if not output.json:
             chain.warn_about(estimate, told)
         chain.require_an_estimate(estimate)
-        command = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = _report(estimate, shared.cycles, chain.reading_settings(options), command, told)
+        again = command_line(context, leave_out=NOT_PART_OF_IT)
+        report = _report(estimate, shared.cycles, chain.reading_settings(options), again, told)
         _write(report, files, told, overwrite=output.overwrite)
-        exported = _export(report, plan, told, overwrite=output.overwrite)
+        exported = _export(report, plan, recorded, told, overwrite=output.overwrite)
     _print(report, (*files.values(), *exported), json=output.json)
     chain.exit_if_damaged(recorded)
 
@@ -94,10 +96,13 @@ def _report(
     return report_estimate(estimate, settings, DiagnosisSettings(), reading=reading, command=command, step=voice.step)
 
 
-def _export(report: "LogReport", plan: ExportPlan, voice: Voice, *, overwrite: bool) -> list[Path]:
+def _export(
+    report: "LogReport", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool
+) -> list[Path]:
     from friction_audit.report.tables import report_tables
 
-    return write_exports(plan, report_tables(report), report.estimate, voice, overwrite=overwrite)
+    settings = report.estimate.settings
+    return write_exports(plan, report_tables(report), recorded, settings, voice, overwrite=overwrite)
 
 
 def _plan(log: Path, folder: Path | None, kinds: Sequence[str]) -> ExportPlan:

@@ -45,16 +45,17 @@ class Span:
         return found
 
 
-def span_of(log: JointLog, *, skipped_s: float = 0.0) -> Span:
-    """Return when a log was recorded.
+def span_of(log: JointLog, start_s: float | None = None, stop_s: float | None = None) -> Span:
+    """Return when a log was recorded, or the part of it that ``JointLog.take_window`` takes.
 
     Args:
-        log: The log, or a window of it.
-        skipped_s: What the window left out at the start, for a clock that does not tell the time. [s]
+        log: The log.
+        start_s: Start of the part, or None. [s]
+        stop_s: End of the part, or None. [s]
     """
-    start = log.source.start_s
-    unknown = UNKNOWN_START_NS + round(skipped_s * NANOSECONDS)
-    return Span(start_ns=unknown if start is None else round(start * NANOSECONDS), duration_s=log.duration_s)
+    skipped_s = log.duration_s - log.take_window(start_s, None).duration_s
+    start = UNKNOWN_START_NS if log.source.start_s is None else round(log.source.start_s * NANOSECONDS)
+    return Span(start_ns=start + round(skipped_s * NANOSECONDS), duration_s=log.take_window(start_s, stop_s).duration_s)
 
 
 def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:

@@ -200,9 +200,10 @@ def _bins(model: str, profile: Profile) -> list[dict[str, Any]]:
 
 
 def _residual(traces: Traces) -> dict[str, Column]:
+    """Return the rows; their cycles are numbered as those of the table of cycles, from 1."""
     return {
         "time_s": traces.t,
-        "cycle": traces.cycle,
+        "cycle": traces.cycle + 1,
         "held_out": traces.locked,
         "q_rad": traces.q,
         "dq_rad_s": traces.dq,
