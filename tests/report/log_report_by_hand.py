@@ -40,6 +40,12 @@ def many(joints: int) -> LogReport:
     return LogReport(estimate=estimate_log(log, AuditSettings()), command=COMMAND)
 
 
+def called(name: str) -> LogReport:
+    """Return a report of one joint of this name."""
+    log = build_estimate(1, rate=100.0).log
+    return LogReport(estimate=estimate_log(replace(log, joint_names=(name,)), AuditSettings()), command=COMMAND)
+
+
 def still() -> LogReport:
     """Return a report of a joint that did not move, to which no part has an answer but the estimate's reason."""
     moved = build_estimate(1, rate=100.0).log

@@ -184,6 +184,12 @@ def test_hostile_names_are_text() -> None:
     assert not re.search(r"(?<!\\)`", outside)
 
 
+def test_figures_write_a_name_as_it_is() -> None:
+    """As mathematics this name would be an error, and the font of the layout has no such letter."""
+    name = "a$\\bad{$ \N{CJK UNIFIED IDEOGRAPH-819D}"
+    assert f">joint 1 {name}</text>" in write_log_page(by_hand.called(name))
+
+
 def test_markdown_holds_the_tables() -> None:
     text = write_markdown(log_page(report(), None))
     assert text.startswith("# Joint friction: run 1.csv\n")

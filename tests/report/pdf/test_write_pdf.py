@@ -73,6 +73,13 @@ def test_markup_is_text() -> None:
     assert "<script>alert('x')</script>" in words(paper("hostile"))
 
 
+def test_figures_write_a_name_as_it_is() -> None:
+    found = words(
+        PdfReader(io.BytesIO(write_pdf(log_page(by_hand.called("a$b$ \N{CJK UNIFIED IDEOGRAPH-819D}"), draw_sheet))))
+    )
+    assert found.count("joint 1 a$b$") >= 3
+
+
 def test_same_page_same_bytes() -> None:
     assert write_pdf(page("hostile")) == write_pdf(page("hostile"))
 

@@ -51,10 +51,14 @@ RC: dict[str, Any] = {
 
 @contextmanager
 def figure_style() -> Iterator[None]:
-    """Use the figures' style inside the block."""
+    """Use the figures' style inside the block; a letter that its font lacks is a box, or the reader's own in a page."""
+    import warnings
+
     from matplotlib import rc_context, rcParamsDefault
 
     # The user's own matplotlibrc must not change what a result looks like.
     settings: Any = {name: value for name, value in rcParamsDefault.items() if name != "backend"} | RC
-    with rc_context(settings):
+    with rc_context(settings), warnings.catch_warnings():
+        # Names of joints may be in any script; there is nothing that the user could do about the font.
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
         yield

@@ -2,7 +2,6 @@
 
 import io
 import re
-import warnings
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
@@ -70,9 +69,7 @@ def _draw(figure: "Figure") -> str:
     from matplotlib import rc_context
 
     text = io.StringIO()
-    with figure_style(), rc_context(IN_PAGE), warnings.catch_warnings():
-        # The page's reader has letters that the font of the layout lacks.
-        warnings.filterwarnings("ignore", message="Glyph .* missing from font")
+    with figure_style(), rc_context(IN_PAGE):
         figure.savefig(text, format="svg", metadata={"Date": None, "Creator": None}, transparent=True)
     return text.getvalue()
 
