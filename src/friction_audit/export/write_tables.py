@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from friction_audit.tidy_table import Column, JointRows, TidyTable
+from friction_audit.export.write_columns import arrow_types
+from friction_audit.tidy_table import JointRows, TidyTable, encodable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,7 +44,7 @@ def to_frame(table: TidyTable) -> "pd.DataFrame":
 def _schema(table: TidyTable) -> "pa.Schema":
     import pyarrow as pa
 
-    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+    kinds = arrow_types()
     return pa.schema([(name, kinds[kind]) for name, kind in (HEAD | dict(table.types)).items()])
 
 
@@ -55,7 +56,7 @@ def _batches(table: TidyTable) -> "Iterator[pa.RecordBatch]":
         if len(rows):
             head = [
                 pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows)),
-                pa.repeat(_encodable(rows.name), len(rows)),
+                pa.repeat(encodable(rows.name), len(rows)),
             ]
             columns = [_array(rows, name, schema.field(name).type) for name in table.types]
             yield pa.record_batch([*head, *columns], schema=schema)
@@ -66,16 +67,5 @@ def _array(rows: JointRows, name: str, kind: "pa.DataType") -> "pa.Array":
 
     column = rows.columns[name]
     if pa.types.is_string(kind):
-        return pa.array(list(map(_encodable, column)), type=kind)
-    return pa.array(_whole(column) if pa.types.is_integer(kind) else column, type=kind, from_pandas=True)
-
-
-def _whole(column: Column) -> Any:  # noqa: ANN401 - an array, or a list with None in it
-    """Return whole numbers as such, also where an array holds them as floats."""
-    dtype = getattr(column, "dtype", None)
-    return column if dtype is None or dtype.kind != "f" else column.astype("int64")  # type: ignore[union-attr]
-
-
-def _encodable(text: Any) -> Any:  # noqa: ANN401 - text or None
-    """Return text that any file can hold: bytes of a name that are no letters are spelt out."""
-    return text.encode("utf-8", "backslashreplace").decode() if isinstance(text, str) else text
+        return pa.array([None if text is None else encodable(text) for text in column], type=kind)
+    return pa.array(column, type=kind, from_pandas=True)

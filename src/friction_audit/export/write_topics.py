@@ -17,7 +17,7 @@ import numpy as np
 from friction_audit.export.mcap_file import Channel, write_channels
 from friction_audit.export.tables import NANOSECONDS, UNKNOWN_START_NS
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.tidy_table import Column, JointRows, TidyTable
+from friction_audit.tidy_table import Column, JointRows, TidyTable, encodable
 
 ROOT = "/friction_audit"
 """What every topic begins with."""
@@ -77,7 +77,7 @@ def _channel(table: TidyTable, rows: JointRows) -> Channel:
         schema_encoding="jsonschema",
         schema_data=json.dumps(json_schema(table)).encode(),
         encoding="json",
-        notes={"joint": str(rows.joint), "joint_name": rows.name.encode("utf-8", "backslashreplace").decode()},
+        notes={"joint": str(rows.joint), "joint_name": encodable(rows.name)},
     )
 
 
