@@ -35,8 +35,9 @@ def extract_interaction(
         UsageError: If the settings contradict the log, or a joint is not in it.
     """
     columns = _columns(log, joints)
-    log, late = on_time(log, coarse_log(log))
     coarse = coarse_log(log)
+    log, late = on_time(log, coarse)
+    coarse = coarse_log(log) if late else coarse
     plan = make_plan(log, coarse, settings)
     grids = grids_of(log, settings.model_rate_hz)
     balance, turned = _choose_row(log, coarse, plan, grids)
