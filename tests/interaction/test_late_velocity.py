@@ -1,5 +1,8 @@
 """A velocity that a driver's filter delays, by hand."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.signal import lfilter
@@ -97,3 +100,20 @@ def test_the_interaction_says_that_it_put_a_velocity_on_time() -> None:
     message = next(caution.message for caution in interaction.warnings if caution.code == "dq_late")
     assert message == "joint 1: dq comes 6.0 ms behind the change of q, as behind a filter; it is put on time"
     assert interaction.dq[100:-100, 0] == pytest.approx(dq[100:-100], abs=0.02)
+
+
+def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
+    """Of three joints the first is 2 ms late, the third 6 ms; the second is left as it is."""
+    q, dq = motion()
+    lags = (0.002, 0.0, 0.006)
+    alone = log_with(dq)
+    columns: dict[str, Any] = {
+        "dq": np.stack([np.interp(T - lag, T, dq) for lag in lags], axis=1),
+        "q": np.stack([q] * 3, axis=1),
+    }
+    columns["tau_interaction"] = np.repeat(alone.channels()["tau_interaction"], 3, axis=1)
+    log = replace(alone, joint_names=("hip", "knee", "ankle"), **columns)
+    mended, (caution,) = on_time(log, coarse_log(log))
+    assert caution.message.startswith("joints 1, 3: dq comes 2.0 to 6.0 ms behind the change of q")
+    assert (mended.dq[:, 1] == log.dq[:, 1]).all()
+    assert np.abs(mended.dq[100:-100] - dq[100:-100, None]).max() < 0.03 * np.abs(dq).max()
