@@ -66,6 +66,11 @@ def test_a_filtered_difference_is_replaced_by_a_centred_one() -> None:
     assert np.sqrt(np.mean((mended - dq[100:-100]) ** 2)) < 0.1 * np.sqrt(np.mean((filtered - dq)[100:-100] ** 2))
 
 
+def test_a_steady_motion_has_its_velocity_to_both_ends() -> None:
+    mended = read_on_time(log_with(np.full(len(T), 0.4), 0.4 * T), np.array([0.006]))
+    np.testing.assert_allclose(mended.dq, 0.4, rtol=1e-9)
+
+
 def test_a_coarse_position_makes_no_velocity() -> None:
     q, dq = motion()
     log = log_with(np.interp(T - 0.005, T, dq), np.round(q / 0.02) * 0.02)

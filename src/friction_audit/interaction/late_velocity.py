@@ -77,9 +77,10 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
     dq = log.dq.copy()
     for joint in np.flatnonzero(lag):
         q, late = log.q[:, joint], lag[joint]
-        ahead, behind = np.interp(log.t + late, log.t, q), np.interp(log.t - late, log.t, q)
+        after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])
+        change = np.interp(after, log.t, q) - np.interp(before, log.t, q)
         fine = _roughness(q) / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
-        dq[:, joint] = (ahead - behind) / (2.0 * late) if fine else np.interp(log.t + late, log.t, log.dq[:, joint])
+        dq[:, joint] = change / (after - before) if fine else np.interp(after, log.t, log.dq[:, joint])
     return replace(log, dq=dq)
 
 
