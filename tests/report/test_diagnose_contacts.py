@@ -57,6 +57,15 @@ def test_each_contact_is_where_it_was_and_as_large_as_it_was() -> None:
     assert float(np.nanstd(shown.left[apart])) < 0.05
 
 
+def test_friction_below_zero_which_no_model_allows_is_drawn_all_the_same() -> None:
+    joint = found().discrepancy.joints[0]
+    numbers = dict(joint.grown)
+    numbers["viscous_nms_per_rad"] = replace(numbers["viscous_nms_per_rad"], value=-0.4)
+    shown = touched(found(), replace(joint, grown=numbers))
+    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in PUSHES], axis=0)
+    assert float(np.nanstd(shown.left[apart])) < 0.1
+
+
 def test_one_joint_shows_all_the_log_and_the_largest_close_by() -> None:
     figure = draw_effects(found(), 1)
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["joint 1: contact_event", "the largest"]

@@ -7,10 +7,13 @@ import numpy as np
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.candidates.contact_event import Contact, find_contacts
+from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.grown_model import grow_model
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy
-from friction_audit.discrepancy.rows import filter_rows, make_rows
+from friction_audit.discrepancy.rows import Rows, filter_rows, make_rows
+from friction_audit.errors import AnalysisError
 from friction_audit.interaction.known_arm import known_arm
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import Provenance
@@ -52,11 +55,21 @@ def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
     column = estimate.interaction.joint_numbers.index(joint.joint)
     data = prepare(estimate.interaction, estimate.cycles, estimate.log, arm)[column]
     stated = found.settings.model
-    model = grow_model(joint, None if stated is None else stated.joints[joint.joint - 1], Provenance())
     rows = make_rows(data, traces.corner_hz)
-    left = filter_rows(data.torque - model.torque(data.motion()), rows.kernel, rows.every)
+    try:
+        model = grow_model(joint, None if stated is None else stated.joints[joint.joint - 1], Provenance())
+        torque = model.torque(data.motion())
+    except AnalysisError:  # a number below zero, which a fit may give and no model allows
+        torque = _simple_torque(data, rows)
+    left = filter_rows(data.torque - torque, rows.kernel, rows.every)
     seen = (data.moving & data.valid)[:: rows.every]
     return Touched(t=data.t[:: rows.every], left=np.where(seen, left, np.nan), contacts=find_contacts(data))
+
+
+def _simple_torque(data: JointData, rows: Rows) -> Float:
+    """Torque of inertia, Coulomb and viscous friction, whatever their signs, fitted to the rows, shape (n,). [N m]"""
+    columns = np.column_stack([data.ddq, data.motion().direction, data.dq])
+    return np.asarray(columns @ least_squares(rows.of(columns), rows.y))
 
 
 def contact_panels(
