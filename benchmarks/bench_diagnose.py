@@ -19,6 +19,7 @@ from pathlib import Path
 
 from benchmarks.bench_parquet import JOINTS, RATE_HZ, Run, run
 from benchmarks.bench_speed import machine
+from benchmarks.marked_page import write_between
 
 GOALS_S = {120: 10.0, 600: 40.0}
 """Of a whole command on two cores, by the seconds of the log."""
@@ -121,10 +122,7 @@ def main() -> None:
         print(line, flush=True)
         lines.append(line)
     if arguments.page is not None:
-        before, _, rest = arguments.page.read_text(encoding="utf-8").partition(BEGIN)
-        _, _, after = rest.partition(END)
-        body = "\n".join(lines)
-        arguments.page.write_text(f"{before}{BEGIN}\n\n{body}\n\n{END}{after}", encoding="utf-8")
+        write_between(arguments.page, BEGIN, END, "\n".join(lines))
 
 
 if __name__ == "__main__":

@@ -13,6 +13,7 @@ import numpy as np
 from scipy.stats import binomtest
 
 from benchmarks.hidden_effects.outside import OUTSIDE
+from benchmarks.marked_page import write_between
 from friction_audit.discrepancy.candidates import CANDIDATES
 
 Row = dict[str, str]
@@ -165,9 +166,7 @@ def main() -> None:
     if asked.output is None:
         print(text)
         return
-    page = asked.output.read_text()
-    before, after = page.split(BEGIN)[0], page.split(END)[1]
-    asked.output.write_text(f"{before}{BEGIN}\n\n{text}\n\n{END}{after}")
+    write_between(asked.output, BEGIN, END, text)
 
 
 if __name__ == "__main__":

@@ -4,16 +4,17 @@ import os
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
 from tests.documented_commands import ROOT
+from tests.opened_page import Opened, open_in
 
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
+    from playwright.sync_api import Browser
 
 
 @dataclass(frozen=True)
@@ -35,25 +36,7 @@ class Site:
         return self.folder / f"{name}.html"
 
 
-@dataclass
-class Visited:
-    """A page of the site in the browser.
-
-    Attributes:
-        page: The page.
-        requests: Addresses that it asked for.
-        complaints: What went to the console, and errors.
-    """
-
-    page: "Page"
-    requests: list[str] = field(default_factory=list)
-    complaints: list[str] = field(default_factory=list)
-
-    def evaluate(self, expression: str) -> Any:
-        return self.page.evaluate(expression)
-
-
-Visit = Callable[..., Visited]
+Visit = Callable[..., Opened]
 
 
 @pytest.fixture(scope="session")
@@ -75,15 +58,10 @@ def visit(browser: "Browser", site: Site) -> Iterator[Visit]:
     """Return what opens a page of the site from its file, at a width, in a colour scheme."""
     contexts = []
 
-    def visited(name: str, *, width: int = 1280, scheme: Any = "light") -> Visited:
+    def visited(name: str, *, width: int = 1280, scheme: Any = "light") -> Opened:
         context = browser.new_context(viewport={"width": width, "height": 900}, color_scheme=scheme)
         contexts.append(context)
-        found = Visited(page=context.new_page())
-        found.page.on("console", lambda message: found.complaints.append(message.text))
-        found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
-        found.page.on("request", lambda request: found.requests.append(request.url))
-        found.page.goto(site.page(name).as_uri())
-        return found
+        return open_in(context, site.page(name).as_uri())
 
     yield visited
     for context in contexts:

@@ -75,5 +75,16 @@ def make_sessions(
     ]
 
 
+def make_arm_sessions(coulomb: ArrayLike) -> list[Session]:
+    """Seven joints, of which the first has these levels and the others scatter without drift."""
+    levels = np.asarray(coulomb, dtype=float)
+    others = [noisy(len(levels), 100 + k) for k in range(6)]
+    viscous = [noisy(len(levels), 200 + k, level=0.07) for k in range(7)]
+    return [
+        make_session(i, [make_joint(j + 1, one[i], viscous[j][i]) for j, one in enumerate((levels, *others))])
+        for i in range(len(levels))
+    ]
+
+
 def noisy(n: int, seed: int = 0, *, level: float = 0.3, scatter: float = 0.003) -> np.ndarray:
     return np.asarray(level + scatter * np.random.default_rng(seed).standard_normal(n))

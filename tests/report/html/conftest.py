@@ -1,32 +1,15 @@
-"""A page in a headless browser that notes every request and every complaint."""
+"""HTML text in a headless browser."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import pytest
 
+from tests.opened_page import Opened, open_in
+
 if TYPE_CHECKING:
-    from playwright.sync_api import Browser, Page
-
-
-@dataclass
-class Opened:
-    """A page in the browser.
-
-    Attributes:
-        page: The page.
-        requests: Addresses that it asked for.
-        complaints: What went to the console, and errors.
-    """
-
-    page: "Page"
-    requests: list[str] = field(default_factory=list)
-    complaints: list[str] = field(default_factory=list)
-
-    def evaluate(self, expression: str, argument: object = None) -> Any:
-        return self.page.evaluate(expression, argument)
+    from playwright.sync_api import Browser
 
 
 Open = Callable[..., Opened]
@@ -44,12 +27,7 @@ def open_page(browser: "Browser", tmp_path: Path) -> Iterator[Open]:
             viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=scripts
         )
         contexts.append(context)
-        found = Opened(page=context.new_page())
-        found.page.on("console", lambda message: found.complaints.append(message.text))
-        found.page.on("pageerror", lambda error: found.complaints.append(str(error)))
-        found.page.on("request", lambda request: found.requests.append(request.url))
-        found.page.goto(path.as_uri())
-        return found
+        return open_in(context, path.as_uri())
 
     yield opened
     for context in contexts:

@@ -10,14 +10,14 @@ from friction_audit.report.html import log_figures
 from friction_audit.report.html.log_figures import LOG_FIGURES
 from friction_audit.report.html.log_page import write_log_page
 from friction_audit.report.html.log_part import part_of
+from tests.opened_page import Opened
 from tests.report import log_report_by_hand as by_hand
-from tests.report.html.conftest import Open, Opened
+from tests.report.html.conftest import Open
+from tests.report.html.paper import check_paper, overflow
 from tests.report.html.test_log_page import hostile_page, page, report
 
 WIDTHS = (360, 768, 1280)
 """Of a phone, a tablet, a laptop."""
-PAPER_PX = 688
-"""Width of A4 between margins of 14 mm, at 96 dots to the inch."""
 NARROWEST_FIGURE = 300
 CASES = ("plain", "hostile", "one joint", "forty joints", "no cycles")
 SCHEMES = ("light", "dark")
@@ -37,12 +37,6 @@ def page_of(case: str) -> str:
         case "no cycles":
             return write_log_page(by_hand.still())
     return page()
-
-
-def overflow(opened: Opened) -> int:
-    """Return by how many pixels the page is wider than its window."""
-    wider: int = opened.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-    return wider
 
 
 def unfold(opened: Opened) -> None:
@@ -67,16 +61,7 @@ def test_the_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) ->
 
 @pytest.mark.parametrize("case", CASES)
 def test_paper_holds_everything(open_page: Open, case: str) -> None:
-    opened = open_page(page_of(case), width=PAPER_PX, scheme="dark")
-    opened.page.emulate_media(media="print")
-    opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-    assert overflow(opened) <= 0
-    wide = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.checkVisibility())
-        .filter((one) => one.getBoundingClientRect().right > window.innerWidth + 1).map((one) => one.outerHTML)"""
-    assert opened.evaluate(wide) == []
-    assert opened.evaluate("[...document.querySelectorAll('details')].every((one) => one.open)")
-    assert opened.evaluate("getComputedStyle(document.body).color") == "rgb(22, 25, 29)"
-    assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
+    check_paper(open_page, page_of(case))
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)

@@ -8,12 +8,12 @@ import pytest
 
 from friction_audit.report.figures.batch import BATCH_FIGURES
 from friction_audit.report.html.batch_page import write_page
+from tests.opened_page import Opened
 from tests.report import batch_by_hand as by_hand
-from tests.report.html.conftest import Open, Opened
+from tests.report.html.conftest import Open
+from tests.report.html.paper import check_paper, overflow
 
 WIDTHS = (360, 768, 1280)
-PAPER_PX = 688
-"""Width of A4 between margins of 14 mm, at 96 dots to the inch."""
 SCHEMES = ("light", "dark")
 CASES = ("plain", "hostile", "one joint", "forty joints", "nothing")
 
@@ -30,12 +30,6 @@ def page_of(case: str) -> str:
         case "nothing":
             return write_page(by_hand.empty())
     return write_page(by_hand.batch())
-
-
-def overflow(opened: Opened) -> int:
-    """Return by how many pixels the page is wider than its window."""
-    wider: int = opened.evaluate("document.documentElement.scrollWidth - window.innerWidth")
-    return wider
 
 
 @pytest.mark.parametrize("case", CASES)
@@ -58,16 +52,7 @@ def test_no_width_overflows(open_page: Open, case: str, width: int) -> None:
 
 @pytest.mark.parametrize("case", CASES)
 def test_paper_holds_everything(open_page: Open, case: str) -> None:
-    opened = open_page(page_of(case), width=PAPER_PX, scheme="dark")
-    opened.page.emulate_media(media="print")
-    opened.evaluate("window.dispatchEvent(new Event('beforeprint'))")
-    assert overflow(opened) <= 0
-    wide = """[...document.querySelectorAll('table, svg, pre')].filter((one) => one.checkVisibility())
-        .filter((one) => one.getBoundingClientRect().right > window.innerWidth + 1).map((one) => one.outerHTML)"""
-    assert opened.evaluate(wide) == []
-    assert opened.evaluate("[...document.querySelectorAll('details')].every((one) => one.open)")
-    assert opened.evaluate("getComputedStyle(document.body).color") == "rgb(22, 25, 29)"
-    assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
+    check_paper(open_page, page_of(case))
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
