@@ -119,6 +119,26 @@ def test_impossible_factors_are_skipped_for_the_next_best() -> None:
     assert "square" not in names(found)
 
 
+def test_what_was_found_stays_where_a_better_pair_turns_out_impossible() -> None:
+    rng = np.random.default_rng(5)
+    strong, other, noise, beside = rng.standard_normal((4, 2000))
+    worthless = beside + 0.3 * strong
+    y = strong + noise - 0.03 * worthless
+    free = OLS(y, strong).fit().params[0]
+    groups = [
+        Group(name="possible", shapes=((strong + 0.4 * other)[:, None],)),
+        # Alone it is too large to be possible, beside the worthless one it is not.
+        Group(name="impossible", shapes=(strong[:, None],), admissible=lambda factors, _shape: bool(factors[0] > free)),
+        Group(name="worthless", shapes=(worthless[:, None],)),
+    ]
+    base = np.ones((2000, 1))
+    ranking = Ranking(cross_products(y, base, groups), 2000.0)
+    assert ranking.objective([1, 2]) > ranking.objective([0])
+    assert ranking.admissible([1, 2], 1)
+    assert ranking.worth([1, 2], 2) < 0.0
+    assert names(search(ranking.products, 2000.0)) == ["possible"]
+
+
 def test_a_copy_of_the_base_or_an_empty_column_never_enters() -> None:
     data = synthetic_columns(np.random.default_rng(8), cycles=20, memory=0.0)
     groups = [

@@ -26,7 +26,7 @@ BY_CHANCE = 0.01
 """Probability that anything enters where nothing is missing, all candidates and shapes together."""
 SAMPLES_AT_A_TIME = 4096
 MAX_ROUNDS = 50
-"""Rounds of exchange and deletion: only rules that exclude one another's factors could go round for ever."""
+"""Rounds of exchange and recombination; each raises the objective, so that only rounding could go on."""
 
 
 def any_factors(_factors: Float, _shape: int) -> bool:
@@ -202,13 +202,12 @@ def search(products: CrossProducts, n_eff: float) -> Search:
     """
     state = Ranking(products, n_eff)
     active: list[int] = []
-    seen: set[frozenset[int]] = {frozenset(active)}
     while (best := state.best_addition(active)) is not None:
-        active = state.settle([*active, best])
-        # An effect that leaves as impossible may be what lets the next one in again: a round trip ends the search.
-        if frozenset(active) in seen:
+        settled = state.settle([*active, best])
+        # What came in may make impossible what was there: no search ends with less than it had.
+        if not state.is_better(settled, active):
             break
-        seen.add(frozenset(active))
+        active = settled
     return state.result(active)
 
 
@@ -336,23 +335,34 @@ class Ranking:
         return list(best.items())
 
     def settle(self, active: list[int]) -> list[int]:
-        """Exchanges and deletes until nothing moves; each exchange raises the objective, each deletion shortens."""
+        """Deletes, exchanges and recombines until nothing raises the objective."""
+        active = self._delete(active)
         for _ in range(MAX_ROUNDS):
-            kept = self._delete(self._exchange(active))
-            if kept == active:
-                kept = self._delete(self._recombine(active))
-            if kept == active:
+            kept = self._best([self._exchange(active)], active) or self._best(self._recombined(active), active)
+            if kept is None:
                 break
             active = kept
         return active
 
-    def _recombine(self, active: list[int]) -> list[int]:
-        """Replaces one effect by two, or two by one, if that raises the objective; the best of all such sets."""
-        trials = [*self._one_by_two(active), *self._two_by_one(active)]
-        values = [self.objective(trial) for trial in trials]
-        if trials and max(values) > self.objective(active) + 1e-9 * self.n_eff:
-            return trials[int(np.argmax(values))]
-        return active
+    def is_better(self, trial: Sequence[int], active: Sequence[int]) -> bool:
+        """Whether one set has the higher objective, by more than rounding."""
+        return self.objective(trial) > self.objective(active) + 1e-9 * self.n_eff
+
+    def _best(self, trials: Sequence[list[int]], active: list[int]) -> list[int] | None:
+        """The best of some sets, less what is impossible or worthless in it; None where none is better than another.
+
+        A set may look better only by an effect that is impossible without a companion that is worth nothing.
+        """
+        for trial in sorted(trials, key=self.objective, reverse=True):
+            if not self.is_better(trial, active):
+                break
+            if self.is_better(kept := self._delete(trial), active):
+                return kept
+        return None
+
+    def _recombined(self, active: list[int]) -> list[list[int]]:
+        """Sets with one effect replaced by two, or two by one."""
+        return [*self._one_by_two(active), *self._two_by_one(active)]
 
     def _one_by_two(self, active: list[int]) -> Iterator[list[int]]:
         """Sets in which two units stand in the place of one; the first of the two among the most promising."""
@@ -388,7 +398,7 @@ class Ranking:
             if best is None or best == active[place]:
                 continue
             trial = [*active[:place], best, *active[place + 1 :]]
-            if self.objective(trial) > self.objective(active) + 1e-9 * self.n_eff:
+            if self.is_better(trial, active):
                 active = trial
         return active
 
