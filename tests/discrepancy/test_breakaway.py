@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.discrepancy.breakaway import STANDSTILL_S, find_breakaways, signed_rest
+from friction_audit.discrepancy.breakaway import STANDSTILL_S, find_breakaways, loaded_slowly, signed_rest
 from friction_audit.joint_log import Float
 
 STEP_S = 1.0 / 400.0
@@ -101,3 +101,13 @@ def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(di
     again = find_breakaways(q, held, DEAD, STEP_S)
     assert np.array_equal(again.samples, found.samples)
     assert np.array_equal(again.certain, found.certain)
+
+
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_a_start_by_a_motor_that_held_the_other_way_tells_nothing(direction: float) -> None:
+    q, dq, _ = start(1.0, direction)
+    torque = direction * (LEVEL + 0.5 * RISE * (T - 1.0))
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    jumps = np.where(T < 1.0, -direction * LEVEL, direction * (LEVEL + 100.0 * (T - 1.0)))
+    falls = np.where(T < 1.0, torque, 0.8 * torque)
+    assert [loaded_slowly(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [[True], [False], [True]]

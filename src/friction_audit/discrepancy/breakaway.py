@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.noise import grid_noise
+from friction_audit.discrepancy.noise import SIGMA_PER_MEDIAN, grid_noise
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
@@ -39,6 +39,9 @@ ONSET_S = 0.01
 """The onset is known to so much: two samples by the low-pass, and two by a start that is not quite cubic."""
 SMALL_SHARE = 0.05
 """What the torque changes in that time is nothing if it is below its noise, or below this share of the torque."""
+CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
+"""A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
+standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start."""
 POWER = 3
 """Of the time, by which the path grows from a standstill under a torque that rises steadily."""
 
@@ -113,6 +116,8 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
 def loaded_slowly(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
     """Whether the torque at each break-away is the same some milliseconds earlier or later, shape (k,).
 
+    A fall behind it is no objection: friction is less once a joint moves, and whoever pushes gives way.
+
     Args:
         torque: On the fine grid, shape (n,). [N m]
         breakaways: The moments.
@@ -121,12 +126,17 @@ def loaded_slowly(torque: Float, breakaways: Breakaways, step_s: float) -> NDArr
     if not len(breakaways.onset):
         return np.zeros(0, np.bool_)
     windows = torque[breakaways.samples]
-    still = windows.shape[1] - 1
+    still, apart = windows.shape[1] - 1, max(round(ONSET_S / step_s), 1)
     back = np.arange(-still, 1) - float(APART)
     powers = np.vander(back, DEGREE + 1)
     fitted = windows @ np.linalg.pinv(powers).T
     change = np.abs(fitted[:, -2]) * ONSET_S / step_s
-    return np.asarray(change <= max(grid_noise(torque), SMALL_SHARE * float(np.median(np.abs(fitted[:, -1])))))
+    usual = float(np.median(np.abs(fitted[:, -1])))
+    steady = change <= max(grid_noise(torque), SMALL_SHARE * usual)
+    at_rest = SIGMA_PER_MEDIAN * float(np.median(np.abs(windows[:, apart:] - windows[:, :-apart])))
+    behind = torque[np.minimum(breakaways.onset + APART + apart, len(torque) - 1)]
+    rise = (behind - fitted[:, -1]) * breakaways.direction
+    return np.asarray(steady & (rise <= max(CARRIED_SIGMAS * at_rest, CARRIED_SHARE * usual)))
 
 
 def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float) -> tuple[Float, Float]:
