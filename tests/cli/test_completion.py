@@ -1,13 +1,21 @@
 """``--install-completion``: what bash asks for is answered."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any, cast
 
 import pytest
+import typer
 
+from friction_audit.cli import choices
+from friction_audit.cli.app import app
+
+GROUP = cast("Any", typer.main.get_command(app))
 PROGRAM = Path(sys.executable).parent / "friction-audit"
 ASK = """
 source ~/.bashrc
@@ -35,3 +43,50 @@ def test_completion_is_installed_for_bash_and_answers(tmp_path: Path) -> None:
     assert "bash completion installed" in done.stdout
     assert asked(tmp_path, "friction-audit est") == ["estimate"]
     assert asked(tmp_path, "friction-audit batch-report --fa") == ["--fail-on"]
+    assert asked(tmp_path, "friction-audit estimate run.csv --drive ha") == ["hand"]
+    assert asked(tmp_path, "friction-audit plot run.csv --kind energy,co") == ["energy,coefficients"]
+
+
+def offered(command: str, option: str, begun: str = "") -> list[str]:
+    """Return the values that are offered for an option or an argument of a command."""
+    chosen = GROUP.commands[command]
+    (param,) = (p for p in chosen.params if option in (*p.opts, p.name))
+    return [item.value for item in param.shell_complete(typer.Context(chosen), begun)]
+
+
+def listed() -> Iterator[tuple[str, str, list[str]]]:
+    """Yield each option whose help lists its names: command, option, names."""
+    for name, command in GROUP.commands.items():
+        for param in command.params:
+            names = (param.metavar or "").split("|")
+            if len(names) > 1 and not any(word.isupper() for word in re.split(r"[|,]", param.metavar)):
+                yield name, max(param.opts, key=len), names
+
+
+def test_every_name_that_the_help_lists_is_offered() -> None:
+    assert {"--drive", "--gravity", "--robot", "--compensator", "--arm", "--kind"} <= {one for _, one, _ in listed()}
+    for command, option, names in listed():
+        assert offered(command, option) == names, (command, option)
+        assert offered(command, option, names[-1]) == [n for n in names if n.startswith(names[-1])], (command, option)
+
+
+@pytest.mark.parametrize(
+    ("command", "option", "names"),
+    [
+        ("simulate", "scenario", choices.SCENARIOS),
+        ("simulate", "--effect", choices.EFFECTS),
+        ("compare", "--effect", choices.EFFECTS),
+        ("diagnose", "--candidates", choices.EFFECTS),
+        ("simulate", "--dialect", choices.DIALECTS),
+        ("convert", "--dialect", choices.DIALECTS),
+    ],
+)
+def test_names_that_another_option_lists_are_offered(command: str, option: str, names: tuple[str, ...]) -> None:
+    assert offered(command, option) == list(names)
+    assert offered(command, option, names[0][:2])[0] == names[0]
+    assert offered(command, option, "?") == []
+
+
+def test_a_list_goes_on_after_its_comma() -> None:
+    assert offered("diagnose", "--candidates", "stribeck,torque_r") == ["stribeck,torque_ripple"]
+    assert offered("plot", "--format", "png,") == ["png,svg", "png,pdf"]

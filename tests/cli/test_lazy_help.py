@@ -1,5 +1,6 @@
 """Help and usage errors load no numerics."""
 
+import os
 import subprocess
 import sys
 
@@ -7,10 +8,13 @@ import pytest
 
 from friction_audit.cli import choices
 from friction_audit.cycles import settings as cycles
+from friction_audit.export import WRITERS
 from friction_audit.friction import settings as friction
 from friction_audit.interaction import settings as torque
 from friction_audit.report import figures
 from friction_audit.report.figures import save
+from friction_audit.simulate.effects import EFFECTS
+from friction_audit.simulate.scenarios import SCENARIOS
 
 HEAVY = (
     "numpy",
@@ -47,6 +51,15 @@ def test_nothing_heavy_is_loaded(words: str) -> None:
     assert done.stderr.splitlines()[-1] == ""
 
 
+def test_nothing_heavy_is_loaded_to_complete_a_name() -> None:
+    asked = {"_FRICTION_AUDIT_COMPLETE": "complete_bash", "COMP_WORDS": "friction-audit simulate pa", "COMP_CWORD": "2"}
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], env=os.environ | asked, capture_output=True, text=True, check=True
+    )
+    assert done.stdout.split() == ["panda-joint", "panda", "panda-driven"]
+    assert done.stderr.splitlines()[-1] == ""
+
+
 def test_names_of_options_are_those_of_the_steps() -> None:
     assert choices.TORQUES == torque.TORQUES
     assert choices.GRAVITIES == torque.GRAVITIES
@@ -58,3 +71,6 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert choices.MODELS == friction.MODELS
     assert tuple(kind.name for kind in figures.FIGURES) == choices.FIGURES
     assert choices.IMAGE_FORMATS == save.FORMATS
+    assert tuple(scenario.name for scenario in SCENARIOS) == choices.SCENARIOS
+    assert {effect.name for effect in EFFECTS} == set(choices.EFFECTS)
+    assert tuple(writer.name for writer in WRITERS) == choices.DIALECTS

@@ -69,6 +69,52 @@ EFFECTS = (
     "contact_event",
     "unlogged_compensation",
 )
+"""Effects that a diagnosis may name, and that a simulation may hide."""
+SCENARIOS = (
+    "joint",
+    "joint-sine",
+    "joint-slow",
+    "joint-loaded",
+    "joint-driven",
+    "panda-joint",
+    "panda",
+    "panda-driven",
+    "fig3",
+    "fig6",
+    "fig7-unprotected",
+    "fig7",
+    "fig8",
+    "fig9-friction",
+    "fig9-compensated",
+    "fig10",
+    "fig10-unguarded",
+    "fig12",
+    "fig13",
+)
+DIALECTS = (
+    "parquet",
+    "parquet-lists",
+    "csv",
+    "csv-long",
+    "csv-rostopic",
+    "csv-bag",
+    "csv-libfranka",
+    "csv-libfranka-0.9",
+    "npz",
+    "rosbag1-joint-state",
+    "rosbag1-franka-state",
+    "rosbag2-sqlite3",
+    "rosbag2-mcap",
+    "rosbag2-db3",
+    "rosbag2-db3-franka-state",
+    "mcap",
+    "mcap-franka-robot-state",
+    "mcap-franka-robot-state-flat",
+    "mcap-franka-state",
+    "mcap-ros1",
+    "mcap-json",
+    "mcap-protobuf",
+)
 
 
 def metavar(names: Sequence[str]) -> str:
@@ -96,6 +142,26 @@ def some_of(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
         return list(dict.fromkeys(chosen))
 
     return check
+
+
+def offer_one(names: Sequence[str]) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option of one name with."""
+
+    def offer(incomplete: str) -> list[str]:
+        return [name for name in names if name.startswith(incomplete)]
+
+    return offer
+
+
+def offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
+    """Return what a shell completes an option of several names with: those that do not stand before the last comma."""
+
+    def offer(incomplete: str) -> list[str]:
+        chosen, comma, begun = incomplete.rpartition(",")
+        left = (name for name in names if name not in chosen.split(","))
+        return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
+
+    return offer
 
 
 def near_misses(word: str, names: Sequence[str]) -> str:

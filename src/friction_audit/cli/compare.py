@@ -40,6 +40,7 @@ class ComparisonOptions:
         typer.Option(
             metavar=choices.metavar(ARMS),
             callback=choices.one_of(ARMS),
+            autocompletion=choices.offer_one(ARMS),
             help="What the methods are tried on: one joint moved by a person, or a Panda guided by a hand.",
             rich_help_panel=COMPARISON,
         ),
@@ -50,6 +51,7 @@ class ComparisonOptions:
             "--methods",
             metavar=choices.metavar(METHOD_NAMES),
             callback=choices.some_of(METHOD_NAMES),
+            autocompletion=choices.offer_some(METHOD_NAMES),
             help="Methods beside none; repeatable, or separated by commas. Default: all.",
             rich_help_panel=COMPARISON,
         ),
@@ -83,6 +85,7 @@ class ComparisonOptions:
         typer.Option(
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
+            autocompletion=choices.offer_one(choices.EFFECTS),
             help="Hide an effect that no method knows of, as in simulate. Repeatable.",
             rich_help_panel=COMPARISON,
         ),

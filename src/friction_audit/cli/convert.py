@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from friction_audit.cli import chain
+from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
@@ -49,6 +49,7 @@ def command(
         str | None,
         typer.Option(
             metavar="NAME",
+            autocompletion=choices.offer_one(choices.DIALECTS),
             help="One of --list-dialects. Default: the first one of OUT's suffix.",
             rich_help_panel=OUTPUT,
         ),

@@ -43,6 +43,7 @@ class DiagnosisOptions:
         typer.Option(
             metavar="NAME",
             callback=choices.some_of(choices.EFFECTS),
+            autocompletion=choices.offer_some(choices.EFFECTS),
             help="Effects that may be named; repeatable, or separated by commas. Default: all.",
             rich_help_panel=DIAGNOSIS,
         ),

@@ -25,6 +25,7 @@ ImageFormats = Annotated[
         "--format",
         metavar=choices.metavar(choices.IMAGE_FORMATS),
         callback=choices.some_of(choices.IMAGE_FORMATS),
+        autocompletion=choices.offer_some(choices.IMAGE_FORMATS),
         help="Formats of the figures; repeatable, or separated by commas.",
         rich_help_panel=OUTPUT,
     ),
@@ -35,6 +36,7 @@ FiguresBeside = Annotated[
     typer.Option(
         metavar=choices.metavar(choices.IMAGE_FORMATS),
         callback=choices.some_of(choices.IMAGE_FORMATS),
+        autocompletion=choices.offer_some(choices.IMAGE_FORMATS),
         help="Formats of the figures in DIR; repeatable, or separated by commas.",
         rich_help_panel=OUTPUT,
     ),
@@ -46,6 +48,7 @@ Exports = Annotated[
         "--export",
         metavar=choices.metavar(choices.EXPORTS),
         callback=choices.some_of(choices.EXPORTS),
+        autocompletion=choices.offer_some(choices.EXPORTS),
         help="Also write every table of the result in DIR: mcap as topics on the log's clock, for Foxglove and "
         "PlotJuggler; csv and parquet a file each. Repeatable, or separated by commas.",
         rich_help_panel=OUTPUT,
@@ -84,6 +87,7 @@ class ReadingOptions:
         typer.Option(
             metavar=choices.metavar(choices.ROBOTS),
             callback=choices.one_of(choices.ROBOTS),
+            autocompletion=choices.offer_one(choices.ROBOTS),
             help="Whose rigid-body model may be used; auto goes by the names in the log.",
             rich_help_panel=READING,
         ),
@@ -134,6 +138,7 @@ class TorqueOptions:
         typer.Option(
             metavar=choices.metavar(choices.DRIVES),
             callback=choices.one_of(choices.DRIVES),
+            autocompletion=choices.offer_one(choices.DRIVES),
             help="Who moves the joint: a hand on the arm, or the robot itself.",
             rich_help_panel=TORQUE,
         ),
@@ -143,6 +148,7 @@ class TorqueOptions:
         typer.Option(
             metavar=choices.metavar(choices.TORQUES),
             callback=choices.one_of(choices.TORQUES),
+            autocompletion=choices.offer_one(choices.TORQUES),
             help="Channel that the interaction torque is made from.",
             rich_help_panel=TORQUE,
         ),
@@ -152,6 +158,7 @@ class TorqueOptions:
         typer.Option(
             metavar=choices.metavar(choices.GRAVITIES),
             callback=choices.one_of(choices.GRAVITIES),
+            autocompletion=choices.offer_one(choices.GRAVITIES),
             help="Where the gravity torque comes from.",
             rich_help_panel=TORQUE,
         ),
@@ -161,6 +168,7 @@ class TorqueOptions:
         typer.Option(
             metavar=choices.metavar(choices.INERTIAS),
             callback=choices.one_of(choices.INERTIAS),
+            autocompletion=choices.offer_one(choices.INERTIAS),
             help="Whether inertial and Coriolis torques of the model are removed.",
             rich_help_panel=TORQUE,
         ),
@@ -207,6 +215,7 @@ class CycleOptions:
         typer.Option(
             metavar=choices.metavar(choices.CYCLES_FROM),
             callback=choices.one_of(choices.CYCLES_FROM),
+            autocompletion=choices.offer_one(choices.CYCLES_FROM),
             help="joint: each joint has its own cycles; hand: the end effector's speed cuts all joints at once.",
             rich_help_panel=CYCLES,
         ),
@@ -236,6 +245,7 @@ class EstimateOptions:
         typer.Option(
             metavar=choices.metavar(choices.ESTIMATORS),
             callback=choices.one_of(choices.ESTIMATORS),
+            autocompletion=choices.offer_one(choices.ESTIMATORS),
             help="weighted: rows weighted by their noise, offset and gravity error beside; paper: the literal method.",
             rich_help_panel=ESTIMATE,
         ),
@@ -245,6 +255,7 @@ class EstimateOptions:
         typer.Option(
             metavar=choices.metavar(choices.MODELS),
             callback=choices.one_of(choices.MODELS),
+            autocompletion=choices.offer_one(choices.MODELS),
             help="Friction model.",
             rich_help_panel=ESTIMATE,
         ),

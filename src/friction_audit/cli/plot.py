@@ -30,6 +30,7 @@ def command(
         typer.Option(
             metavar=choices.metavar(choices.KINDS),
             callback=choices.some_of(choices.KINDS),
+            autocompletion=choices.offer_some(choices.KINDS),
             help="What to draw; repeatable, or separated by commas.",
             rich_help_panel=OUTPUT,
         ),

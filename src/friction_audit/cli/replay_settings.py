@@ -29,6 +29,7 @@ class ReplayOptions:
         typer.Option(
             metavar=choices.metavar(choices.ASSUMPTIONS),
             callback=choices.one_of(choices.ASSUMPTIONS),
+            autocompletion=choices.offer_one(choices.ASSUMPTIONS),
             help="What would have stayed as recorded.",
             rich_help_panel=REPLAY,
         ),
@@ -38,6 +39,7 @@ class ReplayOptions:
         typer.Option(
             metavar=choices.metavar(choices.COMPENSATORS),
             callback=choices.one_of(choices.COMPENSATORS),
+            autocompletion=choices.offer_one(choices.COMPENSATORS),
             help="energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
             "the others: its rivals.",
             rich_help_panel=REPLAY,
@@ -48,6 +50,7 @@ class ReplayOptions:
         typer.Option(
             metavar=choices.metavar(choices.MODELS),
             callback=lambda name: name if name is None else choices.one_of(choices.MODELS)(name),
+            autocompletion=choices.offer_one(choices.MODELS),
             help="Friction model of the compensator. Default: combined.",
             rich_help_panel=REPLAY,
         ),

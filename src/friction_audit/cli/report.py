@@ -44,6 +44,7 @@ def command(
             "--format",
             metavar=choices.metavar(FORMATS),
             callback=choices.some_of(FORMATS),
+            autocompletion=choices.offer_some(FORMATS),
             help="Formats of the report; repeatable, or separated by commas. Default: html.",
             rich_help_panel=OUTPUT,
         ),

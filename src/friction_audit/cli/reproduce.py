@@ -37,6 +37,7 @@ def command(
             "--figures",
             metavar=choices.metavar(PAPER_FIGURES),
             callback=choices.some_of(PAPER_FIGURES),
+            autocompletion=choices.offer_some(PAPER_FIGURES),
             help="Figures of the paper; repeatable, or separated by commas. Default: all.",
             rich_help_panel=SIMULATION,
         ),

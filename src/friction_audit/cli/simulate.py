@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from friction_audit.cli import chain
-from friction_audit.cli.choices import near_misses
+from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
@@ -75,6 +74,7 @@ class SimulationOptions:
         typer.Option(
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
+            autocompletion=choices.offer_one(choices.EFFECTS),
             help="Hide an effect, in all joints that move or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
             rich_help_panel=SIMULATION,
         ),
@@ -120,7 +120,10 @@ class ListOptions:
 
 def command(
     context: typer.Context,
-    scenario: Annotated[str | None, typer.Argument(metavar="SCENARIO", help="One of --list.")] = None,
+    scenario: Annotated[
+        str | None,
+        typer.Argument(metavar="SCENARIO", autocompletion=choices.offer_one(choices.SCENARIOS), help="One of --list."),
+    ] = None,
     *,
     simulation: SimulationOptions,
     lists: ListOptions,
@@ -136,6 +139,7 @@ def command(
         str | None,
         typer.Option(
             metavar="NAME",
+            autocompletion=choices.offer_one(choices.DIALECTS),
             help="One of convert --list-dialects. Default: the first one of FILE's suffix.",
             rich_help_panel=OUTPUT,
         ),
@@ -208,7 +212,9 @@ def _find_scenario(name: str | None) -> "Scenario":
         raise UsageError(f"SCENARIO: missing; expected one of {', '.join(names)}")
     found = next((scenario for scenario in SCENARIOS if scenario.name == name), None)
     if found is None:
-        raise UsageError(f"{name}: no such scenario; expected one of {', '.join(names)}{near_misses(name, names)}")
+        raise UsageError(
+            f"{name}: no such scenario; expected one of {', '.join(names)}{choices.near_misses(name, names)}"
+        )
     return found
 
 
