@@ -26,6 +26,7 @@ from friction_audit.discrepancy.restless import find_restless
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
 from friction_audit.discrepancy.ringing import find_ringing, rings
 from friction_audit.discrepancy.rows import make_rows
+from friction_audit.discrepancy.sampling_delay import put_on_time
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
@@ -130,6 +131,9 @@ def _judge(
     first = _test(ground, names, rng)
     if names.library.entries and (first.p_value <= settings.alpha or anything_taken(ground, names.library)):
         names = find_names(ground, candidates, names.library, settings.alpha, rng)
+    if (on_time := put_on_time(ground, names)) is not None:
+        subject = replace(subject, data=on_time.data, findings=(*subject.findings, on_time.finding))
+        return _judge(subject, make_ground(on_time.data, subject.model, settings.seed), candidates, settings)
     if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
         names, events = ringing.names, (ringing.effect,)
     last = _test(ground, names, rng) if names.found else first

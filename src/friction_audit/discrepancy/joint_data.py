@@ -34,6 +34,7 @@ class JointData:
         others_torque: What the torque sensors of all joints read, gravity included, counted as the torque counts,
             shape (n, j). [N m]
         others_joint: Column of this joint among them; ``joint`` where None.
+        sample_s: Usual step of the log itself, 0 where a torque that is late by part of it is of no interest. [s]
         cycle: Number of the energy cycle of each sample, -1 outside of any, shape (n,).
         moving: Samples in which the direction of motion is certain, shape (n,).
         valid: Samples that are not next to a hole, a stale stretch or an end of the filter, shape (n,).
@@ -62,6 +63,7 @@ class JointData:
     load: Float | None = None
     rigid: RigidBody | None = None
     others_joint: int | None = None
+    sample_s: float = 0.0
 
     @property
     def used(self) -> NDArray[np.bool_]:

@@ -175,6 +175,7 @@ def prepare(
             load=None if load is None else load[:, column],
             rigid=None if known.rigid is None else known.rigid[column],
             others_joint=column,
+            sample_s=median_step(log.t),
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
