@@ -89,3 +89,24 @@ def test_of_two_that_fit_alike_the_one_with_fewer_numbers_takes_the_place() -> N
 
 def test_names_that_are_the_same_always_belong_to_the_set() -> None:
     assert named(noise=2.0, same_as={"effect": ("twin",)}).alternatives == ("twin",)
+
+
+def spring_or_offset(stiffness: float, offset: float) -> Naming:
+    """A spring with a preload, in a log where an offset might be."""
+    rng = np.random.default_rng(3)
+    q, e = rng.standard_normal((2, 2000))
+    one = np.ones(2000)
+    groups = [Group(name="spring", shapes=(np.column_stack([q, one]),)), Group(name="offset", shapes=(one[:, None],))]
+    products = cross_products(stiffness * q + offset + e, rng.standard_normal((2000, 1)), groups)
+    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    return naming
+
+
+def test_what_an_effect_holds_is_an_alternative_where_it_gives_most_of_the_torque() -> None:
+    mostly, hardly = spring_or_offset(0.5, 1.0), spring_or_offset(1.0, 0.5)
+    assert all(naming.rivals[0].beaten and naming.rivals[0].held for naming in (mostly, hardly))
+    assert (mostly.alternatives, hardly.alternatives) == (("offset",), ())
+
+
+def test_what_only_resembles_an_effect_is_not_held_by_it() -> None:
+    assert not next(rival for rival in named(noise=2.0).rivals if rival.name == "near").held

@@ -51,6 +51,16 @@ def test_what_is_turned_round_on_the_locked_cycles_is_not_confirmed() -> None:
     assert confirm(ground, [WAVE], np.random.default_rng(0)).p_value.tolist() == [1.0]
 
 
+@pytest.mark.parametrize(("there", "misleads"), [(1.0, False), (0.6, False), (0.3, True), (0.0, True)])
+def test_a_prediction_that_makes_locked_cycles_worse_misleads(there: float, misleads: bool) -> None:
+    """What is left goes with (1 - there)^2 where the effect is predicted, with there^2 where it is not."""
+    locked = np.isin(CLEAN.data.cycle, CLEAN.rows.cycle[CLEAN.locked])
+    ground = ground_of(0.1 * np.cos(3 * CLEAN.data.q) * np.where(locked, there, 1.0))
+    proof = confirm(ground, [WAVE], np.random.default_rng(0))
+    assert proof.misleads.tolist() == [misleads]
+    assert (float(proof.cost[0]) < 0.0) is not misleads
+
+
 @pytest.mark.parametrize(
     ("p_value", "gain", "evidence", "gain_of_all", "again", "proven", "shown"),
     [
@@ -75,6 +85,7 @@ def test_locked_cycles_prove_or_all_pay(
         gain_of_all=one[4],
         factors=(np.ones(1),),
         again=one[5],
+        cost=np.zeros(1),
     )
     assert proof.proven(0.05).tolist() == [proven]
     assert proof.shown(np.array([12.0])).tolist() == [shown]

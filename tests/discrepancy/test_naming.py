@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
@@ -58,6 +59,28 @@ def test_what_was_there_on_the_working_cycles_only_is_dropped() -> None:
     spoilt = make_ground(replace(ground.data, torque=ground.data.torque + bump(ground.data) * working), None, 0)
     assert np.array_equal(spoilt.working, ground.working)
     assert names_of(spoilt).found == ()
+
+
+def spring(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+    return np.column_stack([data.q, np.ones(len(data.q))])
+
+
+SPRING = replace(SQUARE, name="spring", columns=spring, column_units=("nm_per_rad", "nm"))
+SPRING = replace(SPRING, admissible=lambda factors, _shape: bool(factors[0] > 0), axis="position")
+OFFSET = replace(SQUARE, name="offset", columns=lambda data, _baseline, _shape: np.ones((len(data.q), 1)))
+
+
+@pytest.mark.parametrize(("elsewhere", "name"), [(1.0, "spring"), (-8.0, "offset")])
+def test_an_effect_that_cannot_be_gives_way_to_what_it_holds(elsewhere: float, name: str) -> None:
+    """A spring that pushes away in the locked cycles is none; the offset that its preload was is there in all."""
+    ground = ground_of(None)
+    locked = np.isin(ground.data.cycle, ground.rows.cycle[ground.locked])
+    stiffness = 0.02 * np.where(locked, elsewhere, 1.0)
+    missing = stiffness * ground.data.q + 0.1
+    ground = make_ground(replace(ground.data, torque=ground.data.torque + missing), None, 0)
+    library = build_library((SPRING, OFFSET), ground.data, ground.baseline(), ground.rows)
+    names = find_names(ground, (SPRING, OFFSET), library, 0.05, np.random.default_rng(0))
+    assert [found.candidate.name for found in names.found] == [name]
 
 
 def test_an_effect_that_is_small_beside_another_is_not_named() -> None:

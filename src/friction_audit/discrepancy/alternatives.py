@@ -20,6 +20,8 @@ BEATEN_BY = 6.0
 """Difference in BIC from which one effect beats another (Kass and Raftery 1995)."""
 ALIKE = 0.7
 """Correlation, free of all else in the model, above which two effects look the same."""
+HARDLY_LEFT = 1e-6
+"""Share of a column's square that is left beside columns that hold it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,6 +35,7 @@ class Rival:
         delta_bic: How much more the rival's evidence is against it than the effect's own, on the effective number of
             samples, as a difference in BIC (:func:`evidence`); above 0 it is worse.
         correlation: Of the two effects' torques free of all else in the model, 0..1.
+        held: Whether the effect's own columns hold those of the rival, as a spring's preload holds an offset.
     """
 
     name: str
@@ -40,6 +43,7 @@ class Rival:
     unit: int
     delta_bic: float
     correlation: float
+    held: bool = False
 
     @property
     def beaten(self) -> bool:
@@ -71,8 +75,10 @@ def name_effects(
     """For every accepted effect the set of names that fit.
 
     An alternative is not beaten by a difference of 6 in BIC on the effective number of samples and runs alike: its
-    torque, free of all else in the model, correlates above 0.7 with that of the effect. Names that no motion of this
-    kind tells apart always belong to the set.
+    torque, free of all else in the model, correlates above 0.7 with that of the effect. A rival that the effect holds
+    within it (an offset in the preload of a spring) is never better: it belongs to the set where it alone gives most of
+    the torque, for it may be there beside something smaller. Names that no motion of this kind tells apart always
+    belong to the set.
 
     Args:
         products: Cross products of the data.
@@ -87,7 +93,7 @@ def name_effects(
     entries = []
     for chosen in found.chosen:
         rivals = _rivals(products, [c.unit for c in found.chosen], chosen.unit, n_eff)
-        close = [r.name for r in rivals if not r.beaten and r.correlation > ALIKE]
+        close = [r.name for r in rivals if (r.held or not r.beaten) and r.correlation > ALIKE]
         names = dict.fromkeys([*close, *(name for name in same_as.get(chosen.name, ()) if name not in taken)])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
     return tuple(entries)
@@ -131,12 +137,14 @@ def _rivals(products: CrossProducts, active: list[int], unit: int, n_eff: float)
 
 def _rival(products: CrossProducts, ranking: Ranking, others: list[int], unit: int, rival: int) -> Rival:
     entry = products.units[rival]
+    correlation, held = _likeness(ranking, others, unit, rival)
     return Rival(
         name=products.names[entry.group],
         shape=entry.shape,
         unit=rival,
         delta_bic=evidence(ranking, others, unit) - evidence(ranking, others, rival),
-        correlation=_correlation(ranking, others, unit, rival),
+        correlation=correlation,
+        held=held,
     )
 
 
@@ -152,8 +160,8 @@ def evidence(ranking: Ranking, others: list[int], unit: int) -> float:
     return gain - numbers * float(np.log(max(gain / numbers, 1.0)))
 
 
-def _correlation(ranking: Ranking, others: list[int], unit: int, rival: int) -> float:
-    """Correlation of the torques that two units would each explain, free of base and other effects."""
+def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tuple[float, bool]:
+    """Correlation of the torques that two units would each explain, free of base and other effects; and held or not."""
     one, two = (ranking.products.units[u].columns for u in (unit, rival))
     cols = ranking.columns(others)
     every = np.concatenate([[0], one, two])
@@ -163,4 +171,7 @@ def _correlation(ranking: Ranking, others: list[int], unit: int, rival: int) -> 
     first = np.linalg.lstsq(free[a, a], free[a, 0], rcond=1e-8)[0]
     second = np.linalg.lstsq(free[b, b], free[b, 0], rcond=1e-8)[0]
     size = (first @ free[a, a] @ first) * (second @ free[b, b] @ second)
-    return float(abs(first @ free[a, b] @ second) / np.sqrt(size)) if size > 0 else 0.0
+    inside = np.linalg.lstsq(free[a, a], free[a, b], rcond=1e-12)[0]
+    left = np.diag(free[b, b] - free[b, a] @ inside)
+    held = bool(np.all(left < HARDLY_LEFT * np.diag(ranking.gram)[two]))
+    return (float(abs(first @ free[a, b] @ second) / np.sqrt(size)) if size > 0 else 0.0), held

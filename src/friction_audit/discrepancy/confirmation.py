@@ -19,6 +19,9 @@ AGREES = 0.2
 n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten."""
 
 HALF = 0.5
+WORSE_BY_CHANCE = 3.84
+"""What the torque that was predicted may cost on the locked cycles, as n_eff ln(RSS with / RSS without): the 95 %
+quantile of chi squared. An effect at the limit of detection costs more one time in twenty."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -33,6 +36,8 @@ class Confirmed:
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
         again: Factor of the torque that the working cycles predict, fitted on the locked ones, shape (k,).
+        cost: n_eff ln(RSS with / RSS without) on the locked cycles, both models as the working ones fitted them: below
+            zero where the prediction helps, shape (k,).
     """
 
     p_value: Float
@@ -42,6 +47,15 @@ class Confirmed:
     gain_of_all: Float
     factors: tuple[Float, ...]
     again: Float
+    cost: Float
+
+    @property
+    def misleads(self) -> NDArray[np.bool_]:
+        """Whether each effect makes the prediction of locked cycles worse than chance does, shape (k,).
+
+        Its form may well be there with another factor; what was learned of it does not hold where it was not looked.
+        """
+        return np.asarray(self.cost > WORSE_BY_CHANCE)
 
     def proven(self, alpha: float) -> NDArray[np.bool_]:
         """Whether the locked cycles prove each effect, with a family-wise error of alpha, shape (k,)."""
@@ -90,7 +104,19 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
         again=np.concatenate(again),
+        cost=_cost(ground, effects),
     )
+
+
+def _cost(ground: Ground, effects: Sequence[Float]) -> Float:
+    """What each effect costs where it was not looked, all fitted on the working rows with and without it, (k,)."""
+    locked, least = ground.locked, np.finfo(float).tiny
+    worth = float(locked.sum()) / ground.memory(*effects)
+    left = [
+        max(float(np.sum(ground.residual(*some)[locked] ** 2)), least)
+        for some in (effects, *([*effects[:k], *effects[k + 1 :]] for k in range(len(effects))))
+    ]
+    return worth * np.log(left[0] / np.array(left[1:]))
 
 
 def _left(ground: Ground, which: NDArray[np.bool_], *effects: Float) -> float:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import Naming, name_effects, preferred
+from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
@@ -87,9 +87,34 @@ def find_names(
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(products, outcome, n_eff, same)
     found = _refined(ground, library, outcome, namings, baseline)
-    penalty = Ranking(products, n_eff).penalty
-    price = {chosen.name: float(penalty[chosen.unit]) for chosen in outcome.chosen}
-    return Names(found=_accept(ground, found, price, alpha, rng), library=library, baseline=baseline)
+    ranking = Ranking(products, n_eff)
+    within = dict(_within(library, ranking, outcome, namings, same))
+    price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
+    price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
+    simpler = {name: f for name, (f, _) in within.items()}
+    return Names(found=_accept(ground, found, simpler, price, alpha, rng), library=library, baseline=baseline)
+
+
+def _within(
+    library: Library, ranking: Ranking, outcome: Search, namings: Sequence[Naming], same: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[str, tuple[Found, int]]]:
+    """The name of each effect that holds another which alone gives most of its torque, with that one and its unit."""
+    units = [chosen.unit for chosen in outcome.chosen]
+    for k, naming in enumerate(namings):
+        rival = next((r for r in naming.rivals if r.held and r.correlation > ALIKE), None)
+        if rival is None or any(rival.name == chosen.name for chosen in outcome.chosen):
+            continue
+        swapped = ranking.result([*units[:k], rival.unit, *units[k + 1 :]])
+        naming_of = {one.name: one for one in name_effects(ranking.products, swapped, ranking.n_eff, same)}
+        entry = library.entry(rival.name)
+        effect = Found(
+            candidate=entry.candidate,
+            shape=entry.shapes[rival.shape],
+            columns=entry.columns[rival.shape],
+            naming=naming_of[rival.name],
+            p_value=1.0,
+        )
+        yield naming.name, (effect, rival.unit)
 
 
 def with_moments_of_all_cycles(ground: Ground, names: Names) -> tuple[Found, ...]:
@@ -195,16 +220,28 @@ def _refined(
 
 
 def _accept(
-    ground: Ground, found: list[Found], price: Mapping[str, float], alpha: float, rng: np.random.Generator
+    ground: Ground,
+    found: list[Found],
+    simpler: Mapping[str, Found],
+    price: Mapping[str, float],
+    alpha: float,
+    rng: np.random.Generator,
 ) -> tuple[Found, ...]:
-    """Drop, the weakest first, what does not hold on the locked cycles or is small beside the others."""
+    """Drop, the weakest first, what does not hold on the locked cycles, cannot be or is small beside the others.
+
+    An effect gives way to what it holds within it, if that gives most of its torque.
+    """
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
         possible = [f.candidate.admissible(a, f.shape) for f, a in zip(found, proof.factors, strict=True)]
-        shown = proof.shown(np.array([price[f.candidate.name] for f in found])) & np.array(possible)
-        fails = ~(proof.proven(alpha) | shown) | (proof.size < LEAST_SHARE * proof.size.max())
+        shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
+        fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
+        fails |= proof.size < LEAST_SHARE * proof.size.max()
         if not fails.any():
             return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
         weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))
-        found = found[:weakest] + found[weakest + 1 :]
+        instead = simpler.get(found[weakest].candidate.name)
+        there = {f.candidate.name for f in found}
+        place = [instead] if instead is not None and instead.candidate.name not in there else []
+        found = [*found[:weakest], *place, *found[weakest + 1 :]]
     return ()
