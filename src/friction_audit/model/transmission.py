@@ -14,6 +14,7 @@ flanks that never pull. Time is integrated by drift, kick and drift; Coulomb fri
 far side where it can (V. Acary, B. Brogliato, Numerical methods for nonsmooth dynamical systems, 2008).
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, pi, sqrt
 
@@ -31,6 +32,8 @@ MOST_STEPS = 100
 HIGHEST_HZ = 150.0
 """Ringing that is followed. Nobody looks above 40 Hz; there, what rings faster looks as if it rang so fast: behind a
 spring with more inertia, behind flanks that give way more."""
+LANES = 16
+"""Transmissions that are followed side by side: so many fill the registers of a processor."""
 MANY_SAMPLES = 4096
 """So many, spread evenly, tell inertia and friction."""
 
@@ -98,14 +101,19 @@ def simple_torque(motion: Motion) -> Float:
 
 def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
-    if far.inertia_kg_m2 == 0.0:
-        return np.zeros(len(motion.t))
-    far = slow_enough(far, transmission.stiffness_nm_per_rad)
-    added = transmitted(motion, far, transmission)
-    added -= far.inertia_kg_m2 * motion.ddq
-    added -= far.coulomb_nm * motion.direction
-    added -= far.viscous_nms_per_rad * motion.dq
+    ((_, added),) = added_torques(motion, far, [transmission])
     return added
+
+
+def added_torques(motion: Motion, far: FarSide, links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many transmissions: the place of each, in any order, and what it adds, shape (n,). [N m]"""
+    if far.inertia_kg_m2 == 0.0:
+        yield from ((place, np.zeros(len(motion.t))) for place in range(len(links)))
+        return
+    coulomb, viscous = far.coulomb_nm * motion.direction, far.viscous_nms_per_rad * motion.dq
+    heavy = [slow_enough(far, link.stiffness_nm_per_rad) for link in links]
+    for place, torque in _all_transmitted(motion, heavy, links):
+        yield place, torque - heavy[place].inertia_kg_m2 * motion.ddq - coulomb - viscous
 
 
 def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
@@ -123,21 +131,48 @@ def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Flo
         far: With an inertia above zero.
         transmission: With a stiffness above zero.
     """
+    ((_, torque),) = _all_transmitted(motion, [far], [transmission])
+    return torque
+
+
+def _all_transmitted(
+    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
+) -> Iterator[tuple[int, Float]]:
+    """Yield the same for pairs of a far side and a transmission, by place in any order."""
     step = float(motion.t[1] - motion.t[0])
-    rate = sqrt(transmission.stiffness_nm_per_rad / far.inertia_kg_m2)
-    damping = 2.0 * transmission.damping_ratio * far.inertia_kg_m2 * rate
-    steps = 2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS)
-    return np.asarray(
-        _follow(
-            np.ascontiguousarray(motion.q, dtype=np.float64),
-            np.ascontiguousarray(motion.dq, dtype=np.float64),
-            np.zeros(len(motion.t)) if motion.load is None else np.ascontiguousarray(motion.load, dtype=np.float64),
-            step,
-            _between_samples(step, steps),
-            (far.inertia_kg_m2, far.coulomb_nm, far.viscous_nms_per_rad),
-            (transmission.stiffness_nm_per_rad, damping, 0.5 * transmission.gap_rad, transmission.soft_nm),
-        )
-    )
+    load = np.zeros(len(motion.t)) if motion.load is None else motion.load
+    q, dq, load = (np.ascontiguousarray(signal, dtype=np.float64) for signal in (motion.q, motion.dq, load))
+    rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]
+    paces = [2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS) for rate in rates]
+    for steps, places in _side_by_side(list(zip(paces, (link.gap_rad > 0.0 for link in links), strict=True))):
+        behind = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in places]
+        between = [
+            (
+                links[k].stiffness_nm_per_rad,
+                2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
+                0.5 * links[k].gap_rad,
+                links[k].soft_nm,
+            )
+            for k in places
+        ]
+        play = links[places[0]].gap_rad > 0.0
+        far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
+        torque = _follow(q, dq, load, step, _between_samples(step, steps), far_sides, flexible, play)
+        yield from ((k, np.ascontiguousarray(torque[:, column])) for column, k in enumerate(dict.fromkeys(places)))
+
+
+def _side_by_side(kinds: Sequence[tuple[int, bool]]) -> Iterator[tuple[int, list[int]]]:
+    """Yield the steps, and the places of transmissions that take as many and are of one kind, one or LANES of them.
+
+    The last one stands in for those that are lacking.
+    """
+    alike: dict[tuple[int, bool], list[int]] = {}
+    for place, kind in enumerate(kinds):
+        alike.setdefault(kind, []).append(place)
+    for (steps, _), places in alike.items():
+        for first in range(0, len(places), LANES):
+            some = places[first : first + LANES]
+            yield steps, some + some[-1:] * (LANES - len(some) if len(some) > 1 else 0)
 
 
 def _between_samples(step: float, steps: int) -> Float:
@@ -151,35 +186,53 @@ def _between_samples(step: float, steps: int) -> Float:
 
 @compiled()
 def _follow(
-    q: Float,
-    dq: Float,
-    load: Float,
-    step: float,
-    between: Float,
-    far: tuple[float, float, float],
-    link: tuple[float, float, float, float],
+    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool
 ) -> Float:
-    """Integrate the far side; the measured side moves along the cubic through its samples and their slopes."""
-    steps = len(between)
-    h, damping = step / steps, link[1]
-    touching, flying = _pace(far, damping, h), _pace(far, 0.0, h)
-    torque = np.zeros(len(q))
-    theta, omega = q[0] - _twist(load[0], link), dq[0]
+    """Integrate far sides (3, m) behind transmissions (4, m), side by side, so that a processor takes several at once.
+
+    The measured side moves along the cubic through its samples and their slopes.
+    """
+    steps, many = len(between), far.shape[1]
+    h = step / steps
+    stiffness, damping, half, soft = links[0], links[1], links[2], links[3]
+    keep, gain, held = _pace(far, damping, h)
+    keep_apart, gain_apart, held_apart = _pace(far, np.zeros(many), h)
+    torque = np.zeros((len(q), many))
+    theta, omega = np.empty(many), np.full(many, dq[0])
+    for j in range(many):
+        theta[j] = q[0] - _twist(load[0], links[:, j])
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
             w = between[i]
+            place = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1]
             speed = w[3] * rise + w[4] * dq[k] + w[5] * dq[k + 1]
-            theta += 0.5 * h * omega
-            twist = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1] - theta
-            push, drag = _push(twist, speed - omega, link)
             borne = load[k] + (i + 0.5) / steps * more
+            felt = torque[k if 2 * i < steps else k + 1]
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
-            keep, gain, held = touching if drag > 0.0 else flying
-            before, free = omega, keep * omega + gain * (push + drag * speed - borne)
-            omega = free - min(max(free, -held), held)
-            theta += 0.5 * h * omega
-            torque[k if 2 * i < steps else k + 1] += push + drag * (speed - 0.5 * (before + omega)) - borne
+            if play:
+                for j in range(many):
+                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
+                    twist = place - behind
+                    engaged = twist - min(max(twist, -half[j]), half[j])
+                    push = _push(stiffness[j] * engaged, soft[j])
+                    # Neither spring nor damping within the play and where flanks would pull.
+                    apart = engaged * (push + damping[j] * (speed - before)) <= 0.0
+                    push, drag = 0.0 if apart else push, 0.0 if apart else damping[j]
+                    slip = held_apart[j] if apart else held[j]
+                    free = (keep_apart[j] if apart else keep[j]) * before
+                    free += (gain_apart[j] if apart else gain[j]) * (push + drag * speed - borne)
+                    omega[j] = free - min(max(free, -slip), slip)
+                    theta[j] = behind + 0.5 * h * omega[j]
+                    felt[j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
+            else:
+                for j in range(many):
+                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
+                    push = _push(stiffness[j] * (place - behind), soft[j])
+                    free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
+                    omega[j] = free - min(max(free, -held[j]), held[j])
+                    theta[j] = behind + 0.5 * h * omega[j]
+                    felt[j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
     torque /= steps
     torque[0] *= 2.0
     torque[-1] *= 2.0
@@ -187,35 +240,25 @@ def _follow(
 
 
 @compiled()
-def _pace(far: tuple[float, float, float], drag: float, h: float) -> tuple[float, float, float]:
-    """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
-    inertia, coulomb, viscous = far
-    loss = 0.5 * h * (drag + viscous)
-    gain = h / (inertia + loss)
-    return (inertia - loss) / (inertia + loss), gain, gain * coulomb
+def _push(straight: float, soft: float) -> float:
+    """Return the torque of a spring that is half as stiff up to a torque, from that of the stiff one."""
+    return straight - min(max(0.5 * straight, -soft), soft)
 
 
 @compiled()
-def _twist(load: float, link: tuple[float, float, float, float]) -> float:
+def _pace(far: Float, drag: Float, h: float) -> tuple[Float, Float, Float]:
+    """Return for a step what is left of velocities, what a torque gives to them, and what Coulomb friction takes."""
+    loss = 0.5 * h * (drag + far[2])
+    gain = h / (far[0] + loss)
+    return (far[0] - loss) / (far[0] + loss), gain, gain * far[1]
+
+
+@compiled()
+def _twist(load: float, link: Float) -> float:
     """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
-    stiffness, _, half, soft = link
+    stiffness, half, soft = link[0], link[2], link[3]
     if load == 0.0:
         return 0.0
     size = abs(load)
-    twist = half + (size + min(size, soft)) / stiffness
+    twist: float = half + (size + min(size, soft)) / stiffness
     return twist if load > 0.0 else -twist
-
-
-@compiled()
-def _push(twist: float, closing: float, link: tuple[float, float, float, float]) -> tuple[float, float]:
-    """Return the torque of the spring and the damping, both zero within the play and where flanks would pull."""
-    stiffness, damping, half, soft = link
-    if half == 0.0:
-        straight = stiffness * twist
-        return straight - min(max(0.5 * straight, -soft), soft), damping
-    engaged = twist - min(max(twist, -half), half)
-    straight = stiffness * engaged
-    push = straight - min(max(0.5 * straight, -soft), soft)
-    if engaged * (push + damping * closing) <= 0.0:
-        return 0.0, 0.0
-    return push, damping

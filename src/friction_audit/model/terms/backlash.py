@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torque, far_side, simple_torque
+from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torques, far_side, simple_torque
 
 CONTACT_DAMPING_RATIO = 0.2
 """Of metal on lubricated metal: half of the speed is left after an impact."""
@@ -25,11 +25,17 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
     """Yield the same for many shapes, behind which is one inertia."""
     far, torque = far_side(motion), simple_torque(motion)
     usual = sqrt(torque @ torque / len(torque))
-    for place, (gap, contact_hz) in enumerate(shapes):
-        # Flanks that gave way by more than the play would be a spring, and that has its own name.
-        stiffness = max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual / gap)
-        flanks = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=CONTACT_DAMPING_RATIO, gap_rad=gap)
-        yield place, added_torque(motion, far, flanks)[:, None]
+    flanks = [
+        Transmission(
+            # Flanks that gave way by more than the play would be a spring, and that has its own name.
+            stiffness_nm_per_rad=max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual / gap),
+            damping_ratio=CONTACT_DAMPING_RATIO,
+            gap_rad=gap,
+        )
+        for gap, contact_hz in shapes
+    ]
+    for place, added in added_torques(motion, far, flanks):
+        yield place, added[:, None]
 
 
 TERM = Term(

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import Transmission, added_torque, far_side
+from friction_audit.model.transmission import Transmission, added_torques, far_side
 
 DAMPING_RATIO = 0.05
 """Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
@@ -22,10 +22,12 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
-    far = far_side(motion)
-    for place, (stiffness, soft) in enumerate(shapes):
-        spring = Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
-        yield place, stiffness * added_torque(motion, far, spring)[:, None]
+    springs = [
+        Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
+        for stiffness, soft in shapes
+    ]
+    for place, added in added_torques(motion, far_side(motion), springs):
+        yield place, springs[place].stiffness_nm_per_rad * added[:, None]
 
 
 TERM = Term(
