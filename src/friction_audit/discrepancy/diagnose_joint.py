@@ -25,6 +25,7 @@ from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.restless import find_restless
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
 from friction_audit.discrepancy.ringing import find_ringing, rings
+from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
 from friction_audit.discrepancy.settings import DiagnosisSettings
@@ -129,8 +130,9 @@ def _judge(
     ground = undisturbed.ground
     names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
     first = _test(ground, names, rng)
-    if names.library.entries and (first.p_value <= settings.alpha or anything_taken(ground, names.library)):
-        names = find_names(ground, candidates, names.library, settings.alpha, rng)
+    library = with_scanned_orders(ground, names.library)
+    if library.entries and (first.p_value <= settings.alpha or anything_taken(ground, library)):
+        names = find_names(ground, candidates, library, settings.alpha, rng)
     if (on_time := put_on_time(ground, names)) is not None:
         subject = replace(subject, data=on_time.data, findings=(*subject.findings, on_time.finding))
         return _judge(subject, make_ground(on_time.data, subject.model, settings.seed), candidates, settings)

@@ -1,7 +1,8 @@
 """The candidates that a log can show, as columns on the rows of a joint."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,12 +16,16 @@ from friction_audit.joint_log import Float
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Entry:
-    """A candidate with the shapes that are tried, their columns on the rows, and what a search takes of them."""
+    """A candidate with the shapes that are tried, their columns on the rows, and what a search takes of them.
+
+    ``trials`` tells of how many trials a shape was the best where the grid's are fewer.
+    """
 
     candidate: Candidate
     shapes: tuple[Shape, ...]
     columns: tuple[Float, ...]
     group: Group
+    trials: Callable[[Shape], float] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -75,22 +80,30 @@ def without(library: Library, name: str) -> Library:
 
 def keep_rows(library: Library, kept: NDArray[np.bool_]) -> Library:
     """The library on some of the rows, shape (m,)."""
-    entries = (_made(e.candidate, e.shapes, [columns[kept] for columns in e.columns]) for e in library.entries)
+    entries = (
+        _made(e.candidate, e.shapes, [columns[kept] for columns in e.columns], e.trials) for e in library.entries
+    )
     return Library(entries=tuple(entries), untestable=library.untestable)
 
 
 def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
     shapes, columns = (*entry.shapes, *(s for s, _ in more)), [*entry.columns, *(c for _, c in more)]
-    return _made(entry.candidate, shapes, columns) if more else entry
+    return _made(entry.candidate, shapes, columns, entry.trials) if more else entry
 
 
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
     columns = {place: rows.of(fine) for place, fine in candidate.each(data, baseline, shapes)}
-    return _made(candidate, shapes, [columns[place] for place in range(len(shapes))])
+    trials = None if candidate.trials is None else partial(candidate.trials, data)
+    return _made(candidate, shapes, [columns[place] for place in range(len(shapes))], trials)
 
 
-def _made(candidate: Candidate, shapes: tuple[Shape, ...], every: list[Float]) -> Entry:
+def _made(
+    candidate: Candidate,
+    shapes: tuple[Shape, ...],
+    every: list[Float],
+    trials: Callable[[Shape], float] | None,
+) -> Entry:
     there = [not_zero(columns) for columns in every]
 
     def admissible(factors: Float, shape: int) -> bool:
@@ -100,5 +113,6 @@ def _made(candidate: Candidate, shapes: tuple[Shape, ...], every: list[Float]) -
 
     # A column that is zero throughout has no factor that could be fitted and none to be paid for.
     kept = tuple(columns if which.all() else columns[:, which] for columns, which in zip(every, there, strict=True))
-    group = Group(name=candidate.name, shapes=kept, admissible=admissible)
-    return Entry(candidate=candidate, shapes=shapes, columns=tuple(every), group=group)
+    tried = () if trials is None else tuple(trials(shape) for shape in shapes)
+    group = Group(name=candidate.name, shapes=kept, admissible=admissible, tried=tried)
+    return Entry(candidate=candidate, shapes=shapes, columns=tuple(every), group=group, trials=trials)

@@ -11,6 +11,7 @@ from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
+from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import CrossProducts, Ranking, Search, cross_products, search
 from friction_audit.joint_log import Float
 
@@ -81,6 +82,7 @@ def find_names(
     baseline = ground.baseline(*_columns(library, outcome))
     library = rebuild_library(library, ground.data, baseline, ground.rows)
     library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff))
+    library = with_scanned_orders(ground, library, *_columns(library, outcome)) if outcome.chosen else library
     products, outcome, n_eff = search_library(ground, library)
     outcome = preferred(products, outcome, n_eff)
     baseline = ground.baseline(*_columns(library, outcome))

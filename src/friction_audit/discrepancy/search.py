@@ -50,12 +50,15 @@ class Group:
         shapes: Columns for each value of the shape, each of shape (n, p).
         admissible: ``admissible(factors, shape)`` with factors (p,) and the index of the shape: physically possible?
         numbers: How many numbers each shape leaves free; none where it is empty.
+        tried: Of how many independent trials each shape was the best, where those of all shapes here are fewer; none
+            where it is empty.
     """
 
     name: str
     shapes: tuple[Float, ...]
     admissible: Callable[[Float, int], bool] = any_factors
     numbers: tuple[int, ...] = ()
+    tried: tuple[float, ...] = ()
 
     def keep(self, kept: NDArray[np.bool_]) -> "Group":
         """The same on some of the samples, shape (n,)."""
@@ -81,12 +84,14 @@ class Unit:
         shape: Index of the shape.
         columns: Columns of the products, shape (p,).
         numbers: How many numbers the shape leaves free.
+        tried: Of how many independent trials it was the best, where those of the candidate's shapes are fewer.
     """
 
     group: int
     shape: int
     columns: Index
     numbers: int = 0
+    tried: float = 0.0
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -444,7 +449,8 @@ def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float
             columns.append(shape.T)
             columns_of_shape = np.arange(start, start + shape.shape[1])
             numbers = group.numbers[s] if group.numbers else 0
-            units.append(Unit(group=g, shape=s, columns=columns_of_shape, numbers=numbers))
+            tried = group.tried[s] if group.tried else 0.0
+            units.append(Unit(group=g, shape=s, columns=columns_of_shape, numbers=numbers, tried=tried))
             start += shape.shape[1]
     return columns, tuple(units)
 
@@ -482,7 +488,8 @@ def _by_chance(products: CrossProducts, width: Index) -> Float:
     """What each unit is allowed to bring by chance, shape (m,)."""
     from scipy.special import chdtri
 
-    trials = len(products.names) * np.array([products.trials[unit.group] for unit in products.units])
+    own = np.array([max(products.trials[unit.group], unit.tried) for unit in products.units])
+    trials = len(products.names) * own
     quantile: Float = chdtri(np.maximum(width, 1), BY_CHANCE / np.maximum(trials, 1.0))
     return quantile
 
