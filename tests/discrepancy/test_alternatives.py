@@ -87,6 +87,19 @@ def test_of_two_that_fit_alike_the_one_with_fewer_numbers_takes_the_place() -> N
     assert [chosen.name for chosen in preferred(products, preferred(products, found, 500.0), 500.0).chosen] == ["a"]
 
 
+def test_of_a_rival_s_shapes_that_counts_for_which_most_speaks() -> None:
+    rng = np.random.default_rng(5)
+    a, e = rng.standard_normal((2, 2000))
+    bent = np.column_stack([a, *rng.standard_normal((3, 2000))])
+    groups = [
+        Group(name="one", shapes=(a[:, None],)),
+        Group(name="other", shapes=(bent, a[:, None])),
+    ]
+    products = cross_products(a + e, np.ones((2000, 1)), groups)
+    (rival,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})[0].rivals
+    assert (rival.shape, rival.delta_bic) == (1, pytest.approx(0.0, abs=1e-9))
+
+
 def test_names_that_are_the_same_always_belong_to_the_set() -> None:
     assert named(noise=2.0, same_as={"effect": ("twin",)}).alternatives == ("twin",)
 

@@ -6,11 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.discrepancy.alternatives import evidence
 from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.naming import Names, find_names, with_moments_of_all_cycles, worth
+from friction_audit.discrepancy.search import Ranking, cross_products
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
 from tests.discrepancy.toy_candidates import BUMP, SQUARE, STEP, TOYS
@@ -97,6 +99,17 @@ def test_twins_are_alternatives() -> None:
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
     assert found.naming.alternatives == ("bump",)
+
+
+def test_rivals_are_judged_on_all_cycles() -> None:
+    cube = replace(SQUARE, name="cube", columns=lambda data, _baseline, _shape: data.dq[:, None] ** 3)
+    ground, toys = ground_of(square), (SQUARE, cube)
+    library = build_library(toys, ground.data, ground.baseline(), ground.rows)
+    (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
+    (rival,) = found.naming.rivals
+    products = cross_products(ground.y, ground.base, [entry.group for entry in library.entries])
+    ranking = Ranking(products, len(ground.y) / ground.memory(found.columns))
+    assert rival.delta_bic == pytest.approx(evidence(ranking, [], 0) - evidence(ranking, [], 1))
 
 
 def test_a_moment_in_a_locked_cycle_is_told_from_all_cycles() -> None:

@@ -11,8 +11,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from friction_audit.discrepancy.search import CrossProducts, Ranking, Search
+from friction_audit.joint_log import Float
 
 CLEARLY = 1e-6
 """Difference in BIC that is no rounding."""
@@ -122,27 +124,40 @@ def preferred(products: CrossProducts, found: Search, n_eff: float) -> Search:
 
 
 def _rivals(products: CrossProducts, active: list[int], unit: int, n_eff: float) -> tuple[Rival, ...]:
-    """Every other candidate in the place of one effect, with its best admissible shape."""
+    """Every other candidate in the place of one effect, with that possible shape for which most speaks."""
     others = [u for u in active if u != unit]
     ranking = Ranking(products, n_eff)
+    best = best_shapes(ranking, others)
+    group = products.units[unit].group
+    own = max(evidence(ranking, others, unit), evidence(ranking, others, best.get(group, unit)))
+    return tuple(_rival(ranking, others, unit, u, own) for g, u in best.items() if g != group)
+
+
+def best_shapes(ranking: Ranking, others: list[int]) -> dict[int, int]:
+    """The possible shape of each candidate for which most speaks beside others: its unit by its group.
+
+    Not the one that fits best: a bent spring that fits a little better than a straight one may speak less for springs.
+    """
     scores, possible = ranking.tried(others)
-    best: dict[int, int] = {products.units[unit].group: unit}
-    for u in np.argsort(-scores, kind="stable"):
-        group = products.units[int(u)].group
-        if np.isfinite(scores[u]) and group not in best and possible(int(u)):
-            best[group] = int(u)
-    pairs = [u for u in best.values() if u != unit]
-    return tuple(_rival(products, ranking, others, unit, u) for u in pairs)
+    units = ranking.products.units
+    worth = _worth(scores + ranking.penalty, ranking.width + np.array([unit.numbers for unit in units]))
+    best: dict[int, int] = {}
+    for u in np.argsort(-worth, kind="stable").tolist():
+        there = ranking.width[u] > 0 and np.isfinite(scores[u])
+        if there and units[u].group not in best and possible(u):
+            best[units[u].group] = u
+    return best
 
 
-def _rival(products: CrossProducts, ranking: Ranking, others: list[int], unit: int, rival: int) -> Rival:
-    entry = products.units[rival]
+def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: float) -> Rival:
+    """One rival of a unit, its name's evidence given."""
+    entry = ranking.products.units[rival]
     correlation, held = _likeness(ranking, others, unit, rival)
     return Rival(
-        name=products.names[entry.group],
+        name=ranking.products.names[entry.group],
         shape=entry.shape,
         unit=rival,
-        delta_bic=evidence(ranking, others, unit) - evidence(ranking, others, rival),
+        delta_bic=own - evidence(ranking, others, rival),
         correlation=correlation,
         held=held,
     )
@@ -155,9 +170,14 @@ def evidence(ranking: Ranking, others: list[int], unit: int) -> float:
     variance. With the effect's own mean square as the prior (George and Foster 2000) that is ln(L / k), where the prior
     of BIC, as large as the noise, gives ln(n_eff): weak effects would lose to any with fewer numbers, unseen.
     """
-    gain = ranking.n_eff * float(np.log(ranking.rss(others) / ranking.rss([*others, unit])))
-    numbers = int(ranking.width[unit]) + ranking.products.units[unit].numbers
-    return gain - numbers * float(np.log(max(gain / numbers, 1.0)))
+    gain = ranking.n_eff * np.log(ranking.rss(others) / ranking.rss([*others, unit]))
+    return float(_worth(gain, ranking.width[unit] + ranking.products.units[unit].numbers))
+
+
+def _worth(gain: ArrayLike, numbers: ArrayLike) -> Float:
+    """Evidence from n_eff ln(RSS without / RSS with) and how many numbers it took; either may be of many units."""
+    gain, numbers = np.asarray(gain, float), np.maximum(numbers, 1)
+    return np.asarray(gain - numbers * np.log(np.maximum(gain / numbers, 1.0)))
 
 
 def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tuple[float, bool]:

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import ALIKE, Naming, name_effects, preferred
+from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, rebuild_library
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
-from friction_audit.discrepancy.search import CrossProducts, Ranking, Search, cross_products, search
+from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -84,12 +84,13 @@ def find_names(
     library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff))
     library = with_scanned_orders(ground, library, *_columns(library, outcome)) if outcome.chosen else library
     products, outcome, n_eff = search_library(ground, library)
-    outcome = preferred(products, outcome, n_eff)
+    everything, worth_of_all = _on_all_cycles(ground, library, products, outcome, n_eff)
+    outcome = preferred(everything, outcome, worth_of_all)
     baseline = ground.baseline(*_columns(library, outcome))
     same = {candidate.name: candidate.same_as for candidate in candidates}
-    namings = name_effects(products, outcome, n_eff, same)
+    namings = name_effects(everything, outcome, worth_of_all, same)
     found = _refined(ground, library, outcome, namings, baseline)
-    ranking = Ranking(products, n_eff)
+    ranking = Ranking(everything, worth_of_all)
     within = dict(_within(library, ranking, outcome, namings, same))
     price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
     price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
@@ -156,6 +157,34 @@ def search_library(ground: Ground, library: Library) -> tuple[CrossProducts, Sea
         n_eff = better
         outcome = search(products, n_eff)
     return products, outcome, n_eff
+
+
+def _on_all_cycles(
+    ground: Ground, library: Library, products: CrossProducts, outcome: Search, n_eff: float
+) -> tuple[CrossProducts, float]:
+    """What was found and the best shape of each rival, on all cycles, and what these are worth.
+
+    The cycles on which a name was chosen flatter it before its rivals. Columns of all other units are zero.
+    """
+    active = [chosen.unit for chosen in outcome.chosen]
+    if not active:
+        return products, n_eff
+    ranking = Ranking(products, n_eff)
+    asked = dict.fromkeys(active)
+    for unit in active:
+        asked |= dict.fromkeys(best_shapes(ranking, [u for u in active if u != unit]).values())
+    units = [products.units[u] for u in asked]
+    groups = [
+        Group(name=name, shapes=(library.entry(name).group.shapes[unit.shape],))
+        for unit in units
+        for name in (products.names[unit.group],)
+    ]
+    few = cross_products(ground.y, ground.base, groups)
+    place = np.concatenate([[0], products.always, *(unit.columns for unit in units)])
+    gram, scale = np.zeros_like(products.gram), np.ones_like(products.scale)
+    gram[np.ix_(place, place)], scale[place] = few.gram, few.scale
+    worth_of_all = len(ground.y) / ground.memory(*_columns(library, outcome))
+    return replace(products, gram=gram, scale=scale), worth_of_all
 
 
 def _numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
