@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.alternatives import Naming, evidence, name_effects, preferred
+from friction_audit.discrepancy.alternatives import Naming, Rival, evidence, name_effects, preferred
 from friction_audit.discrepancy.search import Group, Ranking, cross_products, search
 from friction_audit.joint_log import Float
 
@@ -85,6 +85,33 @@ def test_of_two_that_fit_alike_the_one_with_fewer_numbers_takes_the_place() -> N
     found = Ranking(products, 500.0).result([0])
     assert [chosen.name for chosen in preferred(products, found, 500.0).chosen] == ["a"]
     assert [chosen.name for chosen in preferred(products, preferred(products, found, 500.0), 500.0).chosen] == ["a"]
+
+
+@pytest.mark.parametrize(
+    ("delta_bic", "ahead", "brings", "beaten"),
+    [
+        (5.9, 20.0, 30.0, False),
+        (6.1, 20.0, 30.0, True),
+        (6.1, 10.0, 11.0, False),  # ahead, and not by more than chance
+        (6.1, -1.0, 0.0, True),  # it fits better, but it took too many numbers
+    ],
+)
+def test_a_rival_is_beaten_by_its_numbers_or_by_a_fit_that_is_no_chance(
+    *, delta_bic: float, ahead: float, brings: float, beaten: bool
+) -> None:
+    rival = Rival(name="r", shape=0, unit=0, delta_bic=delta_bic, correlation=0.9, ahead=ahead, brings=brings)
+    assert rival.beaten(15.0) is beaten
+
+
+def test_what_an_effect_is_ahead_and_brings_by_hand() -> None:
+    rng = np.random.default_rng(4)
+    a, b, e = rng.standard_normal((3, 2000))
+    groups = [Group(name="a", shapes=(a[:, None],)), Group(name="b", shapes=((a + b)[:, None],))]
+    y = a + 0.1 * b + 3.0 * e
+    products = cross_products(y, np.ones((2000, 1)), groups)
+    (rival,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})[0].rivals
+    assert rival.ahead == pytest.approx(gain_of(y, a) - gain_of(y, a + b))
+    assert rival.brings == pytest.approx(gain_of(y, a, b) - gain_of(y, a + b))
 
 
 def test_of_a_rival_s_shapes_that_counts_for_which_most_speaks() -> None:

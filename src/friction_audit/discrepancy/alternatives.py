@@ -3,6 +3,8 @@
 References:
     E. I. George, D. P. Foster, Calibration and empirical Bayes variable selection, Biometrika 87 (2000) 731: what a
     number costs if its usual size is that which the data show.
+    G. E. Mizon, J.-F. Richard, The encompassing principle and its application to testing non-nested hypotheses,
+    Econometrica 54 (1986) 657: a model is better than another only if it tells something beside it.
     R. E. Kass, A. E. Raftery, Bayes factors, Journal of the American Statistical Association 90 (1995) 773: a
     difference of 6 in BIC is strong evidence.
 """
@@ -20,6 +22,8 @@ CLEARLY = 1e-6
 """Difference in BIC that is no rounding."""
 BEATEN_BY = 6.0
 """Difference in BIC from which one effect beats another (Kass and Raftery 1995)."""
+WRONG_NAME = 0.01
+"""Probability that, of all that run alike, one wins a name by chance that fits better than what is there."""
 ALIKE = 0.7
 """Correlation, free of all else in the model, above which two effects look the same."""
 HARDLY_LEFT = 1e-6
@@ -38,6 +42,8 @@ class Rival:
             samples, as a difference in BIC (:func:`evidence`); above 0 it is worse.
         correlation: Of the two effects' torques free of all else in the model, 0..1.
         held: Whether the effect's own columns hold those of the rival, as a spring's preload holds an offset.
+        ahead: By how much the effect fits better: n_eff ln(RSS with the rival / RSS with the effect).
+        brings: What the effect brings beside the rival: n_eff ln(RSS with the rival / RSS with both).
     """
 
     name: str
@@ -46,11 +52,15 @@ class Rival:
     delta_bic: float
     correlation: float
     held: bool = False
+    ahead: float = 0.0
+    brings: float = 0.0
 
-    @property
-    def beaten(self) -> bool:
-        """Whether the log decides against it."""
-        return self.delta_bic >= BEATEN_BY
+    def beaten(self, by_chance: float) -> bool:
+        """Whether the log decides against it: by its numbers, or by its fit.
+
+        Where the effect fits better, what it brings must be more than it would by chance if the rival were the truth.
+        """
+        return self.delta_bic >= BEATEN_BY and (self.ahead <= 0.0 or self.brings >= by_chance)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -76,8 +86,10 @@ def name_effects(
 ) -> tuple[Naming, ...]:
     """For every accepted effect the set of names that fit.
 
-    An alternative is not beaten by a difference of 6 in BIC on the effective number of samples and runs alike: its
-    torque, free of all else in the model, correlates above 0.7 with that of the effect. A rival that the effect holds
+    An alternative runs alike, its torque, free of all else in the model, correlates above 0.7 with that of the effect,
+    and it is not beaten: not by a difference of 6 in BIC on the effective number of samples; or it fits worse, but what
+    the effect brings beside it is what chance brings to one of all that run alike in one of a hundred logs in which the
+    rival is the truth (an encompassing test: Mizon and Richard 1986). A rival that the effect holds
     within it (an offset in the preload of a spring) is never better: it belongs to the set where it alone gives most of
     the torque, for it may be there beside something smaller. Names that no motion of this kind tells apart always
     belong to the set.
@@ -95,10 +107,20 @@ def name_effects(
     entries = []
     for chosen in found.chosen:
         rivals = _rivals(products, [c.unit for c in found.chosen], chosen.unit, n_eff)
-        close = [r.name for r in rivals if (r.held or not r.beaten) and r.correlation > ALIKE]
+        alike = [rival for rival in rivals if rival.correlation > ALIKE]
+        by_chance = _by_chance(products, chosen.unit, len(alike))
+        close = [rival.name for rival in alike if rival.held or not rival.beaten(by_chance)]
         names = dict.fromkeys([*close, *(name for name in same_as.get(chosen.name, ()) if name not in taken)])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
     return tuple(entries)
+
+
+def _by_chance(products: CrossProducts, unit: int, rivals: int) -> float:
+    """What a unit brings by chance beside the truth, with all its numbers, so many rivals counted."""
+    from scipy.special import chdtri
+
+    entry = products.units[unit]
+    return float(chdtri(len(entry.columns) + entry.numbers, WRONG_NAME / max(rivals, 1)))
 
 
 def preferred(products: CrossProducts, found: Search, n_eff: float) -> Search:
@@ -153,6 +175,7 @@ def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: floa
     """One rival of a unit, its name's evidence given."""
     entry = ranking.products.units[rival]
     correlation, held = _likeness(ranking, others, unit, rival)
+    alone, beside, both = (ranking.rss([*others, *more]) for more in ((unit,), (rival,), (unit, rival)))
     return Rival(
         name=ranking.products.names[entry.group],
         shape=entry.shape,
@@ -160,6 +183,8 @@ def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: floa
         delta_bic=own - evidence(ranking, others, rival),
         correlation=correlation,
         held=held,
+        ahead=ranking.n_eff * float(np.log(beside / alone)),
+        brings=ranking.n_eff * float(np.log(beside / both)),
     )
 
 

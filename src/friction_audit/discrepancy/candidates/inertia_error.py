@@ -1,7 +1,7 @@
 """Inertia error: the acceleration, where somebody has stated the inertia."""
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.discrepancy.candidates.excitation import several_speeds
+from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.inertia_error import TERM
@@ -13,8 +13,11 @@ NOT_DECLARED = (
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
-    """The number or the motion that is lacking."""
-    return several_speeds(data, baseline) if "inertia_kg_m2" in baseline.declared else NOT_DECLARED
+    """The number or the motion that is lacking.
+
+    At one frequency the acceleration runs as the position does: then gravity is its alternative, and it gravity's.
+    """
+    return moves(data, baseline) if "inertia_kg_m2" in baseline.declared else NOT_DECLARED
 
 
 def admissible(_factors: Float, _shape: Shape) -> bool:
