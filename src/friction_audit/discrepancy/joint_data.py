@@ -1,6 +1,7 @@
 """What one joint did and what drove it, on an even grid: the ground on which a model is held against a recording."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,7 @@ from friction_audit.model.rigid_body import RigidBody
 from friction_audit.model.term import Motion, Others
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class JointData:
     """One joint on an even grid of n samples; j joints in the log.
 
@@ -80,6 +81,16 @@ class JointData:
         """Spacing of the grid. [s]"""
         return float(self.t[1] - self.t[0])
 
+    @cached_property
+    def way(self) -> Float:
+        """Mean sign of the velocity over the cell of each sample, shape (n,)."""
+        return mean_sign(self.t, self.dq, self.ddq)
+
+    @cached_property
+    def smooth(self) -> dict[float, Motion]:
+        """The motion behind low-passes, by their corners, as far as somebody has asked for it. [Hz]"""
+        return {}
+
     def motion(self, rest: Float | None = None) -> Motion:
         """What a term of a model may know of this joint; ``rest`` is the torque of the declared model, shape (n,)."""
         others = Others(joint=self.own_column, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
@@ -93,5 +104,5 @@ class JointData:
             others=others if self.others_dq.shape[1] > 1 else None,
             rest=rest,
             rigid=self.rigid,
-            way=mean_sign(self.t, self.dq, self.ddq),
+            way=self.way,
         )

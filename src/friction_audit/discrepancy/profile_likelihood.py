@@ -16,8 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.declared import CONFIDENCE, least_squares
+from friction_audit.discrepancy.declared import CONFIDENCE
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -53,12 +54,16 @@ def profile_number(
     from scipy.special import chdtri
 
     best: dict[float, tuple[float, Shape]] = {}
+    beside = Beside(base, ground.y)
 
     def look(values: Sequence[float]) -> None:
-        for value in values:
-            tried = [{**shape, name: value, **others} for others in ({}, *candidate.beside_rugged)]
-            misfits = [_misfit(candidate, one, ground, baseline, base) for one in tried]
-            best[value] = min(zip(misfits, tried, strict=True), key=lambda pair: pair[0])
+        tried = [{**shape, name: value, **others} for value in values for others in ({}, *candidate.beside_rugged)]
+        for place, columns in candidate.each(ground.data, baseline, tried):
+            one = tried[place]
+            factors, left = beside.fit(ground.rows.of(columns))
+            misfit = left if candidate.admissible(factors, one) else beside.without
+            if one[name] not in best or misfit < best[one[name]][0]:
+                best[one[name]] = misfit, one
 
     look((shape[name] * np.geomspace(1.0 / FARTHEST, FARTHEST, VALUES)).tolist())
     low, high = _around(sorted(best), min(best, key=lambda value: best[value][0]))
@@ -79,13 +84,3 @@ def _around(every: Sequence[float], value: float) -> tuple[float, float]:
     """The neighbours of a value."""
     at = every.index(value)
     return every[max(at - 1, 0)], every[min(at + 1, len(every) - 1)]
-
-
-def _misfit(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, base: Float) -> float:
-    """Residual sum of squares on all rows; that of no effect where its factors are impossible."""
-    own = ground.rows.of(candidate.columns(ground.data, baseline, shape))
-    columns = np.hstack([base, own])
-    factors = least_squares(columns, ground.y)
-    if not candidate.admissible(factors[base.shape[1] :], shape):
-        columns, factors = base, least_squares(base, ground.y)
-    return float(np.sum((ground.y - columns @ factors) ** 2))

@@ -4,8 +4,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
-from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.joint_log import Float
 
@@ -45,13 +45,11 @@ def refine(
         return shape
     low, high = np.array(list(free.values())).T
     w, y = ground.working, ground.y[ground.working]
-    nothing = float(y @ y)
+    beside, nothing = Beside(base[w], y), float(y @ y)
 
     def misfit(at: Shape) -> float:
-        columns = np.hstack([base, ground.rows.of(candidate.columns(ground.data, baseline, at))])[w]
-        factors = least_squares(columns, y)
-        possible = candidate.admissible(factors[base.shape[1] :], at)
-        return float(np.sum((y - columns @ factors) ** 2)) if possible else nothing
+        factors, left = beside.fit(ground.rows.of(candidate.columns(ground.data, baseline, at))[w])
+        return left if candidate.admissible(factors, at) else nothing
 
     def inside(x: Float) -> Shape:
         return {**shape, **dict(zip(free, (low + (high - low) / (1.0 + np.exp(-x))).tolist(), strict=True))}

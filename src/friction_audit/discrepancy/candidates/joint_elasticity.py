@@ -74,13 +74,18 @@ def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> It
 
 
 def _motion(data: JointData, baseline: Baseline, below_hz: float | None) -> Motion:
-    motion = data.motion(baseline.torque)
     if below_hz is None:
-        return motion
+        return data.motion(baseline.torque)
+    if below_hz not in data.smooth:
+        data.smooth[below_hz] = _smooth(data, below_hz)
+    motion = data.smooth[below_hz]
+    rest = baseline.inertia_kg_m2 * motion.ddq + baseline.coulomb_nm * motion.direction
+    return replace(motion, rest=rest + baseline.viscous_nms_per_rad * motion.dq)
+
+
+def _smooth(data: JointData, below_hz: float) -> Motion:
     q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-    way = mean_sign(data.t, dq, ddq)
-    rest = baseline.inertia_kg_m2 * ddq + baseline.coulomb_nm * way + baseline.viscous_nms_per_rad * dq
-    return replace(motion, q=q, dq=dq, ddq=ddq, rest=rest, way=way)
+    return replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
 
 
 def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:

@@ -1,0 +1,45 @@
+"""One effect after another fitted beside the same columns, which are dealt with once.
+
+With M the projection away from the columns, the factors of an effect W beside them are those of M W to M y
+(R. Frisch, F. V. Waugh, Partial time regressions as compared with individual trends, Econometrica 1 (1933) 387).
+"""
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+
+COPY = 1e-10
+"""Singular value, of columns with a root mean square of 1 and over the root of their length, of what is a copy."""
+
+
+class Beside:
+    """Fits to one response beside columns that stay."""
+
+    def __init__(self, columns: Float, y: Float) -> None:
+        """Take the columns (n, b) and the response (n,)."""
+        left, size, _ = np.linalg.svd(columns / _scale(columns), full_matrices=False)
+        self.span = left[:, size > COPY * size[0]] if size.size else left
+        self.response = self._free(y)
+
+    @property
+    def without(self) -> float:
+        """Residual sum of squares of the columns alone."""
+        return float(self.response @ self.response)
+
+    def fit(self, own: Float) -> tuple[Float, float]:
+        """Factors of an effect's columns (n, p), the smallest of those that do alike, (p,), and the sum of squares."""
+        scale = _scale(own)
+        left, size, right = np.linalg.svd(self._free(own / scale), full_matrices=False)
+        there = size > COPY * np.sqrt(len(own))
+        along = left.T @ self.response
+        factors = right.T @ np.where(there, along / np.where(there, size, 1.0), 0.0) / scale
+        rest = self.response - left[:, there] @ along[there]
+        return factors, float(rest @ rest)
+
+    def _free(self, signal: Float) -> Float:
+        return np.asarray(signal - self.span @ (self.span.T @ signal))
+
+
+def _scale(columns: Float) -> Float:
+    scale = np.sqrt(np.mean(columns**2, axis=0))
+    return np.asarray(np.where(scale > 0, scale, 1.0))

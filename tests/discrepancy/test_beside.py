@@ -1,0 +1,45 @@
+"""One effect beside columns that stay: the same factors and the same rest as of everything fitted together."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.discrepancy.beside import Beside
+from friction_audit.discrepancy.declared import least_squares
+
+
+def test_by_hand() -> None:
+    beside = Beside(np.ones((4, 1)), np.array([0.0, 0.0, 1.0, 3.0]))
+    factors, left = beside.fit(np.array([[0.0], [0.0], [1.0], [1.0]]))
+    assert beside.without == pytest.approx(6.0)
+    assert_allclose(factors, [2.0])
+    assert left == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_as_everything_fitted_together(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    columns, own, y = rng.standard_normal((300, 4)), rng.standard_normal((300, 2)), rng.standard_normal(300)
+    columns[:, 3] = 1e6 * columns[:, 1]  # a copy in another unit
+    own[:, 0] += columns[:, 0]
+    together = np.hstack([columns, 1e-5 * own])
+    every = least_squares(together, y)
+    factors, left = Beside(columns, y).fit(1e-5 * own)
+    assert_allclose(factors, every[4:], rtol=1e-9)
+    assert left == pytest.approx(float(np.sum((y - together @ every) ** 2)), rel=1e-12)
+
+
+def test_a_copy_adds_nothing() -> None:
+    rng = np.random.default_rng(0)
+    columns, y = rng.standard_normal((50, 3)), rng.standard_normal(50)
+    beside = Beside(columns, y)
+    factors, left = beside.fit(columns @ np.array([[1.0], [2.0], [-1.0]]))
+    assert_allclose(factors, [0.0])
+    assert left == pytest.approx(beside.without, rel=1e-12)
+
+
+def test_nothing_to_stand_beside() -> None:
+    y = np.array([1.0, 2.0])
+    factors, left = Beside(np.zeros((2, 0)), y).fit(y[:, None] / 2.0)
+    assert_allclose(factors, [2.0])
+    assert left == pytest.approx(0.0, abs=1e-20)
