@@ -19,6 +19,9 @@ from friction_audit.batch.work import Task, task_of, work_on
 from friction_audit.drift.session import Session
 from friction_audit.ingest.fingerprint import sha256_of
 
+ENDS_BYTES = 65536
+"""At each end of a file: there are the start of a recording and the index or notes of most formats."""
+
 
 @dataclass(frozen=True, slots=True)
 class Failed:
@@ -139,20 +142,37 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
 def _hashes(logs: Sequence[LogFile], ledger: Ledger) -> dict[str, str]:
     """Return the hash of every log whose content may have been seen before, by its place.
 
-    Where a log is not known by its size and its time, content of a size that nobody has seen is new: it is hashed when
-    it is read. Of other logs the hash is taken here.
+    Where a log is not known by its size and its time, content of a size that nobody has seen is new, and so are logs of
+    one size whose ends differ: they are hashed when they are read. Of other logs the hash is taken here.
     """
     known = {log.place: sha256 for log in logs if (sha256 := ledger.known_hash(log)) is not None}
     strange = [log for log in logs if log.place not in known and not log.is_remote]
-    count = Counter(log.size for log in strange)
     seen = ledger.known_sizes()
-    familiar = [log for log in strange if log.size in seen or count[log.size] > 1]
+    of_size = Counter(log.size for log in strange)
+    ends = {log.place: _ends(log) for log in strange if of_size[log.size] > 1 and log.size not in seen}
+    alike = Counter(ends.values())
+    familiar = [log for log in strange if log.size in seen or alike[ends.get(log.place, "")] > 1]
     with ThreadPoolExecutor(thread_name_prefix="sha256") as pool:
         for log, sha256 in zip(familiar, pool.map(_hash, familiar), strict=True):
             if sha256 is not None:
                 known[log.place] = sha256
                 ledger.remember(log, sha256)
     return known
+
+
+def _ends(log: LogFile) -> str:
+    """Return the size of a file and the hash of its ends; of the folder of a bag the size alone."""
+    path = Path(log.place)
+    if not path.is_file():
+        return f"{log.size}"
+    try:
+        with path.open("rb") as file:
+            digest = hashlib.sha256(file.read(ENDS_BYTES))
+            file.seek(max(0, log.size - ENDS_BYTES))
+            digest.update(file.read(ENDS_BYTES))
+    except OSError:
+        return f"{log.size}"  # the worker will say why
+    return f"{log.size} {digest.hexdigest()}"
 
 
 def _hash(log: LogFile) -> str | None:
