@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.drift.family import draw_statistics
+from friction_audit.drift.family import FEWEST_TO_PERMUTE, draw_normal, key_lots, past_keys
 from friction_audit.drift.series import Series
 from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.drift.shapes import (
@@ -20,6 +20,7 @@ from friction_audit.drift.shapes import (
     robust_weight,
     step_places,
     studentise,
+    studentise_orders,
 )
 from friction_audit.joint_log import Float
 
@@ -146,9 +147,7 @@ def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
 
 
 def _judge(directions: Directions, first: int, search: Search) -> Step:
-    rng = np.random.default_rng(search.seed)
-    keys = rng.random((search.permutations, len(directions.residual)))
-    drawn = np.max(draw_statistics(directions, keys, rng), axis=1)
+    drawn = _draw_largest(directions, search)
     real = np.abs(studentise(directions.residual[None, :], directions))[0] / search.growth
     low, high = moment(directions, search.growth)
     return Step(
@@ -157,6 +156,17 @@ def _judge(directions: Directions, first: int, search: Search) -> Step:
         high=first + high,
         p_value=float((1 + np.count_nonzero(drawn >= np.max(real))) / (1 + len(drawn))),
     )
+
+
+def _draw_largest(directions: Directions, search: Search) -> Float:
+    """Return the largest statistic without a step in each order, shape (orders,)."""
+    length, orders = len(directions.residual), search.permutations
+    if length < FEWEST_TO_PERMUTE:
+        rng = past_keys(orders, length, search.seed)
+        return np.asarray(np.max(draw_normal(directions, orders, rng), axis=1))
+    lots = key_lots(orders, length, length, search.seed)
+    drawn = (np.abs(studentise_orders(directions, np.argsort(keys, axis=1))) for _, keys in lots)
+    return np.concatenate([np.max(one, axis=1) for one in drawn])
 
 
 def moment(directions: Directions, growth: float) -> tuple[int, int]:

@@ -39,25 +39,18 @@ def make_chart(
     bound = float(t.isf(alpha / (2.0 * len(y)), fit.freedom))
     half = bound * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)
-    return tuple(
-        _point(int(index), float(off), float(limit), level, logarithmic=series.logarithmic, outside=bool(out))
-        for index, off, limit, out in zip(series.session, y - mean, half, outside, strict=True)
-    )
-
-
-def _point(
-    session: int, off: float, half: float, level: Coefficient, *, logarithmic: bool, outside: bool
-) -> ControlPoint:
-    ends = (off, -half, half)
-    if logarithmic:
-        relative = Coefficient(**_named(np.expm1(ends)))
-        deviation = Coefficient(**_named(level.value * np.expm1(ends)))
+    ends = np.column_stack([y - mean, -half, half])
+    if series.logarithmic:
+        relative = _coefficients(np.expm1(ends))
+        deviation = _coefficients(level.value * np.expm1(ends))
     else:
-        deviation = Coefficient(**_named(np.array(ends)))
-        size = abs(level.value)
-        relative = UNDETERMINED if is_near_zero(level) else Coefficient(**_named(np.array(ends) / size))
-    return ControlPoint(session=session, deviation=deviation, relative=relative, outside=outside)
+        deviation = _coefficients(ends)
+        near = is_near_zero(level)
+        relative = [UNDETERMINED] * len(ends) if near else _coefficients(ends / abs(level.value))
+    rows = zip(series.session.tolist(), deviation, relative, outside.tolist(), strict=True)
+    return tuple(ControlPoint(session=i, deviation=d, relative=r, outside=out) for i, d, r, out in rows)
 
 
-def _named(ends: Float) -> dict[str, float]:
-    return dict(zip(("value", "low", "high"), (float(end) for end in ends), strict=True))
+def _coefficients(rows: Float) -> list[Coefficient]:
+    """Return values with their lower and upper ends, from an array of shape (n, 3)."""
+    return [Coefficient(value=value, low=low, high=high) for value, low, high in rows.tolist()]

@@ -6,11 +6,10 @@ joints at a time, and the step-down maximum over the coefficients of the arm (We
 probability of any false one.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.drift.memory import Memory, find_memory
 from friction_audit.drift.shapes import Directions, studentise, studentise_orders
@@ -62,21 +61,20 @@ def judge_family(
         permutations: Random orders.
         seed: Of the orders.
     """
-    rng = np.random.default_rng(seed)
-    keys = rng.random((permutations, 1 + max(int(np.max(place)) for place in places)))
+    width = 1 + max(int(np.max(place)) for place in places)
+    rng = past_keys(permutations, width, seed)
     found = [np.abs(studentise(directions.residual[None, :], directions)) for directions in family]
     memory = _memories(family, kinds, rng)
-    observed, drawn, ramp, ramp_drawn = [], [], [], []
-    for directions, real, place, growth in zip(family, found, places, (one.growth for one in memory), strict=True):
-        largest, largest_ramp = _draw_largest(directions, keys, place.astype(int), rng)
-        observed.append(score(np.max(real) / growth, directions.freedom))
-        drawn.append(score(largest, directions.freedom))
-        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / growth, directions.freedom))
-        ramp_drawn.append(score(largest_ramp, directions.freedom))
-    maxima = np.column_stack(drawn)
+    maxima, ramp_maxima = _draw_largest(family, places, rng, permutations=permutations, width=width, seed=seed)
+    observed, ramp = [], []
+    for k, (directions, real) in enumerate(zip(family, found, strict=True)):
+        growth, freedom = memory[k].growth, directions.freedom
+        observed.append(score(np.max(real) / growth, freedom))
+        ramp.append(score(np.max(real[:, directions.ramps], initial=0.0) / growth, freedom))
+        maxima[:, k], ramp_maxima[:, k] = score(maxima[:, k], freedom), score(ramp_maxima[:, k], freedom)
     return FamilyTest(
         p_value=step_down(np.array(observed), maxima),
-        ramp_p_value=step_down(np.array(ramp), np.column_stack(ramp_drawn)),
+        ramp_p_value=step_down(np.array(ramp), ramp_maxima),
         best=tuple(int(np.argmax(real)) for real in found),
         critical=float(np.quantile(np.max(maxima, axis=1), 1.0 - alpha)),
         memory=memory,
@@ -93,29 +91,63 @@ def _memories(family: Sequence[Directions], kinds: Sequence[str], rng: np.random
 
 
 def _draw_largest(
-    directions: Directions, keys: Float, place: NDArray[np.int64], rng: np.random.Generator
+    family: Sequence[Directions],
+    places: Sequence[Float],
+    rng: np.random.Generator,
+    *,
+    permutations: int,
+    width: int,
+    seed: int,
 ) -> tuple[Float, Float]:
-    """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders,) each.
-
-    A few orders at a time: many sessions must not take much memory.
-    """
-    parts = np.array_split(keys, -(-keys.shape[0] * len(place) // AT_ONCE))
-    drawn = (draw_statistics(directions, part[:, place], rng) for part in parts)
-    largest = [(np.max(one, axis=1), np.max(one[:, directions.ramps], axis=1, initial=0.0)) for one in drawn]
-    return np.concatenate([one for one, _ in largest]), np.concatenate([ramp for _, ramp in largest])
-
-
-def draw_statistics(directions: Directions, keys: Float, rng: np.random.Generator) -> Float:
-    """Return the size of the statistics without drift, shape (orders, k).
+    """Return the largest statistic without drift in each order, of all shapes and of the ramps, shape (orders, s) each.
 
     Args:
-        directions: Of one series, n sessions.
-        keys: Random numbers whose order is the order of the sessions, shape (orders, n).
+        family: The directions of each series.
+        places: Places of its sessions among those compared.
         rng: For normal scatter, where the sessions are too few for random orders.
+        permutations: Random orders.
+        width: How many places there are.
+        seed: Of the orders.
     """
-    if len(directions.residual) < FEWEST_TO_PERMUTE:
-        return np.abs(studentise(rng.standard_normal(keys.shape), directions))
-    return np.abs(studentise_orders(directions, np.argsort(keys, axis=1)))
+    largest, largest_ramp = np.empty((permutations, len(family))), np.empty((permutations, len(family)))
+
+    def keep(rows: slice, k: int, drawn: Float) -> None:
+        largest[rows, k] = np.max(drawn, axis=1)
+        largest_ramp[rows, k] = np.max(drawn[:, family[k].ramps], axis=1, initial=0.0)
+
+    long = [k for k, directions in enumerate(family) if len(directions.residual) >= FEWEST_TO_PERMUTE]
+    for k in sorted(set(range(len(family))).difference(long)):
+        keep(slice(None), k, draw_normal(family[k], permutations, rng))
+    most = max((len(places[k]) for k in long), default=1)
+    for rows, keys in key_lots(permutations, width, most, seed):
+        place, order = np.zeros(0), np.zeros((0, 0), dtype=np.int64)
+        for k in long:
+            if not np.array_equal(places[k], place):  # mostly all series have their sessions in the same places
+                place, order = places[k], np.argsort(keys[:, places[k].astype(np.int64)], axis=1)
+            keep(rows, k, np.abs(studentise_orders(family[k], order)))
+    return largest, largest_ramp
+
+
+def key_lots(orders: int, width: int, sessions: int, seed: int) -> Iterator[tuple[slice, Float]]:
+    """Yield random numbers whose order is the order of the sessions, some orders at a time, shape (orders, width).
+
+    Many sessions must not take much memory.
+    """
+    rng = np.random.default_rng(seed)
+    first = 0
+    for rows in np.array_split(np.arange(orders), -(-orders * sessions // AT_ONCE)):
+        yield slice(first, first + len(rows)), rng.random((len(rows), width))
+        first += len(rows)
+
+
+def past_keys(orders: int, width: int, seed: int) -> np.random.Generator:
+    """Return the generator that comes after all keys."""
+    return np.random.Generator(np.random.PCG64(seed).advance(orders * width))
+
+
+def draw_normal(directions: Directions, orders: int, rng: np.random.Generator) -> Float:
+    """Return the size of the statistics of normal scatter, shape (orders, k)."""
+    return np.abs(studentise(rng.standard_normal((orders, len(directions.residual))), directions))
 
 
 def score(statistic: Float | float, freedom: int) -> Float:
