@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift
+from friction_audit.report.drawn_arm import as_drawn
+from friction_audit.report.html.batch_captions import TITLES
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -22,7 +24,7 @@ class Drawing:
     Attributes:
         name: Of its files, without the suffix; empty if it is for the page alone.
         kind: Name of the kind of figure.
-        arm: The arm, with the joints to be drawn.
+        arm: The arm, with the joints to be drawn, and no more of it than is drawn.
         joint: Number of the one joint to be drawn at column width, or None for a sheet.
         formats: Suffixes of its files.
         anchor: What its names in the page begin with; empty if it is for the files alone.
@@ -59,25 +61,23 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
         prefixes: What the names of each arm's files begin with, by the arm's name.
         formats: Suffixes of the files.
     """
-    from friction_audit.report.figures.batch import BATCH_FIGURES
-
     for number, arm in enumerate(arms, start=1):
-        for kind in BATCH_FIGURES if arm.joints else ():
-            sheets = list(page_drawings(arm, f"arm-{number}", kind.name))
-            name, suffixes = f"{prefixes[arm.robot]}{kind.name}", tuple(formats)
+        for kind in TITLES if arm.joints else ():
+            sheets = list(page_drawings(arm, f"arm-{number}", kind))
+            name, suffixes = f"{prefixes[arm.robot]}{kind}", tuple(formats)
             if len(sheets) == 1 and len(arm.joints) > 1:
                 yield replace(sheets[0], name=name, formats=suffixes)
                 continue
             yield from sheets
             # A sheet of one joint is that joint's figure.
             joint = arm.joints[0].joint if len(arm.joints) == 1 else None
-            yield Drawing(name=name, kind=kind.name, arm=arm, joint=joint, formats=suffixes)
+            yield Drawing(name=name, kind=kind, arm=as_drawn(arm, kind), joint=joint, formats=suffixes)
 
 
 def page_drawings(arm: ArmDrift, anchor: str, kind: str) -> Iterator[Drawing]:
     """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
     for first in range(0, len(arm.joints), ON_A_SHEET):
-        part = replace(arm, joints=arm.joints[first : first + ON_A_SHEET])
+        part = as_drawn(replace(arm, joints=arm.joints[first : first + ON_A_SHEET]), kind)
         some = f", joints {part.joints[0].joint} to {part.joints[-1].joint}"
         yield Drawing(
             name="",
@@ -103,7 +103,7 @@ def draw(drawing: Drawing) -> Drawn:
 
 
 def _on_page(figure: "Figure", drawing: Drawing) -> "PageFigure":
-    from friction_audit.report.html.batch_captions import CAPTIONS, TITLES, describe
+    from friction_audit.report.html.batch_captions import CAPTIONS, describe
     from friction_audit.report.html.parts import Figure as PageFigure
     from friction_audit.report.html.svg import draw_inline
 

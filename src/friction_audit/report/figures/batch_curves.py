@@ -8,6 +8,7 @@ import numpy as np
 from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.joint_log import Float
+from friction_audit.report.drawn_arm import curve_sessions
 from friction_audit.report.figures.batch_look import (
     FIRST,
     LAST,
@@ -64,11 +65,10 @@ def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
 
 def _names(arm: ArmDrift) -> list[tuple[str, tuple[int, ...]]]:
     """Return what each curve is called, and the sessions that it is made of."""
-    compared = arm.compared or tuple(range(len(arm.sessions)))
-    if not compared:
+    drawn = curve_sessions(arm)
+    if drawn is None:
         return []
-    first, last = compared[0], compared[-1]
-    reference = tuple(arm.reference)
+    first, reference, last = drawn
     return [
         (f"first (session {first + 1})", (first,)),
         (f"reference (mean of {len(reference)})", reference),

@@ -101,7 +101,7 @@ def _mark_isolated(axes: "Axes", found: CoefficientDrift) -> "list[Artist]":
 
 def _draw_left_out(axes: "Axes", arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> "list[Artist]":
     """Draw the sessions that were not compared, hollow."""
-    places = [k for k in range(len(arm.sessions)) if k not in found.sessions]
+    places = sorted(set(range(len(arm.sessions))).difference(found.sessions))
     values = [raw_value(arm, k, joint.joint, found.coefficient).value for k in places]
     if not any(map(math.isfinite, values)):
         return []

@@ -121,7 +121,8 @@ def number_sessions(axes: "Axes", arm: ArmDrift) -> None:
     count = len(arm.sessions)
     places = tick_places(count)
     axes.set_xlim(0.2, count + 0.8)
-    axes.set_xticks(places, [_tick(arm, place) for place in places])
+    several_years = len(_years(arm)) > 1
+    axes.set_xticks(places, [_tick(arm, place, several_years=several_years) for place in places])
 
 
 def tick_places(count: int) -> list[int]:
@@ -132,10 +133,10 @@ def tick_places(count: int) -> list[int]:
     return list(range(1, count + 1, step))
 
 
-def _tick(arm: ArmDrift, place: int) -> str:
+def _tick(arm: ArmDrift, place: int, *, several_years: bool) -> str:
     date = format_date(arm.sessions[place - 1].start_s)
     # A tick has room for two of the three.
-    short = date[:7] if len(_years(arm)) > 1 else date[5:]
+    short = date[:7] if several_years else date[5:]
     return str(place) if date == NOTHING else f"{place}\n{short}"
 
 

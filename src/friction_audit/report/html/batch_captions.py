@@ -29,6 +29,7 @@ TITLES = {
     "control": "Control chart",
     "curves": "Velocity-torque curves",
 }
+"""Title of each figure, in the order in which they are read."""
 LEADS = {
     "changes": "Change of the coefficients of each joint",
     "drift": "Friction coefficients of each joint over the sessions",

@@ -13,7 +13,7 @@ from friction_audit.report.drift_words import (
     enumerate_words,
     span_of,
 )
-from friction_audit.report.figures.batch import BATCH_FIGURES
+from friction_audit.report.html.batch_captions import TITLES
 from friction_audit.report.html.batch_tables import (
     TONES,
     coefficient_tables,
@@ -136,8 +136,8 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[i
 
 def _figures(arm: ArmDrift, anchor: str, drawn: Mapping[str, Figure]) -> Iterator[Figure]:
     """Yield the figures of an arm."""
-    for kind in BATCH_FIGURES:
-        for drawing in page_drawings(arm, anchor, kind.name):
+    for kind in TITLES:
+        for drawing in page_drawings(arm, anchor, kind):
             figure = drawn.get(drawing.anchor) or draw(drawing).figure
             if figure is not None:
                 yield figure
