@@ -11,12 +11,13 @@ import pyarrow.parquet as pq
 import pytest
 
 from friction_audit.export.write_columns import write_columns
-from friction_audit.report.batch_document import batch_document
+from friction_audit.report import session_table
+from friction_audit.report.batch_document import batch_document, write_batch_document
 from friction_audit.report.batch_summary import BatchSummary
 from friction_audit.report.document import Document, write_document
 from friction_audit.report.html.batch_page import write_page
 from friction_audit.report.schemas import load_schema
-from friction_audit.report.session_table import COLUMNS, session_columns, session_csv
+from friction_audit.report.session_table import COLUMNS, session_columns, write_session_csv
 from tests.report import batch_by_hand as by_hand
 
 ARM = by_hand.arm()
@@ -24,7 +25,8 @@ BATCHES = (by_hand.batch(ARM), by_hand.batch(by_hand.arm(2, 1, dated=False)), by
 
 
 def checked(summary: BatchSummary) -> Document:
-    read: Document = json.loads(write_document(batch_document(summary)))
+    read: Document = json.loads("".join(write_batch_document(summary)))
+    assert read == json.loads(write_document(batch_document(summary)))
     jsonschema.Draft202012Validator(load_schema("batch")).validate(read)
     return read
 
@@ -60,8 +62,14 @@ def test_sessions_count_from_one_within_their_robot() -> None:
     assert document["sessions"][1]["start"] == "2026-03-05T03:00:00.000Z"
 
 
+def csv_text(summary: BatchSummary) -> str:
+    text = io.StringIO()
+    write_session_csv(summary, text)
+    return text.getvalue()
+
+
 def rows_of(summary: BatchSummary) -> list[dict[str, str]]:
-    return list(csv.DictReader(io.StringIO(session_csv(summary))))
+    return list(csv.DictReader(io.StringIO(csv_text(summary))))
 
 
 def test_the_table_has_a_row_per_session_joint_and_coefficient() -> None:
@@ -97,15 +105,17 @@ def test_a_name_that_no_encoding_knows_is_written_with_its_bytes(tmp_path: Path)
 
 
 def test_a_table_of_nothing_has_its_head() -> None:
-    assert session_csv(by_hand.empty()) == ",".join(COLUMNS) + "\n"
+    assert csv_text(by_hand.empty()) == ",".join(COLUMNS) + "\n"
 
 
 @pytest.mark.parametrize("summary", BATCHES, ids=("plain", "two sessions", "hostile", "empty"))
-def test_parquet_holds_the_same(summary: BatchSummary, tmp_path: Path) -> None:
-    columns = session_columns(summary)
+def test_parquet_holds_the_same(summary: BatchSummary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session_table, "ROWS_AT_ONCE", 100)
+    lots = list(session_columns(summary))
     path = tmp_path / "sessions.parquet"
-    write_columns(columns, COLUMNS, path)
+    write_columns(lots, COLUMNS, path)
     table = pq.read_table(path)
-    assert table.to_pydict() == columns
+    assert pq.ParquetFile(path).num_row_groups == len(lots) == -(-len(table) // 100)
+    assert table.to_pydict() == {name: [cell for lot in lots for cell in lot[name]] for name in COLUMNS}
     types = {str: "string", int: "int64", float: "double", bool: "bool"}
     assert {field.name: str(field.type) for field in table.schema} == {n: types[t] for n, t in COLUMNS.items()}

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
@@ -26,6 +26,7 @@ DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sess
 RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)
 """Files beside the ledger, made anew whenever something is new."""
 _COUNTS = re.compile(r"\d+ computed, \d+ known")
+_COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
 SETTINGS, TOLD = "reported_settings", "reported"
 """Notes of the ledger: which settings made the results that lie beside it, and what they were and said."""
 EXCEEDED = 5
@@ -37,13 +38,13 @@ class Told:
     """What a batch tells the one who asked.
 
     Attributes:
-        document: The JSON document.
+        document: File of the JSON document.
         text: The table and the sentences.
         warnings: What was noticed about the logs as a whole, one sentence each.
         code: The exit code.
     """
 
-    document: str
+    document: Path
     text: str
     warnings: tuple[str, ...]
     code: int
@@ -52,11 +53,13 @@ class Told:
         """Return the text, with what was computed and known in this run."""
         return _COUNTS.sub(f"{standing.new} computed, {standing.known} known", self.text, count=1)
 
-    def document_of(self, standing: "Standing") -> str:
-        """Return the document, with what was computed and known in this run."""
-        from friction_audit.report.document import write_document
-
-        return write_document(json.loads(self.document) | {"computed": standing.new, "known": standing.known})
+    def document_of(self, standing: "Standing") -> Iterator[str]:
+        """Yield the lines of the document, with what was computed and known in this run."""
+        counts = {"computed": standing.new, "known": standing.known}
+        with self.document.open(encoding="utf-8") as lines:
+            for line in lines:
+                count = _COUNT.fullmatch(line)
+                yield line if count is None else f'  "{count[1]}": {counts[count[1]]},\n'
 
 
 def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings") -> None:
@@ -81,8 +84,7 @@ def recall_results(request: object, folder: Path, ledger: "Ledger") -> Told | No
     note = json.loads(ledger.note(TOLD) or "{}")
     if note.get("request") != _digest(request) or note["files"] != _stamps(folder, note["files"]):
         return None
-    document = (folder / DOCUMENT).read_text(encoding="utf-8")
-    return Told(document=document, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"])
+    return Told(document=folder / DOCUMENT, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"])
 
 
 def write_results(
@@ -105,32 +107,29 @@ def write_results(
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as beside, voice.step("draw the figures"):
         tables = beside.submit(_write_tables, summary, folder)  # while others draw
         drawn, pictures = _draw(summary, folder, formats, executor)
-        document = tables.result()
+        tables.result()
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     lines = batch_table(summary, verbose=voice.verbose)
-    told = Told(
-        document=document, text="".join(f"{line.plain}\n" for line in lines), warnings=warnings, code=_code(summary)
-    )
+    text = "".join(f"{line.plain}\n" for line in lines)
+    told = Told(document=folder / DOCUMENT, text=text, warnings=warnings, code=_code(summary))
     _remember(told, request, [*RESULTS, *drawn], folder, ledger)
     return told
 
 
-def _write_tables(summary: "BatchSummary", folder: Path) -> str:
-    """Write the document and the tables of all sessions; return the document."""
+def _write_tables(summary: "BatchSummary", folder: Path) -> None:
+    """Write the document and the tables of all sessions."""
     from friction_audit.export.write_columns import write_columns
-    from friction_audit.report.batch_document import batch_document
-    from friction_audit.report.document import write_document
-    from friction_audit.report.session_table import COLUMNS, session_columns, session_csv
+    from friction_audit.report.batch_document import write_batch_document
+    from friction_audit.report.session_table import COLUMNS, session_columns, write_session_csv
     from friction_audit.whole_file import whole_file
 
-    document = write_document(batch_document(summary))
-    for name, text in ((DOCUMENT, document), (CSV, session_csv(summary))):
-        with whole_file(folder / name, overwrite=True) as draft:
-            draft.write_text(text, encoding="utf-8")
+    with whole_file(folder / DOCUMENT, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
+        file.writelines(write_batch_document(summary))
+    with whole_file(folder / CSV, overwrite=True) as draft, draft.open("w", encoding="utf-8", newline="") as file:
+        write_session_csv(summary, file)
     with whole_file(folder / PARQUET, overwrite=True) as draft:
         write_columns(session_columns(summary), COLUMNS, draft)
-    return document
 
 
 def _remember(told: Told, request: object, names: Sequence[str], folder: Path, ledger: "Ledger") -> None:

@@ -167,7 +167,8 @@ def command(
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
     if not output.json:
         voice.warn(told.warnings)
-    typer.echo(told.document_of(standing) if output.json else told.text_of(standing), nl=False)
+    for text in told.document_of(standing) if output.json else (told.text_of(standing),):
+        typer.echo(text, nl=False)
     if told.code:
         raise typer.Exit(told.code)
 

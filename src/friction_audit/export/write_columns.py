@@ -1,6 +1,6 @@
-"""A table of results -> Parquet."""
+"""A table of results -> Parquet, lot by lot: of a long one no more than a lot is in memory."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -8,11 +8,11 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
-def write_columns(columns: Mapping[str, Sequence[Any]], types: Mapping[str, type], path: Path) -> None:
+def write_columns(lots: Iterable[Mapping[str, Sequence[Any]]], types: Mapping[str, type], path: Path) -> None:
     """Write columns of numbers, words and flags, None where there is nothing.
 
     Args:
-        columns: By name, all of one length.
+        lots: Columns by name, all of one length; of the rows that follow, the same columns.
         types: What is in each: ``str``, ``int``, ``float`` or ``bool``.
         path: Where to.
     """
@@ -20,8 +20,10 @@ def write_columns(columns: Mapping[str, Sequence[Any]], types: Mapping[str, type
     import pyarrow.parquet as pq
 
     kinds = arrow_types()
-    arrays = {name: pa.array(column, type=kinds[types[name]]) for name, column in columns.items()}
-    pq.write_table(pa.table(arrays), path, compression="zstd")
+    schema = pa.schema([(name, kinds[kind]) for name, kind in types.items()])
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for columns in lots:
+            writer.write_table(pa.table(dict(columns), schema=schema))
 
 
 def arrow_types() -> "dict[type, pa.DataType]":

@@ -1,5 +1,8 @@
 """BatchSummary -> JSON document ``friction-audit/batch/1``."""
 
+import json
+import math
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict
 
 from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, ControlPoint, JointDrift
@@ -12,6 +15,33 @@ from friction_audit.report.estimate_document import coefficient_document
 
 def batch_document(summary: BatchSummary) -> Document:
     """Return the document of a batch; sessions count from 1 within their robot, in the order of their starts."""
+    return _head(summary) | {name: list(parts) for name, parts in _lists(summary).items()}
+
+
+def write_batch_document(summary: BatchSummary) -> Iterator[str]:
+    """Yield the document as text in ASCII, a line for each key, robot, joint and session.
+
+    Nobody holds the whole of it: a thousand sessions are tens of megabytes.
+    """
+    before = "{\n"
+    for name, value in _head(summary).items():
+        yield f'{before}  "{name}": {_text(value)}'
+        before = ",\n"
+    for name, parts in _lists(summary).items():
+        yield f'{before}  "{name}": ['
+        inner = "\n"
+        for part in parts:
+            yield f"{inner}    {_text(part)}"
+            inner = ",\n"
+        yield "]" if inner == "\n" else "\n  ]"
+    yield "\n}\n"
+
+
+def _text(value: object) -> str:
+    return json.dumps(value, allow_nan=False)
+
+
+def _head(summary: BatchSummary) -> Document:
     return {
         **new_document("batch"),
         "command": summary.command or None,
@@ -21,9 +51,15 @@ def batch_document(summary: BatchSummary) -> Document:
         "drift": summary.report.drift,
         "exceeded": list(summary.exceeded),
         "failed": [{"path": failed.path, "message": failed.message} for failed in summary.failed],
-        "robots": [_robot(arm) for arm in summary.arms],
-        "joints": [_joint(arm, joint) for arm in summary.arms for joint in arm.joints],
-        "sessions": [_session(arm, index) for arm in summary.arms for index in range(len(arm.sessions))],
+    }
+
+
+def _lists(summary: BatchSummary) -> Mapping[str, Iterator[Document]]:
+    """Return what is long, part by part."""
+    return {
+        "robots": (_robot(arm) for arm in summary.arms),
+        "joints": (_joint(arm, joint) for arm in summary.arms for joint in arm.joints),
+        "sessions": (_session(arm, index) for arm in summary.arms for index in range(len(arm.sessions))),
     }
 
 
@@ -88,7 +124,7 @@ def _coefficient(found: CoefficientDrift) -> Document:
         "compared_at_temperature_c": to_json(found.temperature_c),
         "isolated": _numbers(found.isolated),
         "values": [
-            {"session": index + 1, "value": to_json(value.value), "ci95": to_json([value.low, value.high])}
+            {"session": index + 1, "value": _number(value.value), "ci95": [_number(value.low), _number(value.high)]}
             for index, value in zip(found.sessions, found.values, strict=True)
         ],
         "control": [_control(point) for point in found.control],
@@ -109,9 +145,9 @@ def _change_point(change: ChangePoint) -> Document:
 def _control(point: ControlPoint) -> Document:
     return {
         "session": point.session + 1,
-        "deviation": to_json(point.deviation.value),
-        "limits": to_json([point.deviation.low, point.deviation.high]),
-        "relative_deviation": to_json(point.relative.value),
+        "deviation": _number(point.deviation.value),
+        "limits": [_number(point.deviation.low), _number(point.deviation.high)],
+        "relative_deviation": _number(point.relative.value),
         "outside": point.outside,
     }
 
@@ -149,5 +185,18 @@ def _summary(joint: JointSummary) -> Document:
         "reason": joint.reason or None,
         "verdict": joint.verdict,
         "effects": list(joint.effects),
-        "curve": to_json(asdict(joint.curve)),
+        "curve": {
+            "speed_rad_s": _known(joint.curve.speed_rad_s),
+            "torque_nm": _known(joint.curve.torque_nm),
+            "spread_nm": _known(joint.curve.spread_nm),
+        },
     }
+
+
+def _known(values: Iterable[float]) -> list[float | None]:
+    return [_number(value) for value in values]
+
+
+def _number(value: float) -> float | None:
+    """Return a number, or null for NaN and infinity."""
+    return value if math.isfinite(value) else None

@@ -1,10 +1,10 @@
 """BatchSummary -> a tidy table: one row per session, joint and coefficient."""
 
 import csv
-import io
 import math
 from collections.abc import Iterator, Mapping
-from typing import Any
+from itertools import islice
+from typing import Any, TextIO
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.drift.session import JointSummary, Session
@@ -64,13 +64,17 @@ COLUMNS: Mapping[str, type] = {
 """Columns and what is in them; text is empty where there is nothing to say, a number or a flag None."""
 
 
-def session_columns(summary: BatchSummary) -> dict[str, list[Any]]:
-    """Return the table by columns, those of COLUMNS, each as long as the table.
+ROWS_AT_ONCE = 2000
+
+
+def session_columns(summary: BatchSummary) -> Iterator[dict[str, list[Any]]]:
+    """Yield the table by columns, those of COLUMNS, some rows after the other.
 
     A coefficient is given twice: as the session has it, and as it was compared, at like temperature.
     """
-    rows = list(_rows(summary))
-    return {name: [encodable(row[name]) for row in rows] for name in COLUMNS}
+    rows = _rows(summary)
+    while lot := list(islice(rows, ROWS_AT_ONCE)):
+        yield {name: [encodable(row[name]) for row in lot] for name in COLUMNS}
 
 
 def encodable(value: Any) -> Any:  # noqa: ANN401 - any cell
@@ -78,14 +82,11 @@ def encodable(value: Any) -> Any:  # noqa: ANN401 - any cell
     return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
 
 
-def session_csv(summary: BatchSummary) -> str:
-    """Return the table as CSV text; an empty cell where there is no number."""
-    columns = session_columns(summary)
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(columns)
-    writer.writerows([_cell(value) for value in row] for row in zip(*columns.values(), strict=True))
-    return text.getvalue()
+def write_session_csv(summary: BatchSummary, file: TextIO) -> None:
+    """Write the table as CSV; an empty cell where there is no number."""
+    writer = csv.writer(file, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([_cell(encodable(row[name])) for name in COLUMNS] for row in _rows(summary))
 
 
 def _cell(value: Any) -> str:  # noqa: ANN401 - any cell
@@ -102,15 +103,21 @@ def _cell(value: Any) -> str:  # noqa: ANN401 - any cell
 def _rows(summary: BatchSummary) -> Iterator[Row]:
     for arm in summary.arms:
         compared = _compared_values(arm)
+        used, reference, left_out = set(arm.compared), set(arm.reference), dict(arm.left_out)
         for index, session in enumerate(arm.sessions):
-            head = _session_cells(arm, index, session)
+            parts = {
+                "compared": index in used,
+                "reference": index in reference,
+                "left_out": left_out.get(index, ""),
+            }
+            head = _session_cells(index, session) | parts
             for joint in session.joints:
                 for coefficient in UNITS:
                     own = compared.get((joint.joint, coefficient, index), {})
                     yield head | _joint_cells(joint) | _coefficient_cells(joint, coefficient) | _compared_cells(own)
 
 
-def _session_cells(arm: ArmDrift, index: int, session: Session) -> Row:
+def _session_cells(index: int, session: Session) -> Row:
     conditions = session.conditions
     return {
         "robot": session.robot,
@@ -130,9 +137,6 @@ def _session_cells(arm: ArmDrift, index: int, session: Session) -> Row:
         "session_temperature_c": session.temperature_c,
         "note": session.note,
         "damaged": session.damaged,
-        "compared": index in arm.compared,
-        "reference": index in arm.reference,
-        "left_out": dict(arm.left_out).get(index, ""),
     }
 
 
@@ -173,9 +177,10 @@ def _compared_values(arm: ArmDrift) -> dict[tuple[int, str, int], Row]:
     found: dict[tuple[int, str, int], Row] = {}
     for joint in arm.joints:
         for one in joint.coefficients:
+            isolated = set(one.isolated)
             for index, value in zip(one.sessions, one.values, strict=True):
                 key = (joint.joint, one.coefficient, index)
-                found[key] = {"value": value, "isolated": index in one.isolated}
+                found[key] = {"value": value, "isolated": index in isolated}
             for point in one.control:
                 key = (joint.joint, one.coefficient, point.session)
                 found.setdefault(key, {}).update(outside=point.outside, relative=point.relative.value)
