@@ -75,6 +75,13 @@ def test_a_joint_that_turns_around_has_none() -> None:
     assert len(find_breakaways(q, dq, DEAD, STEP_S).onset) == 0
 
 
+def test_a_count_of_the_encoder_before_the_start_is_none() -> None:
+    q, dq, _ = start(1.0)
+    counted = q + 1e-4 * (T >= 0.9)
+    assert 0.0 < T[find_breakaways(q, dq, DEAD, STEP_S).onset[0]] - 1.0 + 2 * STEP_S < 4 * STEP_S
+    assert len(find_breakaways(counted, dq, DEAD, STEP_S).onset) == 0
+
+
 def test_a_twitch_is_no_start() -> None:
     q, dq, _ = start(1.0)
     still = np.where(dq < 1.5 * DEAD, dq, 0.0)

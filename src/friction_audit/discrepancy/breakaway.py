@@ -44,6 +44,9 @@ CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
 standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start."""
 POWER = 3
 """Of the time, by which the path grows from a standstill under a torque that rises steadily."""
+SLOWEST = 3.0
+"""To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
+starts faster: one that took longer did not start then, but moved by one count of its encoder."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -101,7 +104,8 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
             continue
         onset = begin + _start_of(q[begin:stop], before, certain - begin)
         creep = abs(q[onset - APART] - q[onset - before]) / (still * step_s)
-        if onset > begin + before and creep <= CREEP * dead_speed:
+        sudden = certain - onset <= SLOWEST * (stop - certain) + APART
+        if onset > begin + before and creep <= CREEP * dead_speed and sudden:
             found.append((onset - before, onset, certain))
     table = np.asarray(found, np.int64).reshape(-1, 3)
     return Breakaways(
