@@ -515,7 +515,7 @@ def make_pictures(names: list[str]) -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     for picture in PICTURES:
         if not names or picture.__name__ in names:
-            with figure_style():
+            with figure_style(mathematics=True):
                 save(picture(), FOLDER / f"{picture.__name__}.png")
 
 

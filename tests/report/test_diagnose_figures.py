@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.gap import Gap
@@ -33,6 +34,7 @@ CYCLES, ROWS, STEP_S = 30, 40, 0.01
 LEFT_OUT = 3
 """Rows at the beginning of a cycle that are not there."""
 NOISE_NM, MISSING_NM = 0.02, 0.3
+ODD = r"a$\bad{$"
 CORNER_HZ = 17.0
 KINDS = pytest.mark.parametrize("kind", DIAGNOSIS_FIGURES, ids=lambda kind: kind.name)
 
@@ -128,6 +130,19 @@ def test_joints_are_a_column_wide_and_a_sheet_of_all_a_page(kind: DiagnosisFigur
 def test_a_joint_without_an_answer_says_why(kind: DiagnosisFigure) -> None:
     assert "0 energy cycles with motion" in words_in(kind.draw(ALL, 5))
     assert by_hand.FAULT in words_in(kind.draw(ALL, 6))
+
+
+@KINDS
+def test_a_dollar_sign_in_a_word_of_the_log_is_a_dollar_sign(kind: DiagnosisFigure, tmp_path: Path) -> None:
+    """As mathematics these words would be an error."""
+    joints = tuple(replace(one, name=ODD, message=ODD) for one in ALL.discrepancy.joints)
+    odd = replace(ALL, discrepancy=replace(ALL.discrepancy, joints=joints))
+    for number, joint in enumerate((None, 1, 5, 6)):
+        figure = kind.draw(odd, joint)
+        save_figure(figure, tmp_path / f"{number}.svg")
+        written = [text for text in figure.findobj(Text) if isinstance(text, Text) and ODD in text.get_text()]
+        assert written
+        assert not any(text.get_parse_math() for text in written)
 
 
 @KINDS

@@ -18,7 +18,7 @@ DRAWN = 2000
 
 def draw_energies(courses: Sequence[TrialCourse]) -> "Figure":
     """Draw the net energies of all methods over time, in one panel as in the paper."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 2.9)
         axes = figure.subplots()
         axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)

@@ -34,7 +34,7 @@ def draw_loops(courses: Sequence[TrialCourse], joint: int) -> "Figure":
         joint: Number of the joint.
     """
     rows = ceil(len(courses) / ACROSS)
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 0.3 + 1.3 * rows)
         panels = figure.subplots(rows, min(ACROSS, len(courses)), squeeze=False, sharex=True, sharey=True)
         for axes, course in zip(panels.flat, courses, strict=False):

@@ -32,7 +32,7 @@ def draw_summary(rows: Iterable[Row]) -> "Figure":
     """
     told = [row for row in rows if row["role"] in SHIFTS]
     labels = list(dict.fromkeys(row["label"] for row in told))
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 0.9 + 0.27 * len(labels))
         panels = figure.subplots(1, len(PANELS), sharey=True)
         for axes, (name, factor, title) in zip(panels, PANELS, strict=True):

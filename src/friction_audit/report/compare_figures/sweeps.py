@@ -33,7 +33,7 @@ def draw_sweeps(sweeps: Iterable[Sweep], none_w: float) -> "Figure":
     told = list(sweeps)
     methods = list(dict.fromkeys(sweep["method"] for sweep in told))
     across = min(ACROSS, len(methods))
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 0.2 + 1.5 * ceil(len(methods) / across))
         panels = figure.subplots(ceil(len(methods) / across), across, squeeze=False, sharey=True)
         for axes, method in zip(panels.flat, methods, strict=False):

@@ -96,13 +96,15 @@ def cycle_handles(all_series: Sequence[JointSeries]) -> "list[Artist]":
     return handles
 
 
-def add_legend(figure: "Figure", handles: "Sequence[Artist]") -> None:
-    """Write one legend above all panels, as wide as the figure allows."""
+def add_legend(figure: "Figure", handles: "Sequence[Artist]", *, formula: str | None = None) -> None:
+    """Write one legend above all panels, as wide as the figure allows; the label that is a formula as one."""
     if not handles:
         return
-    longest = max(len(str(handle.get_label())) for handle in handles if "$" not in str(handle.get_label()))
+    longest = max(len(str(handle.get_label())) for handle in handles if handle.get_label() != formula)
     columns = (2 if longest <= LONGEST_LABEL else 1) if is_narrow(figure) else 6
-    figure.legend(handles=list(handles), loc="outside upper center", ncols=columns)
+    legend = figure.legend(handles=list(handles), loc="outside upper center", ncols=columns)
+    for text in legend.get_texts():
+        text.set_parse_math(text.get_text() == formula)
 
 
 def is_narrow(figure: "Figure | None") -> bool:

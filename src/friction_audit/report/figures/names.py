@@ -4,8 +4,8 @@ from friction_audit.report.estimate_table import joint_label
 
 
 def joint_title(joint: int, name: str) -> str:
-    """Return what a panel of a figure calls a joint; a dollar sign in its name begins no mathematics."""
-    return f"joint {printable(joint_label(joint, name))}".replace("$", r"\$")
+    """Return what a panel of a figure calls a joint."""
+    return f"joint {printable(joint_label(joint, name))}"
 
 
 def printable(name: str) -> str:

@@ -27,6 +27,6 @@ def figure_bytes(figure: "Figure", kind: str) -> bytes:
         kind: One of FORMATS.
     """
     content = io.BytesIO()
-    with figure_style():
+    with figure_style(mathematics=True):  # of axes that draw their numbers only now
         figure.savefig(content, format=kind, metadata=UNDATED[kind])
     return content.getvalue()

@@ -50,14 +50,19 @@ RC: dict[str, Any] = {
 
 
 @contextmanager
-def figure_style() -> Iterator[None]:
-    """Use the figures' style inside the block; a letter that its font lacks is a box, or the reader's own in a page."""
+def figure_style(*, mathematics: bool = False) -> Iterator[None]:
+    """Use the figures' style inside the block; a letter that its font lacks is a box, or the reader's own in a page.
+
+    Args:
+        mathematics: Whether words between dollar signs are formulas, where no word comes from a log.
+    """
     import warnings
 
     from matplotlib import rc_context, rcParamsDefault
 
     # The user's own matplotlibrc must not change what a result looks like.
     settings: Any = {name: value for name, value in rcParamsDefault.items() if name != "backend"} | RC
+    settings["text.parse_math"] = mathematics
     with rc_context(settings), warnings.catch_warnings():
         # Names of joints may be in any script; there is nothing that the user could do about the font.
         warnings.filterwarnings("ignore", message="Glyph .* missing from font")

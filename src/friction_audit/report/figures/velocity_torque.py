@@ -51,7 +51,8 @@ def draw_velocity_torque(estimate: Estimate, joint: int | None) -> "Figure":
         series = joint_series(estimate, joint)
         figure = new_figure(COLUMN_IN, 2.9)
         handles = _draw_panel(figure.subplots(), series, characters=40)
-        add_legend(figure, handles)
+        shown = None if series.not_determined else fitted_label(series.friction, centre_nm(series))
+        add_legend(figure, handles, formula=shown)
         figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
         figure.supylabel(_torque_label(series), fontsize=7.5)
         return figure

@@ -286,14 +286,9 @@ def _figure(kind: LogFigure, part: LogReport, title: str, draw: Draw) -> Figure:
 
 
 def _make_small(drawing: "Drawing") -> None:
-    """Let clouds of dots be images and all else lines in the page's colours; a dollar sign is a dollar sign."""
+    """Let clouds of dots be images and all else lines in the page's colours."""
     from matplotlib.lines import Line2D
-    from matplotlib.text import Text
 
-    for text in drawing.findobj(Text):
-        # Sentences hold what they will; titles escape the sign, which is of use only where mathematics is read.
-        text.set_parse_math(False)
-        text.set_text(text.get_text().replace(r"\$", "$"))
     for line in drawing.findobj(Line2D):
         cloud = line.get_linestyle() == "None" and len(np.atleast_1d(line.get_xdata())) > CLOUD
         line.set_rasterized(cloud)

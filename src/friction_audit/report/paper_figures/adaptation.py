@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
     """Draw the net energy and the coefficient beside the true one, shape (n,). [N m s/rad]"""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 3.0)
         above, below = figure.subplots(2, 1, sharex=True)
         handles = draw_energy(above, course, "(a)")

@@ -21,7 +21,7 @@ def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Fig
         kinetic_j: Its kinetic energy E_s, shape (n,). [J]
         dissipated_j: What friction dissipated, shape (n,). [J]
     """
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 2.4)
         axes = figure.subplots()
         handles = draw_energy(axes, course, "")

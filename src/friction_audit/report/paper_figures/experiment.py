@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def draw_uncompensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and the torque over the velocity."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 5.6)
         panels = figure.subplots(4, 1, height_ratios=(1, 1, 1.2, 2))
         handles = _draw_signals(panels[0], panels[1], course) + draw_energy(panels[2], course, "(b)")
@@ -34,7 +34,7 @@ def draw_uncompensated(course: Course) -> "Figure":
 
 def draw_compensated(course: Course) -> "Figure":
     """Draw velocity and torque, the net energy, and both coefficients."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 5.2)
         panels = figure.subplots(5, 1)
         handles = _draw_signals(panels[0], panels[1], course) + draw_energy(panels[2], course, "(b)")
@@ -50,7 +50,7 @@ def draw_compensated(course: Course) -> "Figure":
 
 def draw_compensated_loop(course: Course, without: Course) -> "Figure":
     """Draw the torque over the velocity, on the axes of the joint that nobody compensates."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 2.5)
         axes = figure.subplots()
         handles = draw_loop(axes, course, "")

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
     """Draw the net energy without and with the passivity controller, and its damping."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 3.9)
         top, middle, bottom = figure.subplots(3, 1, sharex=True)
         handles = draw_energy(top, bare, "(a) without passivity controller")

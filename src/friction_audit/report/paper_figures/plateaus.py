@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 def draw_plateaus(raw: Course, aided: Course) -> "Figure":
     """Draw both curves, dashed and solid as in the paper."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 2.5)
         axes = figure.subplots()
         axes.axhline(0.0, color=MUTED, lw=0.4)

@@ -21,7 +21,7 @@ ROW_IN = 0.92
 
 def draw_whole_arm(courses: Sequence[Course]) -> "Figure":
     """Draw a row for every joint: velocity and torque, net energy, both coefficients."""
-    with figure_style():
+    with figure_style(mathematics=True):
         figure = new_figure(SHEET_IN, 0.9 + ROW_IN * len(courses))
         panels = figure.subplots(len(courses), 3, squeeze=False, sharex=True)
         for number, (row, course) in enumerate(zip(panels, courses, strict=True), start=1):
