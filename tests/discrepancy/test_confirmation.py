@@ -33,6 +33,12 @@ def test_an_effect_of_all_cycles_is_confirmed_and_a_needless_one_is_not() -> Non
     assert needless > 0.05
 
 
+def test_a_curve_that_is_hardly_bent_is_confirmed_by_its_bend() -> None:
+    ground = ground_of(0.05 * np.cos(3 * CLEAN.data.q))
+    hardly_bent = WAVE + 1e5 * CLEAN.base[:, [1]]
+    assert confirm(ground, [hardly_bent], np.random.default_rng(0)).p_value <= 0.002
+
+
 def test_size_and_gain_are_those_of_the_locked_cycles() -> None:
     locked = np.isin(CLEAN.data.cycle, CLEAN.rows.cycle[CLEAN.locked])
     ground = ground_of(0.05 * np.cos(3 * CLEAN.data.q) * np.where(locked, 0.5, 1.0))

@@ -133,9 +133,14 @@ def _factors(ground: Ground, which: NDArray[np.bool_], effects: Sequence[Float])
 
 
 def _torques(ground: Ground, effects: Sequence[Float]) -> Float:
-    """Torque of each effect as fitted on the working rows, shape (m, effects)."""
-    factors = _factors(ground, ground.working, effects)
-    return np.asarray(np.column_stack([e @ f for e, f in zip(effects, factors, strict=True)]), np.float64)
+    """Torque of each effect as fitted on the working rows, free of the declared model there, shape (m, effects).
+
+    A curve that is hardly bent is nearly the line of viscous friction, times a large factor: what is left of it would
+    pass for rounding.
+    """
+    factors, w = _factors(ground, ground.working, effects), ground.working
+    torques = [e @ f for e, f in zip(effects, factors, strict=True)]
+    return np.column_stack([t - ground.base @ least_squares(ground.base[w], t[w]) for t in torques])
 
 
 def _one_sided(
