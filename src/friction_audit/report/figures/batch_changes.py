@@ -11,7 +11,6 @@ from friction_audit.report.figures.batch_look import (
     ESTIMATE,
     LEFT_OUT,
     OUTSIDE,
-    batch_style,
     chosen_joints,
     coefficient_title,
     in_order,
@@ -20,7 +19,7 @@ from friction_audit.report.figures.batch_look import (
     of_coefficient,
 )
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
-from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, MUTED, SHEET_IN
+from friction_audit.report.figures.style import COLUMN_IN, DISSIPATED, MUTED, SHEET_IN, figure_style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -45,7 +44,7 @@ ROOM = 1.15
 
 def draw_changes(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint on a sheet, a line for each; Coulomb beside viscous."""
-    with batch_style():
+    with figure_style():
         joints = chosen_joints(arm, joint)
         height = HEAD_IN + max(ROW_IN * len(joints), LEAST_IN)
         figure = new_figure(SHEET_IN if joint is None else COLUMN_IN, height)

@@ -13,7 +13,6 @@ from friction_audit.report.figures.batch_look import (
     FIRST,
     LAST,
     REFERENCE,
-    batch_style,
     chosen_joints,
     in_order,
     joint_name,
@@ -21,6 +20,7 @@ from friction_audit.report.figures.batch_look import (
 )
 from friction_audit.report.figures.diagnose_look import draw_grid
 from friction_audit.report.figures.layout import add_legend, label_panel, say_in_panel
+from friction_audit.report.figures.style import figure_style
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -45,7 +45,7 @@ class Mean(NamedTuple):
 
 def draw_curves(arm: ArmDrift, joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint on a sheet."""
-    with batch_style():
+    with figure_style():
         joints = chosen_joints(arm, joint)
         sheet = joint is None
 

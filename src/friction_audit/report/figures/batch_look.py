@@ -1,8 +1,7 @@
 """What the figures of a batch share: their style, which joints, the axis of sessions, colours."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
@@ -41,15 +40,6 @@ MOST_TICKS = 6
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 LONGEST_NAME = 16
 """Characters of a name that a panel has room for."""
-
-
-@contextmanager
-def batch_style() -> Iterator[None]:
-    """Use the figures' style inside the block; a dollar sign in a name is a dollar sign."""
-    from matplotlib import rc_context
-
-    with figure_style(), rc_context({"text.parse_math": False}):
-        yield
 
 
 def chosen_joints(arm: ArmDrift, joint: int | None) -> tuple[JointDrift, ...]:
@@ -167,7 +157,7 @@ def shade_reference(axes: "Axes", places: Sequence[float]) -> None:
 
 def draw_pairs(arm: ArmDrift, joint: int | None, draw_panel: DrawPanel, legend: Sequence[str]) -> "Figure":
     """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
-    with batch_style():
+    with figure_style():
         joints = chosen_joints(arm, joint)
         figure, pairs = new_pairs(len(joints), sheet=joint is None)
         handles: list[Artist] = []
