@@ -101,10 +101,15 @@ def find_names(
 def _within(
     library: Library, ranking: Ranking, outcome: Search, namings: Sequence[Naming], same: Mapping[str, Sequence[str]]
 ) -> Iterator[tuple[str, tuple[Found, int]]]:
-    """The name of each effect that holds another which alone gives most of its torque, with that one and its unit."""
+    """The name of each effect with an alternative that it holds or that has fewer numbers, with that one and its unit.
+
+    What working cycles made of four waves of a drift may mislead where an offset alone would not.
+    """
     units = [chosen.unit for chosen in outcome.chosen]
+    numbers = [len(unit.columns) + unit.numbers for unit in ranking.products.units]
     for k, naming in enumerate(namings):
-        rival = next((r for r in naming.rivals if r.held and r.correlation > ALIKE), None)
+        alike = (r for r in naming.rivals if r.name in naming.alternatives and r.correlation > ALIKE)
+        rival = next((r for r in alike if r.held or numbers[r.unit] < numbers[units[k]]), None)
         if rival is None or any(rival.name == chosen.name for chosen in outcome.chosen):
             continue
         swapped = ranking.result([*units[:k], rival.unit, *units[k + 1 :]])
@@ -260,7 +265,7 @@ def _accept(
 ) -> tuple[Found, ...]:
     """Drop, the weakest first, what does not hold on the locked cycles, cannot be or is small beside the others.
 
-    An effect gives way to what it holds within it, if that gives most of its torque.
+    An effect gives way to an alternative that it holds within it or that has fewer numbers.
     """
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
