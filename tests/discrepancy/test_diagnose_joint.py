@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.data_audit import DataFinding
-from friction_audit.discrepancy.diagnose_joint import FEWEST_CYCLES, Subject, anything_taken, diagnose_joint
+from friction_audit.discrepancy.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.naming import search_library
 from friction_audit.discrepancy.result import JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient
@@ -98,7 +99,8 @@ def test_what_comes_late_is_taken_by_what_the_rows_are_worth_and_noise_is_not() 
     taken = []
     for data in (late.data, subject().data):
         ground = make_ground(data, None, 0)
-        taken.append(anything_taken(ground, build_library([STEP, SQUARE], data, ground.baseline(), ground.rows)))
+        library = build_library([STEP, SQUARE], data, ground.baseline(), ground.rows)
+        taken.append(bool(search_library(ground, library)[1].chosen))
     assert taken == [True, False]
 
 

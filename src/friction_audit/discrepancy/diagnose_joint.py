@@ -17,7 +17,7 @@ from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import Library, build_library
+from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.naming import Names, find_names, search_library, with_moments_of_all_cycles, worth
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
@@ -131,8 +131,11 @@ def _judge(
     names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
     first = _test(ground, names, rng)
     library = with_scanned_orders(ground, names.library)
-    if library.entries and (first.p_value <= settings.alpha or anything_taken(ground, library)):
-        names = find_names(ground, candidates, library, settings.alpha, rng)
+    searched = search_library(ground, library)
+    # What happens in a few cycles only, as a late step or a slow drift, may be plain and yet not significant with
+    # random signs per cycle.
+    if library.entries and (first.p_value <= settings.alpha or searched[1].chosen):
+        names = find_names(ground, candidates, library, settings.alpha, rng, searched)
     if (on_time := put_on_time(ground, names)) is not None:
         subject = replace(subject, data=on_time.data, findings=(*subject.findings, on_time.finding))
         return _judge(subject, make_ground(on_time.data, subject.model, settings.seed), candidates, settings)
@@ -140,16 +143,6 @@ def _judge(
         names, events = ringing.names, (ringing.effect,)
     last = _test(ground, names, rng) if names.found else first
     return _told(subject, ground, names, events, (first, last), settings.alpha)
-
-
-def anything_taken(ground: Ground, library: Library) -> bool:
-    """Whether a search takes anything, by what the rows are worth.
-
-    What happens in a few cycles only, as a late step or a slow drift, may be plain and yet not significant with random
-    signs per cycle.
-    """
-    _, outcome, _ = search_library(ground, library)
-    return bool(outcome.chosen)
 
 
 def _told(

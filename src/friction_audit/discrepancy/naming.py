@@ -29,6 +29,10 @@ LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
 
 
+Searched = tuple[CrossProducts, Search, float]
+"""Products of a library, what a search took of it, and what the rows are worth."""
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Found:
     """An effect that a search found.
@@ -64,7 +68,12 @@ class Names:
 
 
 def find_names(
-    ground: Ground, candidates: Sequence[Candidate], library: Library, alpha: float, rng: np.random.Generator
+    ground: Ground,
+    candidates: Sequence[Candidate],
+    library: Library,
+    alpha: float,
+    rng: np.random.Generator,
+    searched: Searched | None = None,
 ) -> Names:
     """Search, refine what was found and what comes near it, search again with these shapes, and accept.
 
@@ -77,13 +86,14 @@ def find_names(
         library: Those that the log can show, built on the declared model alone.
         alpha: Family-wise error on the locked cycles.
         rng: Source of randomness.
+        searched: What a search of this library found, None where there was none.
     """
-    products, outcome, n_eff = search_library(ground, library)
+    products, outcome, n_eff = searched or search_library(ground, library)
     baseline = ground.baseline(*_columns(library, outcome))
     library = rebuild_library(library, ground.data, baseline, ground.rows)
     library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff))
     library = with_scanned_orders(ground, library, *_columns(library, outcome)) if outcome.chosen else library
-    products, outcome, n_eff = search_library(ground, library)
+    products, outcome, n_eff = search_library(ground, library, products)
     everything, worth_of_all = _on_all_cycles(ground, library, products, outcome, n_eff)
     outcome = preferred(everything, outcome, worth_of_all)
     baseline = ground.baseline(*_columns(library, outcome))
@@ -148,11 +158,16 @@ def worth(ground: Ground, *effects: Float) -> float:
     return float(ground.working.sum()) / ground.memory(*effects)
 
 
-def search_library(ground: Ground, library: Library) -> tuple[CrossProducts, Search, float]:
-    """Search on the working cycles until what they are worth is settled; products, outcome and that number."""
-    w = ground.working
-    groups = [replace(entry.group.keep(w), numbers=_numbers(entry.shapes)) for entry in library.entries]
-    products = cross_products(ground.y[w], ground.base[w], groups)
+def search_library(ground: Ground, library: Library, earlier: CrossProducts | None = None) -> Searched:
+    """Search on the working cycles until what they are worth is settled; products, outcome and that number.
+
+    Args:
+        ground: The joint.
+        library: What is looked for.
+        earlier: Products of an earlier search on the same cycles.
+    """
+    groups = [replace(entry.group, numbers=_numbers(entry.shapes)) for entry in library.entries]
+    products = cross_products(ground.y, ground.base, groups, ground.working, earlier)
     n_eff = worth(ground)
     outcome = search(products, n_eff)
     for _ in range(MOST_ROUNDS):

@@ -9,7 +9,7 @@ References:
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -104,6 +104,7 @@ class CrossProducts:
     Attributes:
         gram: Shape (k, k).
         scale: Root mean square of each column, shape (k,).
+        columns: Response, base and candidates that they are of, shape (n, p) each.
         base: Number of base columns.
         names: Names of the candidates.
         units: All candidates with all their shapes.
@@ -113,6 +114,7 @@ class CrossProducts:
 
     gram: Float
     scale: Float
+    columns: tuple[Float, ...]
     base: int
     names: tuple[str, ...]
     units: tuple[Unit, ...]
@@ -157,20 +159,29 @@ class Search:
     rss: float
 
 
-def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProducts:
+def cross_products(
+    y: Float,
+    base: Float,
+    groups: Sequence[Group],
+    kept: NDArray[np.bool_] | None = None,
+    earlier: CrossProducts | None = None,
+) -> CrossProducts:
     """Reads the samples once.
 
     Args:
         y: Response, shape (n,).
         base: Columns that are always in the model, shape (n, b).
         groups: Candidates.
+        kept: Samples that count, all if None, shape (n,).
+        earlier: Products on the same samples; those of two of its columns are not computed again.
 
     Raises:
         AnalysisError: A value is not finite.
     """
     columns, units = _columns(y, base, groups)
-    gram = _gram(columns)
-    scale = np.sqrt(np.diag(gram) / len(y))
+    rows = np.arange(len(y)) if kept is None else np.flatnonzero(kept)
+    gram = _gram(columns, rows, earlier)
+    scale = np.sqrt(np.diag(gram) / len(rows))
     if not np.all(np.isfinite(scale)):
         raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
     scale[scale == 0.0] = 1.0
@@ -179,6 +190,7 @@ def cross_products(y: Float, base: Float, groups: Sequence[Group]) -> CrossProdu
     return CrossProducts(
         gram=gram,
         scale=scale,
+        columns=tuple(columns),
         base=base.shape[1],
         names=tuple(group.name for group in groups),
         units=units,
@@ -442,11 +454,11 @@ class Ranking:
 
 
 def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float], tuple[Unit, ...]]:
-    """All columns, shape (p, n) each, and where each unit's are."""
-    columns, units, start = [y[None], base.T], [], 1 + base.shape[1]
+    """All columns, shape (n, p) each or (n,), and where each unit's are."""
+    columns, units, start = [y, base], [], 1 + base.shape[1]
     for g, group in enumerate(groups):
         for s, shape in enumerate(group.shapes):
-            columns.append(shape.T)
+            columns.append(shape)
             columns_of_shape = np.arange(start, start + shape.shape[1])
             numbers = group.numbers[s] if group.numbers else 0
             tried = group.tried[s] if group.tried else 0.0
@@ -455,15 +467,58 @@ def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float
     return columns, tuple(units)
 
 
-def _gram(columns: Sequence[Float]) -> Float:
-    """Cross products of columns, shape (k, k), some samples at a time: all of them stacked would not fit a cache."""
-    every = sum(len(one) for one in columns)
-    gram = np.zeros((every, every))
-    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
-        for first in range(0, columns[0].shape[1], SAMPLES_AT_A_TIME):
-            block = np.concatenate([one[:, first : first + SAMPLES_AT_A_TIME] for one in columns], dtype=float)
-            gram += block @ block.T
+def _gram(columns: Sequence[Float], rows: Index, earlier: CrossProducts | None) -> Float:
+    """Cross products of columns on some rows, shape (k, k)."""
+    known = {} if earlier is None else _known(earlier.columns)
+    own = _places(columns)
+    old = [k for k, column in enumerate(columns) if id(column) in known]
+    new = [k for k, column in enumerate(columns) if id(column) not in known]
+    gram = np.zeros((sum(map(len, own)),) * 2)
+    if earlier is not None and old:
+        here = np.concatenate([own[k] for k in old])
+        there = np.concatenate([known[id(columns[k])] for k in old])
+        scale = earlier.scale[there]
+        gram[np.ix_(here, here)] = earlier.gram[np.ix_(there, there)] * (scale[:, None] * scale)
+    if new:
+        every = np.concatenate([own[k] for k in (*new, *old)])
+        added = _added([columns[k] for k in new], [columns[k] for k in old], rows)
+        gram[np.ix_(every[: len(added)], every)] = added
+        gram[np.ix_(every, every[: len(added)])] = added.T
     return gram
+
+
+def _added(new: Sequence[Float], old: Sequence[Float], rows: Index) -> Float:
+    """Products of new columns with all, the new ones first; some rows at a time: all would not fit a cache."""
+    many = sum(map(_width, new))
+    added = np.zeros((many, many + sum(map(_width, old))))
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
+        for first in range(0, len(rows), SAMPLES_AT_A_TIME):
+            some = rows[first : first + SAMPLES_AT_A_TIME]
+            block = _block(new, some)
+            added[:, :many] += block @ block.T
+            if old:
+                added[:, many:] += block @ _block(old, some).T
+    return added
+
+
+def _block(columns: Sequence[Float], rows: Index) -> Float:
+    """Some rows of columns, one below the other, shape (k, m)."""
+    return np.concatenate([column.T.take(rows, axis=-1).reshape(-1, len(rows)) for column in columns], dtype=float)
+
+
+def _places(columns: Sequence[Float]) -> list[Index]:
+    """Where each array has its columns among those of all."""
+    ends = np.cumsum([0, *map(_width, columns)]).tolist()
+    return [np.arange(i, j) for i, j in pairwise(ends)]
+
+
+def _known(columns: Sequence[Float]) -> dict[int, Index]:
+    """The same by the identity of each array."""
+    return {id(column): places for column, places in zip(columns, _places(columns), strict=True)}
+
+
+def _width(column: Float) -> int:
+    return 1 if column.ndim == 1 else int(column.shape[1])
 
 
 def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:
