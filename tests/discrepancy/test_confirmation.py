@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import binom
+from scipy.stats import binom, norm
 from statsmodels.stats.multitest import multipletests
 
+from friction_audit.discrepancy import confirmation
 from friction_audit.discrepancy.confirmation import Confirmed, confirm, holm, rms_gain
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.joint_log import Float
@@ -91,6 +92,7 @@ def test_locked_cycles_prove_or_all_pay(
         gain_of_all=one[4],
         factors=(np.ones(1),),
         again=one[5],
+        doubt=one[0],
         cost=np.zeros(1),
     )
     assert proof.proven(0.05).tolist() == [proven]
@@ -106,6 +108,36 @@ def test_evidence_counts_all_cycles_beside_the_other_effects() -> None:
     assert proof.evidence[0] == pytest.approx(n_eff * np.log(left[0] / left[1]))
     assert proof.gain_of_all[0] == pytest.approx(1.0 - np.sqrt(left[1] / left[0]))
     assert np.concatenate(proof.factors) == pytest.approx(fits[1][0][-2:])
+
+
+def rare(ground: Ground, cycles: int, *, locked: bool) -> tuple[Float, Float]:
+    """The wave in a few cycles only, on the rows, shape (m, 1), and on the fine grid, shape (n,)."""
+    kind = ground.locked if locked else ground.working
+    chosen = np.unique(ground.rows.cycle[kind])[-cycles:]
+    return WAVE * np.isin(ground.rows.cycle, chosen)[:, None], np.isin(ground.data.cycle, chosen).astype(float)
+
+
+def test_of_what_no_locked_cycle_holds_each_cycle_is_predicted_from_the_others() -> None:
+    columns, there = rare(CLEAN, 5, locked=False)
+    ground = ground_of(0.05 * np.cos(3 * CLEAN.data.q) * there)
+    proof = confirm(ground, [columns], np.random.default_rng(0))
+    assert proof.p_value == pytest.approx([1.0])
+    assert proof.again == pytest.approx([1.0], abs=0.2)
+    assert proof.shown(np.array([20.0])).tolist() == [True]
+    assert proof.size[0] > 0.005
+    # In one cycle only it follows from no other one.
+    alone, there = rare(CLEAN, 1, locked=False)
+    once = confirm(ground_of(0.2 * np.cos(3 * CLEAN.data.q) * there), [alone], np.random.default_rng(0))
+    assert once.evidence[0] > 20.0
+    assert once.shown(np.array([20.0])).tolist() == [False]
+
+
+def test_of_what_few_locked_cycles_hold_the_rows_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(confirmation, "FEWEST_LIVELY", np.inf)
+    ground = ground_of(0.01 * np.cos(3 * CLEAN.data.q))
+    proof = confirm(ground, [WAVE], np.random.default_rng(0))
+    told = -2.0 * float(ground.locked.sum()) / ground.memory(WAVE) * np.log(1.0 - proof.gain)
+    assert proof.doubt == pytest.approx(norm.sf(np.sqrt(told)))
 
 
 def test_noise_is_confirmed_no_more_often_than_allowed() -> None:

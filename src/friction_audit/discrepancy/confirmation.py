@@ -19,6 +19,10 @@ AGREES = 0.2
 n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten."""
 
 HALF = 0.5
+LEAST_HEARD = 1.0
+"""n_eff rho^2 that locked cycles must hold of an effect to say anything of it: of a late step they may hold nothing."""
+FEWEST_LIVELY = 5.0
+"""Clusters of locked cycles that hold an effect, counted evenly. Signs of fewer agree by chance: rows are counted."""
 WORSE_BY_CHANCE = 3.84
 """What the torque that was predicted may cost on the locked cycles, as n_eff ln(RSS with / RSS without): the 95 %
 quantile of chi squared. An effect at the limit of detection costs more one time in twenty."""
@@ -36,6 +40,8 @@ class Confirmed:
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
         again: Factor of the torque that the working cycles predict, fitted on the locked ones, shape (k,).
+        doubt: p-value of what may object to it, shape (k,): of the locked cycles; by what their rows are worth where
+            few of them hold it; of all cycles, each predicted from the others, where no locked one holds it.
         cost: n_eff ln(RSS with / RSS without) on the locked cycles, both models as the working ones fitted them: below
             zero where the prediction helps, shape (k,).
     """
@@ -47,6 +53,7 @@ class Confirmed:
     gain_of_all: Float
     factors: tuple[Float, ...]
     again: Float
+    doubt: Float
     cost: Float
 
     @property
@@ -70,7 +77,7 @@ class Confirmed:
         Args:
             price: What evidence for each may be by chance, all that was tried counted, shape (k,).
         """
-        agrees = (self.p_value <= AGREES) & (self.again > HALF)
+        agrees = (self.doubt <= AGREES) & (self.again > HALF)
         return np.asarray(agrees & (self.evidence > price) & (self.gain_of_all >= LEAST_GAIN))
 
 
@@ -88,22 +95,36 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         effects: Columns of each effect on the rows, shape (m, p) each.
         rng: Source of randomness.
     """
+    from scipy.special import ndtr
+
     torques, locked, every = _torques(ground, effects), ground.locked, np.ones_like(ground.working)
     clusters = ground.clusters(locked, *effects)
     again = _factors(ground, locked, [torques[:, [k]] for k in range(len(effects))])
-    p = [_one_sided(ground, torques, k, clusters, rng, float(f[0])) for k, f in enumerate(again)]
+    p = np.array([_one_sided(ground, torques, k, clusters, rng, float(f[0])) for k, f in enumerate(again)])
     after = _left(ground, locked, torques)
     before = np.array([_left(ground, locked, np.delete(torques, k, axis=1)) for k in range(len(effects))])
+    size = np.sqrt(np.maximum(before - after, 0.0) / locked.sum())
     with_all, least = _left(ground, every, *effects), np.finfo(float).tiny
     without = np.array([_left(ground, every, *effects[:k], *effects[k + 1 :]) for k in range(len(effects))])
+    doubt, factor = p.copy(), np.concatenate(again)
+    worth = len(ground.y) / ground.memory(*effects)
+    for k in range(len(effects)):
+        heard, lively = _heard(ground, torques, k, clusters)
+        told = worth * locked.mean() * np.log(max(before[k], least) / max(after, least))
+        if worth * heard < LEAST_HEARD * len(ground.y) * max(after, least) / locked.sum():
+            doubt[k], factor[k] = _of_others(ground, effects, k, rng)
+            size[k] = np.sqrt(max(without[k] - with_all, 0.0) / len(ground.y))
+        elif lively < FEWEST_LIVELY and factor[k] > 0.0:
+            doubt[k] = ndtr(-np.sqrt(max(told, 0.0)))
     return Confirmed(
-        p_value=holm(np.array(p)),
+        p_value=holm(p),
         gain=np.array([rms_gain(one, after) for one in before]),
-        size=np.sqrt(np.maximum(before - after, 0.0) / locked.sum()),
-        evidence=len(ground.y) / ground.memory(*effects) * np.log(np.maximum(without, least) / max(with_all, least)),
+        size=size,
+        evidence=worth * np.log(np.maximum(without, least) / max(with_all, least)),
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
-        again=np.concatenate(again),
+        again=factor,
+        doubt=holm(doubt),
         cost=_cost(ground, effects),
     )
 
@@ -117,6 +138,34 @@ def _cost(ground: Ground, effects: Sequence[Float]) -> Float:
         for some in (effects, *([*effects[:k], *effects[k + 1 :]] for k in range(len(effects))))
     ]
     return worth * np.log(left[0] / np.array(left[1:]))
+
+
+def _heard(ground: Ground, torques: Float, k: int, clusters: Clusters) -> tuple[float, float]:
+    """Sum of squares of a torque on the locked rows, free of all else, and how many clusters hold it, if evenly."""
+    rest = np.hstack([ground.base, np.delete(torques, k, axis=1)])[ground.locked]
+    torque = torques[ground.locked, k]
+    free = torque - rest @ least_squares(rest, torque)
+    _, place = np.unique(clusters.number, return_inverse=True)
+    shares = np.bincount(place, weights=free**2)
+    return float(shares.sum()), float(shares.sum() ** 2 / max(np.sum(shares**2), np.finfo(float).tiny))
+
+
+def _of_others(ground: Ground, effects: Sequence[Float], k: int, rng: np.random.Generator) -> tuple[float, float]:
+    """One-sided p-value and factor over all cycles of the torque that the other cycles predict for each."""
+    columns, every = np.hstack([ground.base, *effects]), np.ones_like(ground.working)
+    first = ground.base.shape[1] + sum(effect.shape[1] for effect in effects[:k])
+    own = slice(first, first + effects[k].shape[1])
+    predicted = np.zeros(len(ground.y))
+    for cycle in np.unique(ground.rows.cycle[np.any(effects[k] != 0.0, axis=1)]):
+        out = ground.rows.cycle == cycle
+        factors = least_squares(columns[~out], ground.y[~out])
+        predicted[out] = columns[out, own] @ factors[own]
+    others = np.delete(columns, np.arange(own.start, own.stop), axis=1)
+    factor = float(least_squares(np.column_stack([others, predicted]), ground.y)[-1])
+    group = Group(name="effect", shapes=(predicted[:, None],))
+    clusters = ground.clusters(every, *effects)
+    p = omnibus_test(ground.y, others, [group], clusters.number, rng, remember=clusters.remember).p_value
+    return (p / 2.0 if factor > 0.0 else 1.0), factor
 
 
 def _left(ground: Ground, which: NDArray[np.bool_], *effects: Float) -> float:
