@@ -43,7 +43,7 @@ def test_coefficients_and_reasons_are_those_of_the_estimate() -> None:
     assert found[0].coefficients["viscous_nms_per_rad"] == seven.friction.joints[0].viscous
     assert [one.reason != "" for one in found] == [False, False, True, False, False, False, False]
     assert np.isnan(found[2].coefficients["coulomb_nm"].value)
-    assert (found[2].curve.speed_rad_s, found[0].verdict, found[0].effects) == ((), None, ())
+    assert (len(found[2].curve.speed_rad_s), found[0].verdict, found[0].effects) == (0, None, ())
     assert np.isnan(found[2].speed_rad_s).all()
 
 
@@ -81,14 +81,14 @@ def test_bins_hold_means_and_spreads() -> None:
     velocity = np.repeat([-1.0, 1.0], 100)
     torque = np.where(velocity > 0, 0.5, -0.3) + np.tile([0.1, -0.1], 100)
     curve = bin_torque(velocity, torque)
-    assert curve.speed_rad_s == (-1.0, 1.0)
+    assert list(curve.speed_rad_s) == [-1.0, 1.0]
     assert curve.torque_nm == pytest.approx((-0.3, 0.5))
     assert curve.spread_nm == pytest.approx((0.1, 0.1))
 
 
 @pytest.mark.parametrize("samples", [0, 5])
 def test_too_few_samples_make_no_curve(samples: int) -> None:
-    assert bin_torque(np.ones(samples), np.ones(samples)).speed_rad_s == ()
+    assert not bin_torque(np.ones(samples), np.ones(samples)).speed_rad_s
 
 
 def test_one_speed_is_one_bin() -> None:

@@ -131,14 +131,18 @@ def _list_text(items: Sequence[str]) -> str:
 
 
 def _curve_text(curve: SpeedCurve) -> str:
-    columns = {"speed_rad_s": curve.speed_rad_s, "torque_nm": curve.torque_nm, "spread_nm": curve.spread_nm}
+    columns = {
+        "speed_rad_s": list(curve.speed_rad_s),
+        "torque_nm": list(curve.torque_nm),
+        "spread_nm": list(curve.spread_nm),
+    }
     return json.dumps(columns, separators=(",", ":"))
 
 
 def _curve_from(text: str) -> SpeedCurve:
     columns = json.loads(text)
     return SpeedCurve(
-        speed_rad_s=tuple(columns["speed_rad_s"]),
-        torque_nm=tuple(columns["torque_nm"]),
-        spread_nm=tuple(columns["spread_nm"]),
+        speed_rad_s=columns["speed_rad_s"],
+        torque_nm=columns["torque_nm"],
+        spread_nm=columns["spread_nm"],
     )

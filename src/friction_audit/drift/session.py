@@ -1,16 +1,17 @@
 """Session: what one recording says of the friction of one arm, small enough to keep for ever."""
 
-from collections.abc import Mapping
+from array import array
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from friction_audit.friction.history import Coefficient
 
-Numbers = tuple[float, ...]
+Numbers = Sequence[float]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SpeedCurve:
-    """Torque against speed, the mean in bins of speed.
+    """Torque against speed, the mean in bins of speed; kept as arrays, for a batch holds thousands of curves.
 
     Attributes:
         speed_rad_s: Mean speed in each bin, rising, both directions. [rad/s]
@@ -21,6 +22,11 @@ class SpeedCurve:
     speed_rad_s: Numbers = ()
     torque_nm: Numbers = ()
     spread_nm: Numbers = ()
+
+    def __post_init__(self) -> None:
+        """Keep eight bytes a number."""
+        for name in ("speed_rad_s", "torque_nm", "spread_nm"):
+            object.__setattr__(self, name, array("d", getattr(self, name)))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

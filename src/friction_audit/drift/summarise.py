@@ -110,9 +110,9 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
     spread = np.sqrt(_mean_in_bins(place, (torque - mean[place]) ** 2, count))
     speed = _mean_in_bins(place, velocity, count)
     return SpeedCurve(
-        speed_rad_s=tuple(speed[kept].tolist()),
-        torque_nm=tuple(mean[kept].tolist()),
-        spread_nm=tuple(spread[kept].tolist()),
+        speed_rad_s=speed[kept].tolist(),
+        torque_nm=mean[kept].tolist(),
+        spread_nm=spread[kept].tolist(),
     )
 
 
