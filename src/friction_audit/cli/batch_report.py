@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from threading import Thread
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -254,11 +255,14 @@ def _catch_up(
 ) -> "Standing":
     """Work on what is new, watched; stopped by the user, say how far it came."""
     from friction_audit.batch.run_batch import catch_up
+    from friction_audit.drift.load import load
 
     last: list[Progress] = []
 
     def watch(progress: "Progress") -> None:
         last[:] = [progress]
+        if progress.done == 1 < progress.total:
+            Thread(target=load, name="load", daemon=True).start()  # there is time while others read logs
         if count is not None:
             count(progress.done, progress.total, progress.failed)
 
