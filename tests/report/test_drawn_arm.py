@@ -1,0 +1,48 @@
+"""A figure of an arm without what it does not show is the same figure."""
+
+import pickle
+from dataclasses import replace
+
+import pytest
+
+from friction_audit.drift.report import ArmDrift
+from friction_audit.drift.session import SpeedCurve
+from friction_audit.report.drawn_arm import as_drawn
+from friction_audit.report.figures.batch import BATCH_FIGURES, BatchFigure
+from friction_audit.report.figures.save import figure_bytes
+from friction_audit.report.html.batch_captions import TITLES, describe
+from tests.report import batch_by_hand as by_hand
+
+
+def late_curve() -> ArmDrift:
+    """Return an arm whose first joint has no estimate, and a curve in one session of the middle alone."""
+    arm = by_hand.arm(9, 2)
+    still = replace(arm.joints[0], coefficients=())
+    sessions = [
+        replace(
+            one, joints=(replace(one.joints[0], curve=one.joints[0].curve if k == 4 else SpeedCurve()), *one.joints[1:])
+        )
+        for k, one in enumerate(arm.sessions)
+    ]
+    return replace(arm, sessions=tuple(sessions), joints=(still, *arm.joints[1:]))
+
+
+ARMS = (by_hand.arm(), by_hand.arm(3, 1), late_curve(), by_hand.hostile().arms[0])
+
+
+@pytest.mark.parametrize("kind", BATCH_FIGURES, ids=lambda kind: kind.name)
+@pytest.mark.parametrize("arm", ARMS, ids=("plain", "one joint", "late curve", "hostile"))
+def test_the_figure_is_the_same(arm: ArmDrift, kind: BatchFigure) -> None:
+    bare = as_drawn(arm, kind.name)
+    assert describe(bare, kind.name) == describe(arm, kind.name)
+    assert figure_bytes(kind.draw(bare, None), "svg") == figure_bytes(kind.draw(arm, None), "svg")
+
+
+def test_most_of_an_arm_is_not_sent() -> None:
+    arm = by_hand.arm(60)
+    whole = len(pickle.dumps(arm))
+    assert all(len(pickle.dumps(as_drawn(arm, kind))) < whole / 2 for kind in TITLES)
+
+
+def test_the_kinds_are_named_in_the_order_of_the_figures() -> None:
+    assert tuple(TITLES) == tuple(kind.name for kind in BATCH_FIGURES)
