@@ -2,21 +2,27 @@ import json
 import os
 import shutil
 import sqlite3
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from threading import Thread
 
 import numpy as np
 import pytest
 
 from friction_audit.audit import AuditSettings, estimate_log
-from friction_audit.batch import work
+from friction_audit.batch import run_batch, work
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
+from friction_audit.errors import InputError
 from friction_audit.export import write_log
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.ingest import SeveralArmsError
+from friction_audit.ingest.fingerprint import sha256_of as hash_file
 from friction_audit.joint_log import JointLog
 from tests.batch.conftest import COULOMB_NM, Batch, Inline
 
@@ -81,6 +87,29 @@ def test_copies_count_once(rig: Path, batch: Batch) -> None:
     assert result.warnings == (
         "rig/copy.parquet: the same recording as rig/2026-03-01.parquet, byte for byte; it counts once",
     )
+
+
+def test_logs_of_one_size_are_hashed_where_they_are_read_unless_their_ends_are_the_same(
+    rig: Path, batch: Batch, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    hashed: list[str] = []
+
+    def sha256_of(path: Path) -> str:
+        hashed.append(path.name)
+        return hash_file(path)
+
+    monkeypatch.setattr(run_batch, "sha256_of", sha256_of)
+    monkeypatch.setattr(run_batch, "ENDS_BYTES", 64)
+    content = (rig / "2026-03-02.csv").read_bytes()
+    half = len(content) // 2
+    (rig / "other_end.csv").write_bytes(content[:-2] + (b"6\n" if content.endswith(b"7\n") else b"7\n"))
+    result = batch(rig)
+    assert (hashed, result.new, result.warnings) == ([], 5, ())
+    (rig / "other_middle.csv").write_bytes(content[:half] + content[half:].replace(b"1", b"2", 1))
+    (rig / "copy.csv").write_bytes((rig / "other_middle.csv").read_bytes())
+    again = batch(rig, ledger="elsewhere")
+    assert sorted(hashed) == ["2026-03-02.csv", "copy.csv", "other_middle.csv"]
+    assert (again.new, len(again.warnings)) == (6, 1)
 
 
 def test_a_bad_file_is_listed_and_not_tried_again(rig: Path, batch: Batch) -> None:
@@ -185,6 +214,50 @@ def test_a_folder_of_an_object_store(rig: Path, batch: Batch) -> None:
         assert batch("memory://lab/rig", executor=executor).new == 0
     finally:
         store.rm("/lab", recursive=True)
+
+
+@pytest.fixture
+def server(rig: Path) -> Iterator[str]:
+    """Yield the address of a web server of the folder that holds the rig."""
+
+    class Handler(SimpleHTTPRequestHandler):
+        def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - its name there
+            """Say nothing."""
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), partial(Handler, directory=str(rig.absolute().parent))) as serving:
+        thread = Thread(target=serving.serve_forever)
+        thread.start()
+        yield f"http://127.0.0.1:{serving.server_port}"
+        serving.shutdown()
+        thread.join()
+
+
+def test_logs_on_the_web(rig: Path, batch: Batch, server: str) -> None:
+    executor = Inline()
+    names = sorted(path.name for path in rig.iterdir())
+    there = batch(f"{server}/rig/{names[0]}", f"{server}/rig/{names[1]}", executor=executor)
+    assert [session.path for session in there.sessions] == [f"{server}/rig/{name}" for name in names[:2]]
+    assert {session.robot for session in there.sessions} == {"rig"}
+    here = batch(rig / names[0], rig / names[1], ledger="here")
+    assert [coulomb(session) for session in there.sessions] == [coulomb(session) for session in here.sessions]
+    assert batch(f"{server}/rig/{names[0]}", executor=executor).new == 0
+    changed = (rig / names[0]).stat()
+    other = bytearray((rig / names[0]).read_bytes())
+    other[len(other) // 2] ^= 1  # of the same size
+    (rig / names[0]).write_bytes(other)
+    os.utime(rig / names[0], (changed.st_atime + 10.0, changed.st_mtime + 10.0))
+    assert batch(f"{server}/rig/{names[0]}", executor=executor).new == 1
+    assert executor.taken == [names[0], names[1], names[0]]
+
+
+def test_a_folder_that_a_web_server_lists(rig: Path, batch: Batch, server: str) -> None:
+    found = batch(f"{server}/rig/").sessions
+    assert [session.path for session in found] == sorted(f"{server}/rig/{path.name}" for path in rig.iterdir())
+
+
+def test_a_log_that_no_web_server_has(batch: Batch, server: str) -> None:
+    with pytest.raises(InputError, match=r"nothing\.parquet: "):
+        batch(f"{server}/rig/nothing.parquet")
 
 
 def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:

@@ -10,7 +10,10 @@ from friction_audit.batch.log_file import LEDGER, LogFile
 from friction_audit.drift.order import natural
 from friction_audit.errors import InputError, UsageError
 
-VERSION_KEYS = ("ETag", "etag", "md5Hash", "mtime", "LastModified", "last_modified", "updated", "created")
+VERSION_KEYS = (
+    "ETag", "etag", "Content-MD5", "md5Hash", "mtime", "LastModified", "Last-Modified", "last_modified", "updated",
+    "created",
+)  # fmt: skip
 """Where file systems tell whether a file has changed, the surest first."""
 
 BagFolders = Callable[[Mapping[str, Sequence[str]]], set[str]]
