@@ -10,7 +10,8 @@ measured torque it smears in the column too. Slower logs keep their own rate, an
 
 Velocity and acceleration are derivatives of the position where that errs less than the velocity that was logged: a
 Panda's position is a hundred times quieter, and drivers log differences of the position behind a filter, which come
-some milliseconds late. Position and torque were sampled together; a velocity that lags them would pass for a delay.
+some milliseconds late. Where it errs more it is still quieter at low frequencies, and counts there. Position and torque
+were sampled together; a velocity that lags them would pass for a delay.
 """
 
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
+from friction_audit.discrepancy.both_velocities import best_of_both, crossover_of
 from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
 from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
@@ -139,7 +141,7 @@ def prepare(
     t = _stamps(log.t[new], log.q[new])
     low_pass = low_pass_for(t)
     valid = _valid(low_pass, t)
-    everyone = _filter_everyone(interaction, log, low_pass, t, new)
+    everyone = _filter_everyone(interaction, log, low_pass, t, new, valid)
     known = know_load(log, interaction.choice, arm, low_pass.t, (everyone.q, everyone.dq, everyone.ddq))
     gravity = (
         known.gravity if log.gravity is None or known.gravity is not None else low_pass.all_of(t, log.gravity[new])
@@ -176,6 +178,7 @@ def prepare(
             rigid=None if known.rigid is None else known.rigid[column],
             others_joint=column,
             sample_s=median_step(log.t),
+            crossover_hz=everyone.crossover_hz[column],
         )
 
     return tuple(per_joint(one, len(interaction.joint_numbers)))
@@ -211,28 +214,40 @@ class _Everyone:
     sensed: Float
     logged: Float
     derived_from: tuple[str, ...]
+    crossover_hz: tuple[float, ...]
 
 
 def _filter_everyone(
-    interaction: Interaction, log: JointLog, low_pass: LowPass, t: Float, new: NDArray[np.bool_]
+    interaction: Interaction,
+    log: JointLog,
+    low_pass: LowPass,
+    t: Float,
+    new: NDArray[np.bool_],
+    valid: NDArray[np.bool_],
 ) -> _Everyone:
     read: Float = getattr(log, CHANNELS[interaction.choice.source])
     coarse = coarse_log(log)
     lag = find_lag(coarse, median_step(log.t))
     brisk = np.sqrt(np.mean(np.gradient(coarse.dq, coarse.t, axis=0) ** 2, axis=0))
 
-    def one(column: int) -> tuple[Float, Float, Float, Float, Float, str]:
+    step_s = float(low_pass.t[1] - low_pass.t[0])
+
+    def one(column: int) -> tuple[Float, Float, Float, Float, Float, str, float]:
         q, slope = low_pass.with_slope(t, log.q[new, column])
         logged = low_pass.of(t, log.dq[new, column])
         sensed = interaction.choice.sign * low_pass.of(t, read[new, column])
         if grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * brisk[column]):
-            return q, slope, np.gradient(slope, low_pass.t), sensed, logged, "q"
-        return q, *low_pass.with_slope(t - lag[column], log.dq[new, column]), sensed, logged, "dq"
+            return q, slope, np.gradient(slope, low_pass.t), sensed, logged, "q", 0.0
+        dq, ddq = low_pass.with_slope(t - lag[column], log.dq[new, column])
+        if crossover_hz := crossover_of(slope, dq, step_s):
+            dq = best_of_both(slope, dq, valid, step_s, crossover_hz)
+            ddq = np.gradient(dq, low_pass.t)
+        return q, dq, ddq, sensed, logged, "dq", crossover_hz
 
     filtered = per_joint(one, log.q.shape[1])
     q, dq, ddq, sensed, logged = (np.stack([joint[k] for joint in filtered], axis=1) for k in range(5))
-    sources = tuple(joint[5] for joint in filtered)
-    return _Everyone(q=q, dq=dq, ddq=ddq, sensed=sensed, logged=logged, derived_from=sources)
+    sources, crossovers = tuple(joint[5] for joint in filtered), tuple(joint[6] for joint in filtered)
+    return _Everyone(q=q, dq=dq, ddq=ddq, sensed=sensed, logged=logged, derived_from=sources, crossover_hz=crossovers)
 
 
 def _torque(interaction: Interaction, joint: int) -> Float:

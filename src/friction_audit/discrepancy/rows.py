@@ -134,18 +134,21 @@ def corner_for(data: JointData, inertia_kg_m2: float) -> float:
     """Frequency above which the noise of inertia times acceleration is more than half of that of the torque. [Hz]
 
     The position's noise, white, grows with the square of the frequency in its second derivative, the velocity's with
-    the frequency. Links' inertia that was taken away left the noise of all joints' accelerations in the torque.
+    the frequency, of the mean of both by both. Links' inertia that was taken away left the
+    noise of all joints' accelerations in the torque.
     """
     order = 2 if data.derived_from == "q" else 1
     load = np.zeros(len(data.t)) if data.load is None else data.load
-    torque = _noise_density(data.torque + load, data.step_s, 0)
-    own = inertia_kg_m2 * _noise_density(data.ddq, data.step_s, order)
-    inertial = float(np.hypot(own, _noise_density(load, data.step_s, order)))
+    torque = noise_density(data.torque + load, data.step_s, 0)
+    own = inertia_kg_m2 * noise_density(data.ddq, data.step_s, order)
+    inertial = float(np.hypot(own, noise_density(load, data.step_s, order)))
     crossing = (QUIET_SHARE * torque / inertial) ** (1.0 / order) if inertial > 0 else CORNER_HZ
+    # f^2 / sqrt(f^2 + crossover^2) in the place of f, solved for f
+    crossing = np.sqrt((crossing**2 + np.hypot(crossing**2, 2.0 * crossing * data.crossover_hz)) / 2.0)
     return float(np.clip(crossing, LOWEST_CORNER_HZ, CORNER_HZ))
 
 
-def _noise_density(signal: Float, step_s: float, order: int) -> float:
+def noise_density(signal: Float, step_s: float, order: int) -> float:
     """D of a noise whose amplitude density is D f^order up to a fifth of the rate, from second differences."""
     w = np.linspace(0.0, 0.4 * np.pi, 400)
     gain = float(np.sqrt(np.trapezoid((w / (2 * np.pi * step_s)) ** (2 * order) * (2 - 2 * np.cos(w)) ** 2, w)))
