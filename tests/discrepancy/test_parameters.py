@@ -8,6 +8,7 @@ import pytest
 
 from friction_audit.discrepancy.alternatives import Naming
 from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.naming import Found
@@ -79,3 +80,25 @@ def test_nothing_found_leaves_the_declared_model() -> None:
     numbers = parameters_of(ground, [], ground.baseline())
     assert numbers.effects == ()
     assert {name: one.value for name, one in numbers.declared.items()} == pytest.approx(TRUTH)
+
+
+def test_a_number_that_the_log_does_not_tell_has_no_bounds_and_spoils_no_other() -> None:
+    """Under so wide a bell a wave goes over the whole range, and its width changes nothing."""
+    shape = {
+        "position_friction_order": 3.0,
+        "position_friction_centre_rad": 0.1,
+        "position_friction_width_rad": 300.0,
+    }
+
+    def missing(data: JointData) -> Float:
+        return np.sign(data.dq) * 0.1 * np.cos(3.0 * (data.q - 0.1))
+
+    ground = make_ground(moved_joint(missing, noise_nm=0.02, duration_s=20.0), None, 0)
+    (effect,) = parameters_of(ground, [found(ground, PLACE_FRICTION, shape)], ground.baseline()).effects
+    assert {name: effect[name].value for name in shape} == shape
+    width, order = effect["position_friction_width_rad"], effect["position_friction_order"]
+    assert (width.low, width.high) == (-np.inf, np.inf)
+    assert order.low < 3.0 < order.high < order.low + 1.0
+    factors = [effect["position_friction_cos_nm"], effect["position_friction_sin_nm"]]
+    assert [one.value for one in factors] == pytest.approx([0.1, 0.0], abs=0.02)
+    assert all(one.high - one.low < 0.05 for one in factors)

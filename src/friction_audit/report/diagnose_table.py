@@ -29,6 +29,8 @@ FACTORS = {term.name: tuple(parameter.name for parameter in term.linear) for ter
 SCALED = ("s", "rad")
 """Units of which a thousandth is easier to read where a number is small."""
 SMALL = 0.02
+UNTOLD = "not told by this log"
+"""In the place of a number whose interval has no bounds."""
 
 
 def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Text]":
@@ -140,6 +142,8 @@ def format_quantity(number: Coefficient, unit: str) -> str:
     """
     if math.isnan(number.value):
         return NOTHING
+    if math.isinf(number.high - number.low):
+        return UNTOLD
     if unit in SCALED and abs(number.value) < SMALL:
         number = Coefficient(value=1e3 * number.value, low=1e3 * number.low, high=1e3 * number.high)
         unit = f"m{unit}"
