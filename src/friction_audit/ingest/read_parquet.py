@@ -277,7 +277,8 @@ def _integers_or_floats(array: Any) -> NDArray[Any]:  # noqa: ANN401
         array = array.cast(pa.int64())
     if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
         array = array.cast(pa.float64())
-    numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False)
+    # Arrow's own conversion loads pandas, half a second, of which only nulls have need.
+    numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array)
     return numbers
 
 
