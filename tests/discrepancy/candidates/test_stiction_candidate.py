@@ -1,5 +1,7 @@
 """Stiction as a candidate: what it takes to be seen, and the excess of a joint that breaks away by hand."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -21,6 +23,18 @@ def test_so_many_starts_are_enough(starts: int) -> None:
     data = started_and_stopped(starts=starts)
     lacking = CANDIDATE.untestable(data, baseline(data))
     assert (lacking is None) == (starts >= FEWEST_BREAKAWAYS)
+
+
+def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> None:
+    data = started_and_stopped()
+    since = data.t % 1.0 - 0.5
+    # The start's last 20 ms take the torque from below zero up to friction: no few milliseconds say what it was.
+    jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * np.where(
+        data.t % 2.0 < 1.0, 1.0, -1.0
+    )
+    pushed = replace(data, torque=data.torque + jump)
+    assert CANDIDATE.untestable(data, baseline(data)) is None
+    assert "0 of them under a torque that rises slowly" in str(CANDIDATE.untestable(pushed, baseline(pushed)))
 
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.breakaway import find_breakaways
+from friction_audit.discrepancy.breakaway import find_breakaways, loaded_slowly
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
@@ -29,11 +29,13 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
     seen = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
     counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
-    if (found := int(counted.sum())) >= FEWEST_BREAKAWAYS:
+    telling = int(np.sum(counted & loaded_slowly(data.torque, seen, data.step_s)))
+    if telling >= FEWEST_BREAKAWAYS:
         return moves(data, baseline)
     return (
-        f"the joint breaks away from a standstill {found} times: let it stand still for a tenth of a second or more, "
-        f"then raise the torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
+        f"the joint breaks away from a standstill {int(counted.sum())} times, {telling} of them under a torque that "
+        "rises slowly: let it stand still for a tenth of a second or more, then raise the torque slowly until it "
+        f"moves, at least {FEWEST_BREAKAWAYS} times"
     )
 
 
