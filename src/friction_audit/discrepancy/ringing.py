@@ -16,6 +16,7 @@ from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.backlash import CONTACTS_HZ
 from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
+from friction_audit.discrepancy.candidates.joint_elasticity import all_springs
 from friction_audit.discrepancy.curves import build_curves
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, build_library
@@ -122,16 +123,20 @@ def find_ringing(ground: Ground, names: Names, alpha: float, rng: np.random.Gene
 def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate, ...]:
     """Straight springs on which the far side rings from half of the vibration's frequencies on, and hard flanks."""
     lowest, highest = vibration.low_hz / HIGHER, vibration.high_hz
-    every = ELASTICITY.tried(ground.data)
+    every = all_springs(ground.data)
     # Ringing tells how stiff a spring is where it rings, not how it bends.
     straight = min(shape["soft_nm"] for shape in every)
     springs = [
         shape
         for shape in every
-        if shape["soft_nm"] == straight and lowest <= _resonance(names, shape["spring_nm_per_rad"]) <= highest
+        if shape["soft_nm"] == straight
+        and "damping_ratio" not in shape
+        and lowest <= _resonance(names, shape["spring_nm_per_rad"]) <= highest
     ]
     hard = max(CONTACTS_HZ)
-    flanks = [shape for shape in BACKLASH.tried(ground.data) if shape["contact_hz"] == hard]
+    flanks = [
+        shape for shape in BACKLASH.tried(ground.data) if shape["contact_hz"] == hard and "motion_below_hz" not in shape
+    ]
     pairs = ((ELASTICITY, springs), (BACKLASH, flanks))
     return tuple(replace(candidate, shapes=tuple(shapes)) for candidate, shapes in pairs if shapes)
 

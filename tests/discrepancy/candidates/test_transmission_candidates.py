@@ -142,3 +142,44 @@ def test_springs_that_ring_slowly_are_tried_along_the_measured_motion_only() -> 
     assert smooth
     ringing = [np.sqrt(shape["spring_nm_per_rad"] / 0.3) / (2 * np.pi) for shape in smooth]
     assert min(ringing) > 18.0
+
+
+def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(DATA.q))
+    moved = replace(DATA, torque=BASE.torque)
+    stiffest, coarsest = (
+        max(shape["spring_nm_per_rad"] for shape in joint_elasticity.CANDIDATE.tried(one))
+        for one in (moved, replace(moved, q=DATA.q + noise))
+    )
+    assert stiffest == joint_elasticity.STIFFEST_NM_PER_RAD
+    # Twice 0.3 N m twist it by less than twice the noise; one that rings below 25 Hz is seen by its ringing.
+    assert coarsest < 0.3 * (2 * np.pi * 25.0) ** 2 * 1.01
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.5])
+def test_a_damped_far_side_forgets_what_a_position_sensor_shivers(damping: float) -> None:
+    rate = 2 * np.pi * 12.0
+    shiver = 3e-4 * np.sin(rate * DATA.t)
+    shaken = replace(
+        DATA, q=DATA.q + shiver, dq=DATA.dq + 3e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
+    )
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "soft_nm": 0.0, "damping_ratio": damping}
+    still, moved = (joint_elasticity.CANDIDATE.columns(one, baseline(one), spring)[400:] for one in (DATA, shaken))
+    amplified = np.std(moved - still) / np.std(spring["spring_nm_per_rad"] * BASE.inertia_kg_m2 * rate**2 * shiver)
+    # At its resonance a far side multiplies by one over twice the damping ratio, a little less beside its friction.
+    assert (amplified > 3.0) == (damping < 0.1)
+
+
+def test_noise_of_the_position_shifts_the_strikes_of_a_play_but_not_along_a_smooth_motion() -> None:
+    torque = seen(far_side_torque(1e4, 20.0, 2e-3) - BASE.torque)[400:-400]
+    noise = 3e-5 * np.random.default_rng(0).standard_normal(len(DATA.q))
+    speed = np.gradient(noise, STEP_S)
+    noisy = replace(DATA, q=DATA.q + noise, dq=DATA.dq + speed, ddq=DATA.ddq + np.gradient(speed, STEP_S))
+    sharp = {"gap_rad": 4e-3, "contact_hz": 29.0}
+
+    def correlation(shape: Shape) -> float:
+        column = seen(backlash.CANDIDATE.columns(noisy, baseline(noisy), shape)[:, 0])[400:-400]
+        return float(np.corrcoef(column, torque)[0, 1])
+
+    assert correlation(sharp) < 0.8
+    assert correlation({**sharp, "motion_below_hz": 18.0}) > 0.9

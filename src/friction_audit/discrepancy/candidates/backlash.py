@@ -1,18 +1,24 @@
 """Backlash: play between what is measured and what rubs, opened where the torque changes sign."""
 
+from collections.abc import Iterator, Sequence
+
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, smooth_motion
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
-from friction_audit.model.terms.backlash import TERM
+from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM, added_by_plays
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
 CONTACTS_HZ = (22.0, 50.0)
 """Flanks that ring about as fast as a regression sees, and hard ones."""
+FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
+"""Flanks from which half of the speed bounces, and dead ones. What bounces strikes again at moments that noise of the
+position shifts, and each one shifts the next."""
 PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FEWEST_REVERSALS = 20
@@ -21,9 +27,37 @@ LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """All widths on both kinds of flanks."""
+    """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes."""
     span = float(np.ptp(data.q)) or 1.0
-    return tuple({"gap_rad": float(share) * span, "contact_hz": hz} for hz in CONTACTS_HZ for share in SPAN_SHARES)
+    hard = max(CONTACTS_HZ)
+    kinds: tuple[dict[str, float], ...] = (
+        *({"contact_hz": hz} for hz in CONTACTS_HZ),
+        *(
+            {"contact_hz": hard, "motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": damping}
+            for damping in FLANK_DAMPINGS
+        ),
+    )
+    return tuple({"gap_rad": float(share) * span, **kind} for kind in kinds for share in SPAN_SHARES)
+
+
+def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+    """What the play adds to the torque, along the motion as measured or below a frequency."""
+    ((_, column),) = together(data, baseline, (shape,))
+    return column
+
+
+def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    """The same for many plays, all along one motion or smooth ones."""
+    places: dict[float | None, list[int]] = {}
+    for place, shape in enumerate(shapes):
+        places.setdefault(shape.get("motion_below_hz"), []).append(place)
+    for below_hz, alike in places.items():
+        plays = [
+            (shape["gap_rad"], shape["contact_hz"], shape.get("flank_damping_ratio", CONTACT_DAMPING_RATIO))
+            for shape in (shapes[place] for place in alike)
+        ]
+        for k, column in added_by_plays(smooth_motion(data, baseline, below_hz), plays):
+            yield alike[k], column
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -51,8 +85,8 @@ CANDIDATE = Candidate(
     name="backlash",
     label="free play at a reversal",
     shapes=shapes,
-    columns=columns_of(TERM),
-    together=columns_together(TERM),
+    columns=columns,
+    together=together,
     column_units=("1",),
     untestable=untestable,
     admissible=admissible,

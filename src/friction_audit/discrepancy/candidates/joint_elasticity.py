@@ -1,18 +1,17 @@
 """Elasticity: a spring between what is measured and what rubs."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, smooth_motion
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.mean_sign import mean_sign
+from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
-from friction_audit.model.term import Motion
-from friction_audit.model.terms.joint_elasticity import TERM
+from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM, per_compliance
 from friction_audit.model.transmission import HIGHEST_HZ, far_side
 
 RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 60), np.geomspace(50.0, HIGHEST_HZ, 5))
@@ -22,38 +21,56 @@ SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
 """A rubber band, a steel shaft."""
 USUAL_INERTIA_KG_M2 = 0.3
 """Of an arm's drive, where the torque tells none."""
-MOTION_BELOW_HZ = 18.0
-"""A spring that rings faster amplifies the noise of the position, ten times and more, and what people and motors mean
-to do is below 4 Hz; unless the measured side rings with the far one, it is better taken as smooth."""
-FILTER_S = 0.2
-"""Reach of the low-pass to either side."""
 SOFT_SHARES = (1e-3, 0.3, 1.0)
 """Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring. One that
 is soft for all the torque there is would be a linear one again, and told half as soft as it is."""
 LARGEST_SHARE = 1.6
 FEWEST_REVERSALS = 20
 LEAST_SHARE = 0.5
-"""Compliance found times the stiffness it was built for; a stiffer spring than the stiffest looks just like it."""
+"""Compliance found times the stiffness it was built for."""
+MUCH_DAMPED = 0.1
+"""Damping ratio of a far side that forgets noise of the position before it rings up on it. Undamped, it multiplies that
+noise at its resonance by ten, and the ringing of friction's jumps drowns in it."""
+RINGING_SEEN_HZ = 25.0
+"""Highest corner of the rows. A spring that rings faster shows by what it twists alone, which noise of the position
+must leave to be seen."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
+    """Springs whose ringing the rows can see, or whose twist stands out of the noise of the position."""
+    stiffest = _stiffest_seen(data)
+    return tuple(shape for shape in all_springs(data) if shape["spring_nm_per_rad"] <= stiffest)
+
+
+def all_springs(data: JointData) -> tuple[Shape, ...]:
     """Linear springs of all stiffnesses, and of every fourth one springs that are soft at first.
 
     Those that ring where hardly more than noise moves the measured side are tried with a smooth motion too, more
-    coarsely: it does not ring.
+    coarsely: it does not ring. Linear ones that ring where rows see it are tried with more damping too, more coarsely.
     """
     usual = float(np.sqrt(np.mean(data.torque**2))) or 1.0
-    every, fast = _stiffnesses(data, 0.0), _stiffnesses(data, MOTION_BELOW_HZ)
-    tries: tuple[tuple[Float, dict[str, float]], ...] = (
-        (every, {}),
-        (fast[::2], {"motion_below_hz": MOTION_BELOW_HZ}),
+    every = _stiffnesses(data)
+    fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, RINGING_SEEN_HZ)]
+    tries: tuple[tuple[Float, tuple[float, ...], dict[str, float]], ...] = (
+        (every, SOFT_SHARES, {}),
+        (fast[::2], SOFT_SHARES, {"motion_below_hz": MOTION_BELOW_HZ}),
+        (slow[::4], SOFT_SHARES[:1], {"damping_ratio": MUCH_DAMPED}),
     )
     return tuple(
-        {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual, **motion}
-        for tried, motion in tries
-        for k, share in enumerate(SOFT_SHARES)
+        {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual, **other}
+        for tried, shares, other in tries
+        for k, share in enumerate(shares)
         for stiffness in tried[:: 4 if k else 1]
     )
+
+
+def _stiffest_seen(data: JointData) -> float:
+    """Stiffness above which a spring neither rings below the rows' corner nor twists visibly at a reversal.
+
+    Friction's jump, twice the Coulomb friction, must twist it by more than twice the noise of the position. [N m/rad]
+    """
+    noise = max(grid_noise(data.q, differences=4), np.finfo(float).tiny)
+    return max(float(_ringing_at(data, RINGING_SEEN_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
 
 
 def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
@@ -68,41 +85,25 @@ def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> It
     for place, shape in enumerate(shapes):
         places.setdefault(shape.get("motion_below_hz"), []).append(place)
     for below_hz, alike in places.items():
-        values = [tuple(shapes[place][parameter.name] for parameter in TERM.shape) for place in alike]
-        for k, column in TERM.regressors(_motion(data, baseline, below_hz), values):
+        springs = [
+            (shape["spring_nm_per_rad"], shape["soft_nm"], shape.get("damping_ratio", DAMPING_RATIO))
+            for shape in (shapes[place] for place in alike)
+        ]
+        for k, column in per_compliance(smooth_motion(data, baseline, below_hz), springs):
             yield alike[k], column
 
 
-def _motion(data: JointData, baseline: Baseline, below_hz: float | None) -> Motion:
-    if below_hz is None:
-        return data.motion(baseline.torque)
-    if below_hz not in data.smooth:
-        data.smooth[below_hz] = _smooth(data, below_hz)
-    motion = data.smooth[below_hz]
-    rest = baseline.inertia_kg_m2 * motion.ddq + baseline.coulomb_nm * motion.direction
-    return replace(motion, rest=rest + baseline.viscous_nms_per_rad * motion.dq)
-
-
-def _smooth(data: JointData, below_hz: float) -> Motion:
-    q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-    return replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
-
-
-def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
-    """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
-    from scipy.signal import firwin, oaconvolve
-
-    half = round(FILTER_S / step_s)
-    kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
-    return np.asarray(oaconvolve(np.pad(signal, half, mode="edge"), kernel, "valid"))
-
-
-def _stiffnesses(data: JointData, above_hz: float) -> Float:
-    """The stiffest, and falling those on which the inertia that the torque tells rings above a frequency. [N m/rad]"""
-    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
-    ringing = inertia * (2.0 * np.pi * RINGING_HZ[above_hz < RINGING_HZ]) ** 2
+def _stiffnesses(data: JointData) -> Float:
+    """The stiffest, and falling those on which the far side rings at all frequencies. [N m/rad]"""
+    ringing = _ringing_at(data, RINGING_HZ)
     between = ringing[(ringing > SOFTEST_NM_PER_RAD) & (ringing < STIFFEST_NM_PER_RAD)]
     return np.append(STIFFEST_NM_PER_RAD, between[::-1])
+
+
+def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
+    """Stiffness of a spring on which the inertia that the torque tells rings at a frequency. [N m/rad]"""
+    inertia = far_side(data.motion(data.torque)).inertia_kg_m2 or USUAL_INERTIA_KG_M2
+    return np.asarray(inertia * (2.0 * np.pi * np.asarray(frequency_hz)) ** 2)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -112,9 +113,7 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
 
 def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
-    share = factors[0] * shape["spring_nm_per_rad"]
-    least = 0.0 if shape["spring_nm_per_rad"] >= STIFFEST_NM_PER_RAD else LEAST_SHARE
-    return bool(least < share <= LARGEST_SHARE)
+    return bool(LEAST_SHARE < factors[0] * shape["spring_nm_per_rad"] <= LARGEST_SHARE)
 
 
 CANDIDATE = Candidate(

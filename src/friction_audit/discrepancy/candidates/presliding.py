@@ -8,8 +8,9 @@ from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.presliding import TERM
 
-SPAN_SHARES = np.geomspace(1e-4, 0.3, 18)
-"""Reaches as shares of the span of the motion."""
+SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3, 18))
+"""Reaches as shares of the span of the motion, from friction that is hardly rounded: a stiff spring rounds it too, and
+would take its name."""
 KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 """Exponents with times of damping: one stop, a row of stops, Dahl's, a slow one, and LuGre's with its damping."""
 FEWEST_REVERSALS = 20

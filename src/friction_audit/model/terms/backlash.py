@@ -23,16 +23,21 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
+    yield from added_by_plays(motion, [(gap, contact_hz, CONTACT_DAMPING_RATIO) for gap, contact_hz in shapes])
+
+
+def added_by_plays(motion: Motion, plays: Sequence[tuple[float, float, float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many plays, each with the ringing [Hz] and the damping ratio of a flank that touches."""
     far, torque = far_side(motion), simple_torque(motion)
     usual = sqrt(torque @ torque / len(torque))
     flanks = [
         Transmission(
             # Flanks that gave way by more than the play would be a spring, and that has its own name.
             stiffness_nm_per_rad=max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual / gap),
-            damping_ratio=CONTACT_DAMPING_RATIO,
+            damping_ratio=damping_ratio,
             gap_rad=gap,
         )
-        for gap, contact_hz in shapes
+        for gap, contact_hz, damping_ratio in plays
     ]
     for place, added in added_torques(motion, far, flanks):
         yield place, added[:, None]

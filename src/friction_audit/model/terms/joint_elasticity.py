@@ -22,12 +22,17 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
-    springs = [
-        Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=DAMPING_RATIO, soft_nm=soft)
-        for stiffness, soft in shapes
+    yield from per_compliance(motion, [(stiffness, soft, DAMPING_RATIO) for stiffness, soft in shapes])
+
+
+def per_compliance(motion: Motion, springs: Sequence[tuple[float, float, float]]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many springs: stiffness [N m/rad], soft torque [N m] and damping ratio of each."""
+    links = [
+        Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft)
+        for stiffness, soft, damping_ratio in springs
     ]
-    for place, added in added_torques(motion, far_side(motion), springs):
-        yield place, springs[place].stiffness_nm_per_rad * added[:, None]
+    for place, added in added_torques(motion, far_side(motion), links):
+        yield place, links[place].stiffness_nm_per_rad * added[:, None]
 
 
 TERM = Term(

@@ -1,0 +1,42 @@
+"""Motion of a joint without what is hardly more than noise: what rings on it would ring with the noise too."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.mean_sign import mean_sign
+from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion
+
+MOTION_BELOW_HZ = 18.0
+"""What rings faster amplifies the noise of the position, ten times and more, and what people and motors mean to do is
+below 4 Hz; unless the measured side rings with the far one, it is better taken as smooth."""
+FILTER_S = 0.2
+"""Reach of the low-pass to either side."""
+
+
+def smooth_motion(data: JointData, baseline: Baseline, below_hz: float | None) -> Motion:
+    """Return the motion below a frequency, with the declared model's torque along it; as measured where it is None."""
+    if below_hz is None:
+        return data.motion(baseline.torque)
+    if below_hz not in data.smooth:
+        data.smooth[below_hz] = _smooth(data, below_hz)
+    motion = data.smooth[below_hz]
+    rest = baseline.inertia_kg_m2 * motion.ddq + baseline.coulomb_nm * motion.direction
+    return replace(motion, rest=rest + baseline.viscous_nms_per_rad * motion.dq)
+
+
+def _smooth(data: JointData, below_hz: float) -> Motion:
+    q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
+    return replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
+
+
+def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
+    """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
+    from scipy.signal import firwin, oaconvolve
+
+    half = round(FILTER_S / step_s)
+    kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
+    return np.asarray(oaconvolve(np.pad(signal, half, mode="edge"), kernel, "valid"))
