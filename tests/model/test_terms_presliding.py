@@ -38,6 +38,11 @@ def test_a_slow_one_by_hand() -> None:
     assert_allclose(bristle(x, 1.0, 2.0), 1.0 - 1.0 / (1.0 + x), atol=1e-14)
 
 
+def test_stops_of_an_exponent_of_all_but_one_are_finite() -> None:
+    x = np.linspace(0.0, 3.0, 31)
+    assert_allclose(bristle(x, 1.0, np.nextafter(1.0, 0.0)), bristle(x, 1.0, 1.0 - 1e-9), atol=1e-6)
+
+
 @pytest.mark.parametrize("exponent", [0.2, 0.5, 0.8])
 def test_stops_in_parallel_have_the_curve_of_their_exponent(exponent: float) -> None:
     bend, x = 1.0 - exponent, np.linspace(0.0, 8.0, 801)

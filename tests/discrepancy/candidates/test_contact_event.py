@@ -55,6 +55,12 @@ def test_what_comes_with_every_stroke_is_no_contact() -> None:
     assert find_contacts(with_torque(every)) == ()
 
 
+@pytest.mark.parametrize("speed", [0.02, 0.1])
+def test_friction_of_another_law_at_a_slow_reversal_is_no_contact(speed: float) -> None:
+    smooth = np.tanh(MOTION.dq / speed) - np.sign(MOTION.dq)
+    assert find_contacts(with_torque(0.3 * smooth)) == ()
+
+
 def test_friction_that_has_changed_turns_with_the_direction_and_is_no_contact() -> None:
     late = MOTION.t > MOTION.t[-1] - 5.0
     assert find_contacts(with_torque(0.15 * late)) != ()

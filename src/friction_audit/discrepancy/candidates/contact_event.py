@@ -37,6 +37,8 @@ MOST_TIME = 0.2
 LONGEST_S = 10.0
 KNOTS = 5
 """Points of the curve through one contact, nothing at its ends."""
+SPEEDS = 24
+"""Knots of the friction's curve over the speed, a third apart over three decades."""
 SIGMA_PER_MEDIAN = 1.4826
 
 
@@ -89,9 +91,9 @@ def _samples(length_s: float, data: JointData) -> int:
 
 
 def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
-    """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
+    """Torque that inertia, friction of any law, gravity and a constant leave, 0 where the direction is not clear."""
     columns = np.column_stack(
-        [data.ddq, mean_sign(data.t, data.dq, data.ddq), data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))]
+        [data.ddq, data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t)), _friction(data)],
     )
     kept = clear
     left = data.torque
@@ -99,6 +101,15 @@ def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
         left = data.torque - columns @ np.linalg.lstsq(columns[kept], data.torque[kept])[0]
         kept = clear & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[clear])))
     return np.where(clear, left, 0.0)
+
+
+def _friction(data: JointData) -> Float:
+    """Any friction that only the speed decides, a column a knot: what it does at a slow reversal is no touch."""
+    speed = np.abs(data.dq)
+    slow = data.dead_speed_rad_s
+    knots = np.append(0.0, np.geomspace(slow, max(float(speed.max()), 2.0 * slow), SPEEDS))
+    hats = np.column_stack([np.interp(speed, knots, hat) for hat in np.eye(len(knots))])
+    return np.asarray(mean_sign(data.t, data.dq, data.ddq)[:, None] * hats)
 
 
 def _window_means(left: Float, used: NDArray[np.bool_], samples: int) -> Float:

@@ -48,7 +48,8 @@ def spread(exponent: float) -> tuple[Float, Float]:
     """
     bend = 1.0 - exponent
     missing = np.linspace(1.0, 0.0, STOPS + 1) ** 2
-    slips = 2.0**bend * (1.0 - missing**bend) / (2.0 * bend)
+    gone = np.append(-np.expm1(bend * np.log(missing[:-1])), 1.0)  # 1 - missing^bend, also where n is all but 1
+    slips = 2.0**bend * gone / (2.0 * bend)
     slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
     return slips[1:], -np.diff(slope)
 
