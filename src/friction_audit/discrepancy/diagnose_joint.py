@@ -158,15 +158,17 @@ def _told(
     before, after, cycle = ground.residual(), ground.residual(*columns), ground.rows.cycle
     floor = noise_floor(ground, ground.curves, *columns)
     gap = measure_gap(before[ground.locked], after[ground.locked], floor, cycle[ground.locked])
-    numbers = parameters_of(ground, with_moments_of_all_cycles(ground, names), names.baseline)
+    told = with_moments_of_all_cycles(ground, names)
+    numbers = parameters_of(ground, told, names.baseline)
     effects = (*events, *effects_of(ground, names, ground.curves, numbers))
     declared = dict(zip(ground.declared.names, coefficients(ground.base, ground.y, cycle), strict=True))
     speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
     profiles = [profile_all(before, ground.curves, speed, cycle, tests[0])]
     profiles += [profile_all(after, ground.curves, speed, cycle, tests[1])] if names.found else profiles
-    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
+    # A step whose moment lies in a locked cycle is put where all cycles have it: else a stroke there seems to scatter.
+    grown, fine = [f.columns for f in told], [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
-    restless = find_restless(ground, columns, fine, over, lambda vibration: rings(names, events, vibration))
+    restless = find_restless(ground, grown, fine, over, lambda vibration: rings(names, events, vibration))
     limit = _detection_limit(ground, names, gap, alpha)
     verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), restless=restless.decides)
     return JointDiscrepancy(
