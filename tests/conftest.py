@@ -1,4 +1,4 @@
-"""What holds for all tests: a property that takes long on a busy machine is no failure; one headless browser."""
+"""What holds for all tests: their order, one thread each, patience on a busy machine, one headless browser."""
 
 import os
 from collections.abc import Iterator
@@ -14,8 +14,18 @@ if TYPE_CHECKING:
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
+LONG = ("test_architecture.py", "test_docs.py")
+"""Files of the tests that take longest."""
+
 settings.register_profile("patient", deadline=None)
 settings.load_profile("patient")
+# As the program itself does: with a worker per core, threads inside a product would only wait for each other.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Begin with what takes long, so that no worker is left alone with it at the end."""
+    items.sort(key=lambda item: item.path.name not in LONG)
 
 
 @pytest.fixture(scope="session")

@@ -13,6 +13,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from itertools import pairwise
@@ -34,6 +35,19 @@ STAND_INS = {
     ".urdf": "src/friction_audit/robot/panda.urdf",
 }
 """Ending of a file that a page only imagines (run.bag) -> the file that stands in for it."""
+
+PROGRAM = """
+friction-audit() {
+    printf '%s\\0' "$@" > "$DOOR/words" && mv "$DOOR/words" "$DOOR/asked"
+    local code
+    read -r code < "$DOOR/answered"
+    cat "$DOOR/out"
+    cat "$DOOR/err" >&2
+    return "$code"
+}
+"""
+"""The program as a shell's function: it asks the process of the tests."""
+PAUSE_S = 0.005
 
 _BLOCK = re.compile(r"^```(?P<language>console|sh|python|json)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 _DECIMAL = re.compile(r"\d+\.\d+(?:e-?\d+)?")
@@ -101,18 +115,47 @@ class Terminal:
         return code, out.getvalue(), err.getvalue() if apart else ""
 
     def _shell(self, command: str, text: str) -> str:
-        path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-        done = subprocess.run(
-            ["bash", "-o", "pipefail", "-c", command],
-            cwd=self.folder,
-            env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8"},
-            input=text,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        self.code = done.returncode
-        return done.stdout + done.stderr
+        """Run anything else in a shell, in which the program is this process: a loop would start it anew every time."""
+        with (
+            tempfile.TemporaryDirectory() as door,
+            tempfile.TemporaryFile("w+", encoding="utf-8") as given,
+            tempfile.TemporaryFile("w+", encoding="utf-8") as out,
+            tempfile.TemporaryFile("w+", encoding="utf-8") as err,
+        ):
+            given.write(text)
+            given.seek(0)
+            os.mkfifo(Path(door, "answered"))
+            path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+            shell = subprocess.Popen(
+                ["bash", "-o", "pipefail", "-c", PROGRAM + command],
+                cwd=self.folder,
+                env={**os.environ, "PATH": path, "LC_ALL": "C.UTF-8", "DOOR": door},
+                stdin=given,
+                stdout=out,
+                stderr=err,
+            )
+            try:
+                while shell.poll() is None:
+                    self._answer(Path(door))
+                    time.sleep(PAUSE_S)
+            finally:
+                shell.kill()
+            self.code = shell.wait()
+            out.seek(0)
+            err.seek(0)
+            return out.read() + err.read()
+
+    def _answer(self, door: Path) -> None:
+        """Run the program for the shell, if it asks for that."""
+        asked = door / "asked"
+        if not asked.exists():
+            return
+        words = asked.read_text(encoding="utf-8").split("\0")[:-1]
+        asked.unlink()
+        code, out, err = self._call(words, apart=True)
+        (door / "out").write_text(out, encoding="utf-8")
+        (door / "err").write_text(err, encoding="utf-8")
+        (door / "answered").write_text(f"{code}\n")
 
 
 def _renamed(words: list[str]) -> str:

@@ -5,8 +5,6 @@ import re
 from collections.abc import Iterator
 from functools import cache
 
-import pytest
-
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from tests.documented_commands import ROOT
 from tests.test_docs import codes_in_the_source
@@ -74,7 +72,9 @@ def test_every_code_of_a_warning_has_its_words() -> None:
     assert found >= set(LIMITS)
 
 
-@pytest.mark.parametrize("message", sorted(set(errors())))
-def test_every_error_is_on_the_page(message: str) -> None:
-    shown = (".*".join(re.escape(part) for part in parts(headline)) for headline in headlines())
-    assert any(re.search(pattern, message, re.DOTALL) for pattern in shown), f"add a row to {PAGE.name}"
+def test_every_error_is_on_the_page() -> None:
+    shown = [re.compile(".*".join(map(re.escape, parts(headline))), re.DOTALL) for headline in headlines()]
+    messages = sorted(set(errors()))
+    assert len(messages) > 200
+    missing = [message for message in messages if not any(pattern.search(message) for pattern in shown)]
+    assert missing == [], f"add a row for each to {PAGE.name}"
