@@ -13,7 +13,8 @@ FEWEST_CYCLES = 8
 MOMENTS = 32
 AT_ONCE = 1e-5
 """Length of a step, as a share of the log's: less than a sample."""
-RAMPS = 8
+RAMPS = 16
+"""Neighbours overlap by half, for from a step there is no way downhill to a ramp that lies between two."""
 LENGTH = 0.12
 """How long a ramp takes, as a share of the log's length; a ramp of the whole log would be a warm-up."""
 
