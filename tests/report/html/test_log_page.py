@@ -12,6 +12,7 @@ import pytest
 from friction_audit.report.diagnose_document import diagnose_document
 from friction_audit.report.document import to_json, write_document
 from friction_audit.report.estimate_document import estimate_document
+from friction_audit.report.figures.names import joint_title
 from friction_audit.report.html import log_figures
 from friction_audit.report.html.log_figures import LOG_FIGURES, draw_figures
 from friction_audit.report.html.log_page import log_page, write_log_page
@@ -157,6 +158,15 @@ def test_a_part_is_the_whole_cut_to_its_joints() -> None:
     np.testing.assert_array_equal(part.cycles.of_joint(1).stop, whole.cycles.of_joint(5).stop)
     assert part.cycles.moving_s[1] == whole.cycles.moving_s[5]
     assert [one.joint for one in part.friction.joints] == [2, 6]
+
+
+def test_a_name_that_says_only_the_number_is_not_cut_to_say_less() -> None:
+    part = part_of(report(), (1,))
+    assert report().joints[0].friction.name == "panda_joint1"
+    assert part.diagnosis is not None
+    assert part.replay is not None
+    parts = (part.estimate.friction, part.diagnosis.discrepancy, part.replay.replay)
+    assert [joint_title(one.joint, one.name) for found in parts for one in found.joints] == ["joint 1"] * 3
 
 
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:

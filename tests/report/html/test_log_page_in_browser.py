@@ -13,11 +13,9 @@ from friction_audit.report.html.log_part import part_of
 from tests.opened_page import Opened
 from tests.report import log_report_by_hand as by_hand
 from tests.report.html.conftest import Open
-from tests.report.html.paper import check_paper, overflow
+from tests.report.html.paper import check_paper, check_window
 from tests.report.html.test_log_page import hostile_page, page, report
 
-WIDTHS = (360, 768, 1280)
-"""Of a phone, a tablet, a laptop."""
 NARROWEST_FIGURE = 300
 CASES = ("plain", "hostile", "one joint", "forty joints", "no cycles")
 SCHEMES = ("light", "dark")
@@ -46,16 +44,7 @@ def unfold(opened: Opened) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_the_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> None:
     opened = open_page(page_of(case))
-    for width in WIDTHS:
-        opened.page.set_viewport_size({"width": width, "height": 900})
-        assert overflow(opened) <= 0, width
-    unfold(opened)
-    for width in WIDTHS:
-        opened.page.set_viewport_size({"width": width, "height": 900})
-        assert overflow(opened) <= 0, width
-    opened.page.mouse.wheel(0, 3000)
-    assert [one for one in opened.requests if not one.startswith("data:")] == opened.requests[:1]
-    assert opened.complaints == []
+    check_window(opened)
     assert opened.evaluate("document.querySelectorAll('script').length") == 1
 
 

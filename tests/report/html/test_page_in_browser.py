@@ -11,9 +11,8 @@ from friction_audit.report.html.batch_page import write_page
 from tests.opened_page import Opened
 from tests.report import batch_by_hand as by_hand
 from tests.report.html.conftest import Open
-from tests.report.html.paper import check_paper, overflow
+from tests.report.html.paper import check_paper, check_window
 
-WIDTHS = (360, 768, 1280)
 SCHEMES = ("light", "dark")
 CASES = ("plain", "hostile", "one joint", "forty joints", "nothing")
 
@@ -33,21 +32,8 @@ def page_of(case: str) -> str:
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_nothing_is_asked_for_and_nothing_complains(open_page: Open, case: str) -> None:
-    opened = open_page(page_of(case))
-    opened.page.mouse.wheel(0, 3000)
-    assert [address for address in opened.requests if not address.startswith("data:")] == opened.requests[:1]
-    assert opened.requests[0].startswith("file:")
-    assert opened.complaints == []
-
-
-@pytest.mark.parametrize("case", CASES)
-@pytest.mark.parametrize("width", WIDTHS)
-def test_no_width_overflows(open_page: Open, case: str, width: int) -> None:
-    opened = open_page(page_of(case), width=width)
-    assert overflow(opened) <= 0
-    opened.evaluate("document.querySelectorAll('details').forEach((one) => { one.open = true; })")
-    assert overflow(opened) <= 0
+def test_the_page_is_quiet_and_holds_at_any_width(open_page: Open, case: str) -> None:
+    check_window(open_page(page_of(case)))
 
 
 @pytest.mark.parametrize("case", CASES)

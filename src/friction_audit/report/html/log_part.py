@@ -8,6 +8,7 @@ import numpy as np
 from friction_audit.audit import Estimate
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.report.estimate_table import joint_label
 from friction_audit.report.figures.batch_look import shortened
 from friction_audit.report.figures.names import printable
 from friction_audit.report.log_report import LogReport
@@ -23,26 +24,34 @@ def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
     diagnosis, replayed = report.diagnosis, report.replay
     if diagnosis is not None:
         joints = tuple(
-            replace(one, name=_fitting(one.name)) for one in diagnosis.discrepancy.joints if one.joint in numbers
+            replace(one, name=_fitting(one.joint, one.name))
+            for one in diagnosis.discrepancy.joints
+            if one.joint in numbers
         )
         diagnosis = replace(diagnosis, discrepancy=replace(diagnosis.discrepancy, joints=joints))
     if replayed is not None:
         own = tuple(
-            replace(one, name=_fitting(one.name, BESIDE)) for one in replayed.replay.joints if one.joint in numbers
+            replace(one, name=_fitting(one.joint, one.name, BESIDE))
+            for one in replayed.replay.joints
+            if one.joint in numbers
         )
         replayed = replace(replayed, replay=replace(replayed.replay, joints=own))
     return replace(report, estimate=_estimate(report.estimate, numbers), diagnosis=diagnosis, replay=replayed)
 
 
-def _fitting(name: str, most: int | None = None) -> str:
-    """Return a name that can be drawn, above a panel or in so many letters."""
+def _fitting(joint: int, name: str, most: int | None = None) -> str:
+    """Return a name that can be drawn, above a panel or in so many letters; none where it says only the number."""
+    if joint_label(joint, name) == str(joint):
+        return ""
     fitting = shortened(printable(name))
     return fitting if most is None or len(fitting) <= most else f"{fitting[: most - 2]}.."
 
 
 def _estimate(estimate: Estimate, numbers: Collection[int]) -> Estimate:
     columns = [k for k, number in enumerate(estimate.interaction.joint_numbers) if number in numbers]
-    joints = tuple(replace(one, name=_fitting(one.name)) for one in estimate.friction.joints if one.joint in numbers)
+    joints = tuple(
+        replace(one, name=_fitting(one.joint, one.name)) for one in estimate.friction.joints if one.joint in numbers
+    )
     return replace(
         estimate,
         interaction=_interaction(estimate.interaction, columns),
@@ -61,7 +70,7 @@ def _interaction(whole: Interaction, columns: list[int]) -> Interaction:
         compensation=None if compensation is None else compensation[:, columns],
         gravity_direction=None if gravity is None else gravity[:, columns],
         joint_numbers=tuple(whole.joint_numbers[k] for k in columns),
-        joint_names=tuple(_fitting(whole.joint_names[k]) for k in columns),
+        joint_names=tuple(_fitting(whole.joint_numbers[k], whole.joint_names[k]) for k in columns),
     )
 
 
