@@ -160,7 +160,9 @@ def _of_others(ground: Ground, effects: Sequence[Float], k: int, rng: np.random.
         out = ground.rows.cycle == cycle
         factors = least_squares(columns[~out], ground.y[~out])
         predicted[out] = columns[out, own] @ factors[own]
-    others = np.delete(columns, np.arange(own.start, own.stop), axis=1)
+    # A column each, as on the locked cycles: a search that takes many effects leaves fewer clusters than their columns.
+    besides = [e @ f for j, (e, f) in enumerate(zip(effects, _factors(ground, every, effects), strict=True)) if j != k]
+    others = np.column_stack([ground.base, *besides])
     factor = float(least_squares(np.column_stack([others, predicted]), ground.y)[-1])
     group = Group(name="effect", shapes=(predicted[:, None],))
     clusters = ground.clusters(every, *effects)
