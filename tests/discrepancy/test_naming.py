@@ -91,6 +91,8 @@ def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
 
     (found,) = names_of(ground_of(missing)).found
     assert found.candidate is BUMP
+    # What was dropped may be what the other is instead: it is held against it, without itself in the model.
+    assert SQUARE.name in {rival.name for rival in found.naming.rivals}
 
 
 def test_twins_are_alternatives() -> None:

@@ -105,7 +105,21 @@ def find_names(
     price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
     price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
     simpler = {name: f for name, (f, _) in within.items()}
-    return Names(found=_accept(ground, found, simpler, price, alpha, rng), library=library, baseline=baseline)
+    accepted = _accept(ground, found, simpler, price, alpha, rng)
+    return Names(found=_named_anew(accepted, outcome, ranking, same), library=library, baseline=baseline)
+
+
+def _named_anew(
+    accepted: tuple[Found, ...], outcome: Search, ranking: Ranking, same: Mapping[str, Sequence[str]]
+) -> tuple[Found, ...]:
+    """The accepted effects with what they may be instead, where others were dropped: those may be among it."""
+    units = {chosen.name: chosen.unit for chosen in outcome.chosen}
+    names = [f.candidate.name for f in accepted]
+    if len(names) == len(units) or not units.keys() >= set(names):
+        return accepted
+    kept = ranking.result([units[name] for name in names])
+    namings = {one.name: one for one in name_effects(ranking.products, kept, ranking.n_eff, same)}
+    return tuple(replace(f, naming=namings[f.candidate.name]) for f in accepted)
 
 
 def _within(
