@@ -104,13 +104,8 @@ def omnibus_test(
     _, number = np.unique(cycle, return_inverse=True)
     cycles = int(number.max()) + 1
     _check(cycles, base.shape[1], groups)
-    if not (np.all(np.isfinite(y)) and np.all(np.isfinite(base))):
-        raise AnalysisError("omnibus test: response or base holds values that are not finite; leave those samples out")
-    if weight is not None:
-        y, base = y * weight, base * weight[:, None]
-    base = base / np.where((norm := np.linalg.norm(base, axis=0)) > 0, norm, 1.0)
     weights = bootstrap_weights(rng, draws, cycles, remember=remember)
-    scores = CycleScores(y, base, number, cycles, weights, weight)
+    scores = CycleScores(*_weighted(y, base, weight), number, cycles, weights, weight)
     largest = [scores.largest(group) for group in groups]
     observed, drawn = balanced(np.array([own for own, _ in largest]), np.array([drawn for _, drawn in largest]))
     return Omnibus(
@@ -233,6 +228,16 @@ def step_down(observed: Float, drawn: Float) -> Float:
     adjusted = np.empty_like(observed)
     adjusted[order] = np.maximum.accumulate(p)
     return adjusted
+
+
+def _weighted(y: Float, base: Float, weight: Float | None) -> tuple[Float, Float]:
+    """Response and base, both times the weights of the samples; the columns of the base with a norm of 1."""
+    if not (np.all(np.isfinite(y)) and np.all(np.isfinite(base))):
+        raise AnalysisError("omnibus test: response or base holds values that are not finite; leave those samples out")
+    if weight is not None:
+        y, base = y * weight, base * weight[:, None]
+    norm = np.linalg.norm(base, axis=0)
+    return y, base / np.where(norm > 0, norm, 1.0)
 
 
 def _check(cycles: int, base: int, groups: Sequence[Group]) -> None:

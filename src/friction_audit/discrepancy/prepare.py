@@ -24,7 +24,7 @@ from friction_audit.discrepancy.both_velocities import best_of_both, crossover_o
 from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
 from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.known_load import know_load
+from friction_audit.discrepancy.known_load import KnownLoad, know_load
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
@@ -137,6 +137,28 @@ def prepare(
     Returns:
         One ``JointData`` per joint, in the order of the columns.
     """
+    common = _common(interaction, log, arm)
+    return tuple(per_joint(lambda joint: _one(common, cycles, joint), len(interaction.joint_numbers)))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Common:
+    """What all joints of a log share: samples that are news and their stamps, the grid, and all joints on it."""
+
+    interaction: Interaction
+    log: JointLog
+    new: NDArray[np.bool_]
+    t: Float
+    low_pass: LowPass
+    valid: NDArray[np.bool_]
+    everyone: "_Everyone"
+    known: KnownLoad
+    gravity: Float | None
+    load: Float | None
+    better: Float
+
+
+def _common(interaction: Interaction, log: JointLog, arm: Arm | None) -> _Common:
     new = fresh_samples(log)
     t = _stamps(log.t[new], log.q[new])
     low_pass = low_pass_for(t)
@@ -148,40 +170,54 @@ def prepare(
     )
     load = known.load(interaction.choice, gravity)
     better = _refined(interaction, everyone, low_pass, t, new, known.taken(interaction.choice, load))
+    return _Common(
+        interaction=interaction,
+        log=log,
+        new=new,
+        t=t,
+        low_pass=low_pass,
+        valid=valid,
+        everyone=everyone,
+        known=known,
+        gravity=gravity,
+        load=load,
+        better=better,
+    )
 
-    def one(joint: int) -> JointData:
-        column = interaction.joint_numbers[joint] - 1
-        q, own_dq = everyone.q[:, column], everyone.dq[:, column]
-        dead = _dead_speed(own_dq[valid])
-        step = float(low_pass.t[1] - low_pass.t[0])
-        breakaways = find_breakaways(q, own_dq, dead, step)
-        dq, ddq = signed_rest(own_dq, everyone.ddq[:, column], breakaways, dead)
-        return JointData(
-            joint=joint,
-            t=low_pass.t,
-            q=q,
-            dq=dq,
-            ddq=ddq,
-            torque=low_pass.of(t, _torque(interaction, joint)[new]) + better[:, joint],
-            gravity=None if gravity is None else gravity[:, column],
-            temperature=None if log.temperature is None else low_pass.of(t, log.temperature[new, column]),
-            others_dq=everyone.dq,
-            others_ddq=everyone.ddq,
-            others_torque=everyone.sensed,
-            cycle=_cycle_of(low_pass.t, cycles, joint),
-            moving=certain_direction(own_dq, dead, step),
-            valid=valid,
-            dead_speed_rad_s=dead,
-            derived_from=everyone.derived_from[column],
-            logged_dq=everyone.logged[:, column],
-            load=None if load is None else load[:, column],
-            rigid=None if known.rigid is None else known.rigid[column],
-            others_joint=column,
-            sample_s=median_step(log.t),
-            crossover_hz=everyone.crossover_hz[column],
-        )
 
-    return tuple(per_joint(one, len(interaction.joint_numbers)))
+def _one(common: _Common, cycles: EnergyCycles, joint: int) -> JointData:
+    column = common.interaction.joint_numbers[joint] - 1
+    q, own_dq = common.everyone.q[:, column], common.everyone.dq[:, column]
+    dead = _dead_speed(own_dq[common.valid])
+    step = float(common.low_pass.t[1] - common.low_pass.t[0])
+    breakaways = find_breakaways(q, own_dq, dead, step)
+    dq, ddq = signed_rest(own_dq, common.everyone.ddq[:, column], breakaways, dead)
+    return JointData(
+        joint=joint,
+        t=common.low_pass.t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        torque=common.low_pass.of(common.t, _torque(common.interaction, joint)[common.new]) + common.better[:, joint],
+        gravity=None if common.gravity is None else common.gravity[:, column],
+        temperature=None
+        if common.log.temperature is None
+        else common.low_pass.of(common.t, common.log.temperature[common.new, column]),
+        others_dq=common.everyone.dq,
+        others_ddq=common.everyone.ddq,
+        others_torque=common.everyone.sensed,
+        cycle=_cycle_of(common.low_pass.t, cycles, joint),
+        moving=certain_direction(own_dq, dead, step),
+        valid=common.valid,
+        dead_speed_rad_s=dead,
+        derived_from=common.everyone.derived_from[column],
+        logged_dq=common.everyone.logged[:, column],
+        load=None if common.load is None else common.load[:, column],
+        rigid=None if common.known.rigid is None else common.known.rigid[column],
+        others_joint=column,
+        sample_s=median_step(common.log.t),
+        crossover_hz=common.everyone.crossover_hz[column],
+    )
 
 
 def fresh_samples(log: JointLog) -> NDArray[np.bool_]:
