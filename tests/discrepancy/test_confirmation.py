@@ -132,6 +132,16 @@ def test_of_what_no_locked_cycle_holds_each_cycle_is_predicted_from_the_others()
     assert once.shown(np.array([20.0])).tolist() == [False]
 
 
+def test_beside_many_wide_effects_there_are_clusters_left_to_test() -> None:
+    columns, there = rare(CLEAN, 5, locked=False)
+    ground = ground_of(0.05 * np.cos(3 * CLEAN.data.q) * there)
+    needless = np.random.default_rng(1).standard_normal((6, len(ground.y), 8))
+    clusters = len(np.unique(ground.clusters(np.ones_like(ground.working)).number))
+    assert clusters < 6 * 8 + ground.base.shape[1] + 1
+    proof = confirm(ground, [columns, *needless], np.random.default_rng(0))
+    assert proof.shown(np.full(7, 20.0)).tolist() == [True, *6 * [False]]
+
+
 def test_of_what_few_locked_cycles_hold_the_rows_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(confirmation, "FEWEST_LIVELY", np.inf)
     ground = ground_of(0.01 * np.cos(3 * CLEAN.data.q))
