@@ -62,7 +62,13 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     clear = data.used & ~_widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
     if not clear.any():
         return ()
-    left = _left(data, clear)
+    plain, any_law = _stand_out(data, clear, _plain(data)), _stand_out(data, clear, _any_law(data))
+    return tuple(contact for contact in any_law if any(_overlap(contact, other) for other in plain))
+
+
+def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float) -> tuple[Contact, ...]:
+    """Stretches that stand out of a friction's columns, shape (n, p); none where they come with every stroke."""
+    left = _left(data, clear, friction)
     means = [_window_means(left, clear, _samples(length, data)) for length in WINDOWS_S]
     outlying = np.zeros(len(left), bool)
     for length, mean in zip(WINDOWS_S, means, strict=True):
@@ -75,6 +81,10 @@ def find_contacts(data: JointData) -> tuple[Contact, ...]:
     touched = len(np.unique(data.cycle[data.used & inside]))
     rare = touched <= MOST_CYCLES * len(np.unique(data.cycle[data.used])) and float(np.mean(inside)) <= MOST_TIME
     return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
+
+
+def _overlap(one: Contact, other: Contact) -> bool:
+    return one.start_s <= other.stop_s and other.start_s <= one.stop_s
 
 
 def _turns(data: JointData, left: Float, contact: Contact) -> bool:
@@ -90,11 +100,9 @@ def _samples(length_s: float, data: JointData) -> int:
     return round(length_s / data.step_s)
 
 
-def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
-    """Torque that inertia, friction of any law, gravity and a constant leave, 0 where the direction is not clear."""
-    columns = np.column_stack(
-        [data.ddq, data.dq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t)), _friction(data)],
-    )
+def _left(data: JointData, clear: NDArray[np.bool_], friction: Float) -> Float:
+    """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
+    columns = np.column_stack([data.ddq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t)), friction])
     kept = clear
     left = data.torque
     for _ in range(3):  # what stands out must not bend the fit
@@ -103,7 +111,12 @@ def _left(data: JointData, clear: NDArray[np.bool_]) -> Float:
     return np.where(clear, left, 0.0)
 
 
-def _friction(data: JointData) -> Float:
+def _plain(data: JointData) -> Float:
+    """Coulomb and viscous friction: what comes with every stroke beside them is no touch, whatever else bends to it."""
+    return np.column_stack([mean_sign(data.t, data.dq, data.ddq), data.dq])
+
+
+def _any_law(data: JointData) -> Float:
     """Any friction that only the speed decides, a column a knot: what it does at a slow reversal is no touch."""
     speed = np.abs(data.dq)
     slow = data.dead_speed_rad_s
