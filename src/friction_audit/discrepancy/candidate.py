@@ -45,7 +45,7 @@ class Candidate:
             mapping if there are none. A search tries them all; afterwards the numbers of an accepted effect are
             refined within the bounds of the term's parameters.
         columns: ``columns(data, baseline, shape)``: what the effect adds to the torque, shape (n, p), up to p factors.
-        trials: ``trials(data, shape)``: of how many independent trials a shape was the best, where they were more than
+        trials: ``trials(data)(shape)``: of how many independent trials a shape was the best, where they were more than
             those of the grid; 0 where they were not, None where they never are.
         together: The same for many shapes that have work in common: pairs of the place in the list and the columns, in
             any order. None where each is built on its own.
@@ -77,7 +77,7 @@ class Candidate:
     beside_rugged: tuple[Shape, ...] = ()
     blur: Callable[[Baseline, Shape], float] = _sharp
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
-    trials: Callable[[JointData, Shape], float] | None = None
+    trials: Callable[[JointData], Callable[[Shape], float]] | None = None
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         """Yield the place of each shape, in any order, and its columns, shape (n, p)."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,7 +93,7 @@ def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
     columns = {place: rows.of(fine) for place, fine in candidate.each(data, baseline, shapes)}
-    trials = None if candidate.trials is None else partial(candidate.trials, data)
+    trials = None if candidate.trials is None else candidate.trials(data)
     return _made(candidate, shapes, [columns[place] for place in range(len(shapes))], trials)
 
 

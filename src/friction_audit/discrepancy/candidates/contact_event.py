@@ -103,10 +103,12 @@ def _samples(length_s: float, data: JointData) -> int:
 def _left(data: JointData, clear: NDArray[np.bool_], friction: Float) -> Float:
     """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
     columns = np.column_stack([data.ddq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t)), friction])
+    columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), np.finfo(float).tiny)
     kept = clear
     left = data.torque
     for _ in range(3):  # what stands out must not bend the fit
-        left = data.torque - columns @ np.linalg.lstsq(columns[kept], data.torque[kept])[0]
+        used, torque = columns[kept], data.torque[kept]
+        left = data.torque - columns @ np.linalg.lstsq(used.T @ used, used.T @ torque)[0]
         kept = clear & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[clear])))
     return np.where(clear, left, 0.0)
 

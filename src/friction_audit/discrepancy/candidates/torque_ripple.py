@@ -4,6 +4,8 @@ R. B. Davies, Hypothesis testing when a nuisance parameter is present only under
 33.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
@@ -45,14 +47,20 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return tuple({"ripple_order": float(order)} for order in orders) or ({"ripple_order": first},)
 
 
-def trials(data: JointData, shape: Shape) -> float:
+def trials(data: JointData) -> Callable[[Shape], float]:
     """All orders up to one beyond the grid: as many as a largest chi squared is worth over them (Davies 1987).
 
     It rises above u by chance (l u / 2 pi)^1/2 exp(-u / 2) times per order, l the variance of the position.
     """
-    first, order = order_range(data)[0], shape["ripple_order"]
-    beyond = order > shapes(data)[-1]["ripple_order"] + COARSEST / spread_of(data)
-    return float(np.sqrt(LEVEL / (2.0 * np.pi)) * spread_of(data) * (order - first)) if beyond else 0.0
+    (first, _), spread = order_range(data), spread_of(data)
+    last = shapes(data)[-1]["ripple_order"] + COARSEST / spread
+    per_order = float(np.sqrt(LEVEL / (2.0 * np.pi)) * spread)
+
+    def of(shape: Shape) -> float:
+        order = shape["ripple_order"]
+        return per_order * (order - first) if order > last else 0.0
+
+    return of
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
