@@ -30,7 +30,13 @@ def one_joint_at_a_time() -> Iterator[None]:
 
 def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
     """Return the result of the work for each joint (0-based), in order."""
+    from threadpoolctl import threadpool_limits
+
     if _ALONE.get():
         return [work(joint) for joint in range(joints)]
-    with ThreadPoolExecutor(max_workers=WORKERS, thread_name_prefix="joint") as pool:
+    # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
+    with (
+        threadpool_limits(limits=1, user_api="blas"),
+        ThreadPoolExecutor(max_workers=WORKERS, thread_name_prefix="joint") as pool,
+    ):
         return list(pool.map(work, range(joints)))
