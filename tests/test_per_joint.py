@@ -1,6 +1,8 @@
 import threading
 
+import numpy as np  # noqa: F401 - brings the library whose threads are counted
 import pytest
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from friction_audit.per_joint import one_joint_at_a_time, per_joint
 
@@ -23,3 +25,13 @@ def test_one_joint_at_a_time_takes_no_threads() -> None:
             (j, threading.get_ident()) for j in range(3)
         ]
     assert threading.get_ident() not in per_joint(lambda _: threading.get_ident(), 3)
+
+
+def test_products_of_matrices_take_one_thread_meanwhile() -> None:
+    def threads(_: int = 0) -> set[int]:
+        return {library["num_threads"] for library in threadpool_info() if library["user_api"] == "blas"}
+
+    with threadpool_limits(limits=2, user_api="blas"):
+        assert threads() == {2}
+        assert per_joint(threads, 2) == [{1}, {1}]
+        assert threads() == {2}
