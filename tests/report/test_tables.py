@@ -49,6 +49,12 @@ def test_joints_with_the_same_reason_share_a_line(seven: Estimate) -> None:
     ]
 
 
+@pytest.mark.parametrize(("jitter_s", "words"), [(1.25e-4, "jitter 0.125 ms"), (2e-15, "no jitter")])
+def test_jitter_that_is_rounding_is_none(jitter_s: float, words: str, seven: Estimate) -> None:
+    summary = replace(summarize_log(seven.log, seven.interaction, seven.cycles), jitter_s=jitter_s)
+    assert summary.jitter == words
+
+
 def test_info_shows_the_mapping_the_torque_and_the_motion(seven: Estimate) -> None:
     entry = InfoEntry(path="run 1.csv", summary=summarize_log(seven.log, seven.interaction, seven.cycles))
     text = shown(info_table(entry))

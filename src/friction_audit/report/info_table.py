@@ -40,7 +40,7 @@ def _lines(summary: LogSummary) -> "Iterator[str]":
     yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {count(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
     gaps = f"{count(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
     stale = f"{count(summary.stale_samples, 'repeated sample')} left out"
-    yield f"steps    jitter {1e3 * summary.jitter_s:.3g} ms, {gaps}, {stale}"
+    yield f"steps    {summary.jitter}, {gaps}, {stale}"
     for channel, name in log.source.channels.items():
         yield f"channel  {channel} = {name}"
     if torque is not None:

@@ -15,6 +15,9 @@ STALE = "stale_samples"
 GAP_PERIODS = 5.0
 """A step of time longer than this many sampling periods is called a gap."""
 
+ROUNDING_S = 1e-9
+"""Steps that scatter by less are even: stamps hold no smaller times, and their differences are rounded."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointMotion:
@@ -64,6 +67,11 @@ class LogSummary:
     torque: TorqueChoice | None
     joints: tuple[JointMotion, ...]
     notices: tuple[Notice, ...]
+
+    @property
+    def jitter(self) -> str:
+        """The jitter in words."""
+        return f"jitter {1e3 * self.jitter_s:.3g} ms" if self.jitter_s >= ROUNDING_S else "no jitter"
 
 
 def summarize_log(
