@@ -133,3 +133,14 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
         left.append(float(np.sqrt(np.mean(low[data.used] ** 2))))
     # Measured: .13 .34 .20 .16 .08 .07 .06; refitting all inertias to this log leaves .12 .15 .14 .13 .07 .04 .05.
     assert np.all(np.array(left) < [0.15, 0.38, 0.23, 0.19, 0.10, 0.08, 0.07]), left
+
+
+def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
+    of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
+    declared = declare(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    assert "gravity_cos_nm" in declared.names
+    assert "gravity_across_2_m_s2" in declared.names
+    assert not [name for name in declared.names if name.startswith(("next", "last"))]
+    several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
+    declared = declare(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    assert [name for name in declared.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]

@@ -58,10 +58,28 @@ def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
     assert known.rigid is not None
     for joint in (1, 3, 6):
         body = known.rigid[joint]
-        pulls = body.at(T, body.weight[:, -1])
-        assert _unexplained(pulls, weight[:, joint]) < 1e-4
         assert body.tip is not None
         assert _unexplained(body.at(T, body.tip), (extra - weight)[:, joint]) < 1e-3
+
+
+def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inertia() -> None:
+    # A mass at the origin of joint 7, 0.107 m behind the flange, has no moment of inertia of its own.
+    heavier = load_arm(payload=(0.5, 0.0, 0.0, -0.107))
+    weight = heavier.gravity(Q) - ARM.gravity(Q)
+    extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
+    guided, driven = (know_load(log(), choice, ARM, T, (Q, DQ, DDQ)).rigid for choice in (HAND, ROBOT))
+    assert guided is not None
+    assert driven is not None
+    for joint in (1, 3):
+        assert guided[joint].weight[:, -1, 3] == pytest.approx(-weight[::2, joint] / 0.5, abs=1e-6)
+        assert driven[joint].weight[:, -1, 3] == pytest.approx(extra[::2, joint] / 0.5, abs=1e-6)
+        assert np.abs(extra - weight)[:, joint].max() > 0.01
+
+
+def test_no_weight_pulls_at_an_upright_axis() -> None:
+    rigid = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ)).rigid
+    assert rigid is not None
+    assert not rigid[0].weight.any()
 
 
 def _unexplained(columns: Float, torque: Float) -> float:

@@ -8,7 +8,7 @@ import pytest
 from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.library import build_library, plainer
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
 from tests.discrepancy.toy_candidates import BUMP, TOYS, WAVE
@@ -51,3 +51,12 @@ def test_a_column_of_zeros_is_left_out_and_its_factor_is_zero_for_the_rule() -> 
     assert entry.group.shapes[0] == pytest.approx(GROUND.rows.of(GROUND.data.q)[:, None])
     assert entry.group.admissible(np.array([0.7]), 0)
     assert asked == [[0.0, 0.7, 0.0]]
+
+
+def test_richer_shapes_are_left_out_of_one_candidate() -> None:
+    rich = replace(WAVE, richer=lambda shape: shape["rate"] > 0.2)
+    library = build_library((rich, BUMP), GROUND.data, GROUND.baseline(), GROUND.rows)
+    kept = plainer(library, "wave")
+    assert kept.entry("wave").shapes == ({"rate": 0.1},)
+    assert len(kept.entry("wave").group.shapes) == 1
+    assert kept.entry("bump") is library.entry("bump")

@@ -95,6 +95,33 @@ def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
     assert SQUARE.name in {rival.name for rival in found.naming.rivals}
 
 
+@pytest.mark.parametrize(("share", "rich"), [(0.02, False), (0.5, True)])
+def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bool) -> None:
+    def both(data: JointData) -> Float:
+        return 3.0 * bump(data) + share * 3.0 * wave(data)
+
+    def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+        return np.column_stack([bump(data), shape["form"] * wave(data)])
+
+    def wave(data: JointData) -> Float:
+        return 0.1 * np.sin(9.0 * data.q)
+
+    forms = replace(
+        SQUARE,
+        name="forms",
+        shapes=({"form": 0.0}, {"form": 1.0}),
+        columns=columns,
+        column_units=("1", "1"),
+        admissible=lambda _factors, _shape: True,
+        richer=lambda shape: shape["form"] > 0.0,
+    )
+    ground = make_ground(moved_joint(both, noise_nm=0.01, duration_s=40.0), None, 0)
+    for toy, told in ((forms, rich), (replace(forms, richer=lambda _shape: False), True)):
+        library = build_library((toy,), ground.data, ground.baseline(), ground.rows)
+        (found,) = find_names(ground, (toy,), library, 0.05, np.random.default_rng(0)).found
+        assert (found.shape["form"] > 0.0) == told
+
+
 def test_twins_are_alternatives() -> None:
     ground = ground_of(square)
     toys = (replace(SQUARE, same_as=("bump",)), BUMP)

@@ -161,6 +161,35 @@ def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
         load_model(tmp_path / "none.toml")
 
 
+OF_ONE_LINK = {
+    "gravity_cos_nm": 0.0,
+    "gravity_sin_nm": 0.0,
+    "link_moment_x_kg_m": 0.02,
+    "link_moment_y_kg_m": 0.01,
+    "link_moment_z_kg_m": 0.0,
+    "link_mass_kg": 0.3,
+    "gravity_across_1_m_s2": 0.0,
+    "gravity_across_2_m_s2": 0.0,
+    "gravity_error_source": 7.0,
+}
+"""All numbers of a gravity error that version 0.1.0 wrote."""
+
+
+def test_numbers_that_earlier_versions_did_not_know_may_be_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    terms = "".join(f"{name} = {value}\n" for name, value in OF_ONE_LINK.items())
+    path.write_text(HEAD + JOINT_TEXT + "[joint.terms.gravity_error]\n" + terms)
+    arm = load_model(path)
+    assert arm.joints[0] is not None
+    (term,) = arm.joints[0].terms
+    told = {p.name: value for p, value in zip(term.term.parameters, term.values, strict=True)}
+    assert {name: told.pop(name) for name in OF_ONE_LINK} == OF_ONE_LINK
+    assert set(told.values()) == {0.0}
+    save_model(arm, path, overwrite=True)
+    assert "next_link" not in path.read_text()
+    assert load_model(path) == arm
+
+
 def test_an_arm_has_a_name_per_joint() -> None:
     with pytest.raises(AnalysisError, match="2 names for 1 joints"):
         ArmModel(names=("a", "b"), joints=(JOINT,))

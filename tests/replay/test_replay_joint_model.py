@@ -51,7 +51,7 @@ VALUES: dict[str, tuple[float, ...]] = {
     "torque_ripple": (0.0, 0.08, 40.0),
     "cable_spring": (0.4, 0.0, 0.0, 0.3, 0.0),
     "joint_limit_stop": (0.5, 0.5, 0.1, 0.1, 0.4, -0.1, 1.5),
-    "gravity_error": (0.3, 0.1, *([0.0] * 7)),
+    "gravity_error": (0.3, 0.1, *([0.0] * 15)),
     "friction_step": (0.15, 0.02, 20.0, 0.0),
     "torque_drift": (0.1, 0.05, 0.02, 0.01),
     "warm_up": (0.1, 0.02, 30.0, 0.0),
@@ -240,7 +240,7 @@ def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
         (replace(with_term("torque_ripple"), inertia_kg_m2=0.0), "an inertia of 0 "),
         (replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("asymmetric_coulomb", (0.5,)))), "friction pushes"),
         (
-            replace(SIMPLE, terms=(FittedTerm("gravity_error", (0.0,) * 5 + (1.0, 0.0, 0.0, 2.0)),)),
+            replace(SIMPLE, terms=(FittedTerm("gravity_error", (0.0,) * 5 + (1.0,) + (0.0,) * 10 + (2.0,)),)),
             "gravity_error: it needs the model of the arm",
         ),
         (replace(SIMPLE, terms=(FittedTerm("warm_up", (0.1, 0.0, 30.0, 0.01)),)), "warm_up: it needs the temperature"),

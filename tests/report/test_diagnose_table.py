@@ -155,6 +155,7 @@ def test_more_numbers_than_people_read_are_left_to_the_document() -> None:
     [
         ("unlogged_form", 1.0, "dead band"),
         ("gravity_error_source", -1.0, "base"),
+        ("gravity_error_source", -2.0, "several links"),
         ("gravity_error_source", 5.0, "number of the link 5"),
         ("coupling_source", 4.0, "model of the arm"),
     ],

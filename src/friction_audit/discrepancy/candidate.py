@@ -30,6 +30,10 @@ class Baseline:
     declared: frozenset[str] = frozenset()
 
 
+def _plain(_shape: Shape) -> bool:
+    return False
+
+
 def _sharp(_baseline: Baseline, _shape: Shape) -> float:
     return 0.0
 
@@ -59,6 +63,7 @@ class Candidate:
         leans_on_model: Whether its columns hold torque of the declared model, so that they change with its factors.
         rugged: Name of the number of its shape on which the misfit has many valleys; empty without one.
         beside_rugged: Values of other numbers of the shape to try for each value of that one.
+        richer: ``richer(shape)``: whether a shape is told only where it adds a good deal to the best of the others.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
     """
 
@@ -75,6 +80,7 @@ class Candidate:
     leans_on_model: bool = False
     rugged: str = ""
     beside_rugged: tuple[Shape, ...] = ()
+    richer: Callable[[Shape], bool] = _plain
     blur: Callable[[Baseline, Shape], float] = _sharp
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None

@@ -102,10 +102,14 @@ def _stated(model: JointModel) -> dict[str, float]:
 
 
 def _columns(term: FittedTerm, data: JointData, rest: Float) -> dict[str, Float]:
-    """The linear columns of a term by name of their factor, its shape as stated."""
+    """The linear columns of a term by name of their factor, its shape as stated; none for what the file lacks."""
     shape = term.values[len(term.term.linear) :]
     regressor = term.term.regressor(data.motion(rest), shape)
-    return {parameter.name: regressor[:, k] for k, parameter in enumerate(term.term.linear)}
+    return {
+        parameter.name: regressor[:, k]
+        for k, (parameter, value) in enumerate(zip(term.term.linear, term.values, strict=False))
+        if value != 0.0 or not parameter.optional
+    }
 
 
 def least_squares(columns: Float, y: Float) -> Float:

@@ -64,9 +64,9 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     """
     fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
     terms = [
-        FittedTerm(term.name, (*(fitted[p.name] for p in term.linear), *_shape(term, declared)))
+        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.linear), *_shape(term, declared)))
         for term in TERMS
-        if term.name != "inertia" and all(p.name in fitted for p in term.linear)
+        if term.name != "inertia" and all(p.name in fitted for p in term.linear if not p.optional)
     ]
     held = () if declared is None else declared.held
     terms += [] if declared is None else [term for term in declared.terms if term.name in held]

@@ -15,6 +15,8 @@ RATE_HZ = 200.0
 """The model is evaluated so often: above twice what the motion on the grid holds."""
 MOMENTS_AND_MASS = (1, 2, 3, 0)
 """Inertial parameters that have weight, in the order in which they are preferred."""
+ROUNDING = 1e-9
+"""What is less per kg or kg m is no weight. [N m]"""
 
 Motion = tuple[Float, Float, Float]
 """Position, velocity and acceleration of all joints, shape (n, j) each."""
@@ -81,7 +83,10 @@ def _on(t: Float, times: Float, torque: Float) -> Float:
 def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:
     joints = motion[0].shape[1]
     links = [_links(arm, joint) for joint in range(joints)]
-    tilt, weights = sign * tilt_torque(arm, motion[0]), _weights(arm, motion[0], links)
+    still = np.zeros_like(motion[0])
+    tilt = sign * tilt_torque(arm, motion[0])
+    # Where the motors move the arm, what is heavier than in its model resists by its inertia too.
+    weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links)
     tips = None if inertial is None else _tips(arm, motion)
     return tuple(
         RigidBody(
@@ -104,18 +109,18 @@ def _links(arm: Arm, joint: int) -> tuple[int, ...]:
     return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
 
 
-def _weights(arm: Arm, q: Float, links: Sequence[tuple[int, ...]]) -> list[Float]:
-    """Of each joint the gravity torque per unit of first moments and mass of its links, no news zero, (n, links, 4)."""
+def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list[Float]:
+    """Of each joint torque per first moment and mass of its links, zero where weight is no news, (n, links, 4)."""
     many = len(MOMENTS_AND_MASS)
     joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
     carried = np.repeat(np.concatenate(links) - 1, many)
     places = np.tile(MOMENTS_AND_MASS, len(carried) // many)
-    still = np.zeros_like(q)
-    anywhere = regressor_entries(arm, random_motion(q.shape[1], moving=False), joints, carried, places)
-    along = regressor_entries(arm, (q, still, still), joints, carried, places)
+    anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
+    along = regressor_entries(arm, motion, joints, carried, places)
     kept = np.concatenate([news(one) for one in np.hsplit(anywhere, len(carried) // many)])
+    kept &= np.abs(anywhere).max(axis=0) > ROUNDING
     borders = np.cumsum([many * len(own) for own in links])[:-1]
-    return [one.reshape(len(q), -1, many) for one in np.split(along * kept, borders, axis=1)]
+    return [one.reshape(len(along), -1, many) for one in np.split(along * kept, borders, axis=1)]
 
 
 def _tips(arm: Arm, motion: Motion) -> list[Float]:

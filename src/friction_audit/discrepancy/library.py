@@ -77,12 +77,24 @@ def without(library: Library, name: str) -> Library:
     return Library(entries=kept, untestable=library.untestable)
 
 
+def plainer(library: Library, name: str) -> Library:
+    """The library without the richer shapes of one candidate."""
+    entries = (_plainer(entry) if entry.candidate.name == name else entry for entry in library.entries)
+    return Library(entries=tuple(entries), untestable=library.untestable)
+
+
 def keep_rows(library: Library, kept: NDArray[np.bool_]) -> Library:
     """The library on some of the rows, shape (m,)."""
     entries = (
         _made(e.candidate, e.shapes, [columns[kept] for columns in e.columns], e.trials) for e in library.entries
     )
     return Library(entries=tuple(entries), untestable=library.untestable)
+
+
+def _plainer(entry: Entry) -> Entry:
+    kept = [k for k, shape in enumerate(entry.shapes) if not entry.candidate.richer(shape)]
+    shapes, columns = tuple(entry.shapes[k] for k in kept), [entry.columns[k] for k in kept]
+    return _made(entry.candidate, shapes, columns, entry.trials)
 
 
 def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:

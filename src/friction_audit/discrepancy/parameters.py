@@ -158,7 +158,7 @@ def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:
 def _factor_names(found: Found) -> list[str]:
     term = found.candidate.term
     if term is not None:
-        return [parameter.name for parameter in term.linear]
+        return [parameter.name for parameter in term.linear[: found.columns.shape[1]]]
     return [f"factor_{k}_{unit}" for k, unit in enumerate(found.candidate.column_units, start=1)]
 
 

@@ -70,7 +70,8 @@ def _joint_lines(joint: JointModel) -> Iterator[str]:
     for term in joint.terms:
         yield from ("", f"[joint.terms.{term.name}]  # {term.term.label}")
         for parameter, value in zip(term.term.parameters, term.values, strict=True):
-            yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
+            if value != 0.0 or not parameter.optional:
+                yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
 
 
 def _text(text: str) -> str:
@@ -123,7 +124,7 @@ def _term_faults(name: str, values: object, where: str) -> Iterator[str]:
         return
     wanted = tuple(parameter.name for parameter in term.parameters)
     yield from _strangers(values, wanted, f"{where}: {name}")
-    missing = [key for key in wanted if key not in values]
+    missing = [p.name for p in term.parameters if p.name not in values and not p.optional]
     if missing:
         yield f"{where}: {name}: {', '.join(missing)} missing"
     yield from (
@@ -168,4 +169,5 @@ def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | No
 def _term(name: str, values: Mapping[str, Any]) -> FittedTerm:
     """Return a term, its values in the order of its parameters."""
     term = next(term for term in TERMS if term.name == name)
-    return FittedTerm(name, tuple(float(values[parameter.name]) for parameter in term.parameters))
+    # What may be missing was asked before: only optional numbers are.
+    return FittedTerm(name, tuple(float(values.get(parameter.name, 0.0)) for parameter in term.parameters))

@@ -17,8 +17,9 @@ class RigidBody:
     Attributes:
         t: Times, shape (m,). [s]
         links: Numbers (1..j) of the links whose weight is told.
-        weight: Gravity torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, columns that are
-            no news after those before them zero, shape (m, len(links), 4).
+        weight: Torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, by gravity, and by the
+            links' inertia where it is in the balance; columns whose weight is no news after those before them zero,
+            shape (m, len(links), 4).
         tilt: Gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2).
         inertial: Torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,). [N m]
         tip: The same per unit of each inertial parameter of the last link, no news zero, shape (m, 10), or None.

@@ -82,6 +82,7 @@ class Parameter:
         lower: Smallest value that makes sense.
         upper: Largest value that makes sense.
         whole: True for a choice by number, between which there is nothing.
+        optional: True for a factor that a file of a model may lack, where it is 0.
     """
 
     name: str
@@ -90,6 +91,7 @@ class Parameter:
     lower: float = -inf
     upper: float = inf
     whole: bool = False
+    optional: bool = False
 
     def allows(self, value: float) -> bool:
         """Return True for a finite value within the bounds."""
