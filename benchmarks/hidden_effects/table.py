@@ -45,6 +45,11 @@ def wrong(row: Row) -> bool:
     return row["verdict"] in {"named", "ambiguous"} and any(not one & truth for one in sets_of(row))
 
 
+def misnamed(row: Row) -> bool:
+    """Whether the answer is sure, and holds wrong names and nothing else."""
+    return wrong(row) and not set().union(*sets_of(row)) & set(row["truth"].split("+"))
+
+
 def share(flags: Iterable[bool]) -> str:
     """A share in percent with its number and its 95 % interval (Wilson)."""
     given = list(flags)
@@ -67,7 +72,10 @@ def hidden_here(row: Row) -> bool:
 
 def by_effect(rows: Sequence[Row]) -> str:
     """One line per effect of the catalogue, on one joint, then on arms; all pairs together at the end."""
-    head = ("hidden", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]", "in the answer at 0.2 [%]")
+    head = (
+        "hidden", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]", "only wrong names [%]",
+        "in the answer at 0.2 [%]",
+    )  # fmt: skip
     lines = []
     for name in (candidate.name for candidate in CANDIDATES):
         own = [row for row in rows if row["truth"] == name]
@@ -86,8 +94,26 @@ def _by_place(label: str, rows: Sequence[Row]) -> list[tuple[str, list[Row]]]:
 def _effect_line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
     clear = [row for row in rows if float(row["partial"]) >= CLEAR]
     small = [row for row in rows if float(row["partial"]) < CLEAR]
-    shares = (map(held, clear), map(exact, clear), map(wrong, clear), map(held, small))
+    shares = (map(held, clear), map(exact, clear), map(wrong, clear), map(misnamed, clear), map(held, small))
     return (label, str(len(rows)), *(share(flags) for flags in shares))
+
+
+def by_strength(rows: Sequence[Row]) -> str:
+    """One line per strength, all effects together, and one for all that have to be found."""
+    head = (
+        "one effect, strength", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]",
+        "only wrong names [%]", "`none` [%]",
+    )  # fmt: skip
+    single = [row for row in rows if row["truth"] in {candidate.name for candidate in CANDIDATES}]
+    sizes = sorted({float(row["partial"]) for row in single})
+    parts = [(f"{size:g}", [row for row in single if float(row["partial"]) == size]) for size in sizes]
+    parts.append((f"from {CLEAR:g}", [row for row in single if float(row["partial"]) >= CLEAR]))
+    return table(head, [_strength_line(label, part) for label, part in parts])
+
+
+def _strength_line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
+    shares = (map(judge, rows) for judge in (held, exact, wrong, misnamed))
+    return (label, str(len(rows)), *map(share, shares), share(row["verdict"] == "none" for row in rows))
 
 
 def numbers(rows: Sequence[Row]) -> str:
@@ -162,7 +188,7 @@ def main() -> None:
     asked = parser.parse_args()
     rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
     here = [row for row in rows if hidden_here(row)]
-    text = "\n\n".join((by_effect(here), without_effect(rows), gaps(here), numbers(here)))
+    text = "\n\n".join((by_strength(here), by_effect(here), without_effect(rows), gaps(here), numbers(here)))
     if asked.output is None:
         print(text)
         return
