@@ -99,7 +99,7 @@ def test_inertia_that_was_left_in_is_named_and_its_share_is_one(number: int) -> 
     ("number", "most_nm"), [(1, 0.16), (2, 0.21), (3, 0.12), (4, 0.12), (5, 0.06), (6, 0.04), (7, 0.03)]
 )
 def test_what_is_left_of_the_whole_model_on_locked_cycles(number: int, most_nm: float) -> None:
-    """In the median of three locks: a lock holds three to five cycles of this log, and which they are moves the rms by half."""
+    """In the median of three locks, which hold three to five cycles each: another lock, another rms, by half."""
     gaps = [diagnosed(*WHOLE, *seed)[number]["gap"] for seed in ((), ("--seed", "1"), ("--seed", "2"))]
     assert float(np.median([gap["final_rms_nm"] for gap in gaps])) < most_nm
     assert all(gap["final_rms_nm"] < gap["baseline_rms_nm"] for gap in gaps)
