@@ -7,9 +7,10 @@ import numpy as np
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, smooth_motion
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, along_motions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion
 from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM, added_by_plays
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
@@ -47,17 +48,14 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
-    """The same for many plays, all along one motion or smooth ones."""
-    places: dict[float | None, list[int]] = {}
-    for place, shape in enumerate(shapes):
-        places.setdefault(shape.get("motion_below_hz"), []).append(place)
-    for below_hz, alike in places.items():
-        plays = [
-            (shape["gap_rad"], shape["contact_hz"], shape.get("flank_damping_ratio", CONTACT_DAMPING_RATIO))
-            for shape in (shapes[place] for place in alike)
-        ]
-        for k, column in added_by_plays(smooth_motion(data, baseline, below_hz), plays):
-            yield alike[k], column
+    """The same for many plays."""
+    yield from along_motions(data, baseline, shapes, _plays)
+
+
+def _plays(motion: Motion, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    damping = "flank_damping_ratio"
+    plays = [(one["gap_rad"], one["contact_hz"], one.get(damping, CONTACT_DAMPING_RATIO)) for one in shapes]
+    yield from added_by_plays(motion, plays)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

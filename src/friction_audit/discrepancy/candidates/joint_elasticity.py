@@ -7,10 +7,11 @@ import numpy as np
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, smooth_motion
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, along_motions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
+from friction_audit.model.term import Motion
 from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM, per_compliance
 from friction_audit.model.transmission import HIGHEST_HZ, far_side
 
@@ -80,17 +81,13 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
-    """The same for many springs, all along one motion or smooth ones."""
-    places: dict[float | None, list[int]] = {}
-    for place, shape in enumerate(shapes):
-        places.setdefault(shape.get("motion_below_hz"), []).append(place)
-    for below_hz, alike in places.items():
-        springs = [
-            (shape["spring_nm_per_rad"], shape["soft_nm"], shape.get("damping_ratio", DAMPING_RATIO))
-            for shape in (shapes[place] for place in alike)
-        ]
-        for k, column in per_compliance(smooth_motion(data, baseline, below_hz), springs):
-            yield alike[k], column
+    """The same for many springs."""
+    yield from along_motions(data, baseline, shapes, _springs)
+
+
+def _springs(motion: Motion, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    springs = [(one["spring_nm_per_rad"], one["soft_nm"], one.get("damping_ratio", DAMPING_RATIO)) for one in shapes]
+    yield from per_compliance(motion, springs)
 
 
 def _stiffnesses(data: JointData) -> Float:

@@ -1,10 +1,11 @@
 """Motion of a joint without what is hardly more than noise: what rings on it would ring with the noise too."""
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
@@ -40,3 +41,25 @@ def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
     half = round(FILTER_S / step_s)
     kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
     return np.asarray(oaconvolve(np.pad(signal, half, mode="edge"), kernel, "valid"))
+
+
+def along_motions(
+    data: JointData,
+    baseline: Baseline,
+    shapes: Sequence[Shape],
+    added: Callable[[Motion, Sequence[Shape]], Iterator[tuple[int, Float]]],
+) -> Iterator[tuple[int, Float]]:
+    """Columns of many shapes, all of them along one motion at a time: as measured, or below the frequency they name.
+
+    Args:
+        data: The joint.
+        baseline: The declared model as fitted.
+        shapes: Those with ``motion_below_hz`` go along a smooth motion.
+        added: Pairs of the place in the list and the columns, of shapes along one motion.
+    """
+    places: dict[float | None, list[int]] = {}
+    for place, shape in enumerate(shapes):
+        places.setdefault(shape.get("motion_below_hz"), []).append(place)
+    for below_hz, alike in places.items():
+        for k, column in added(smooth_motion(data, baseline, below_hz), [shapes[place] for place in alike]):
+            yield alike[k], column
