@@ -91,8 +91,13 @@ def test_inertia_that_was_left_in_is_named_and_its_share_is_one(number: int) -> 
     effect = next(one for one in joint["effects"] if one["name"] == "inertial_coupling")
     assert effect["parameters"]["inertial_torque_share"] == pytest.approx(1.0, abs=0.1)
     assert effect["gap_after_nm"] < 0.35 * effect["gap_before_nm"]
-    # What is left is what the whole model of the arm leaves of the same cycles, or less.
-    assert joint["gap"]["final_rms_nm"] < 1.1 * diagnosed(*WHOLE)[number]["gap"]["baseline_rms_nm"] or number == 4
+
+
+@pytest.mark.parametrize("number", [1, 2, 3])
+def test_what_is_left_once_inertia_is_named_is_what_the_whole_model_leaves(number: int) -> None:
+    """Of the same cycles, or less. On joint 4 twice as much is left, 0.38 against 0.17 N m, and why is not known."""
+    left = diagnosed(*BARE)[number]["gap"]["final_rms_nm"]
+    assert left < 1.1 * diagnosed(*WHOLE)[number]["gap"]["baseline_rms_nm"]
 
 
 @pytest.mark.parametrize(
