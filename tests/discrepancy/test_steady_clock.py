@@ -55,6 +55,26 @@ def test_a_clock_that_drifts_is_followed() -> None:
     assert off_ticks(steady[inside], tick[inside]) < 3e-5
 
 
+@pytest.mark.parametrize("rate", [500, 1000])
+def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None:
+    rng = np.random.default_rng(4)
+    tick = np.flatnonzero(rng.random(20_000) >= 0.03) / rate
+    late = np.minimum(rng.exponential(1.9e-4, len(tick)), 0.8 / rate)
+    steady = steady_clock(tick + late)
+    apart = np.abs(steady - tick - np.median(steady - tick))
+    assert np.mean(late > 0.5 / rate) > 2e-3
+    # Only one whose next tick was lost has nobody who tells that it is late.
+    assert np.mean(apart > 0.25 / rate) < 0.05 * np.mean(late > 0.5 / rate)
+    assert np.median(apart) < 2e-5
+
+
+def test_late_stamps_do_not_stretch_the_period() -> None:
+    rng = np.random.default_rng(5)
+    tick = np.flatnonzero(rng.random(60_000) >= 0.06) * STEP
+    late = steady_clock(tick + rng.exponential(1.9e-4, len(tick)).clip(max=0.8e-3)) - tick
+    assert np.ptp(np.polyval(np.polyfit(tick, late, 1), tick[[0, -1]])) < 1e-4
+
+
 def test_stamps_without_a_clock_stay_as_they_are() -> None:
     t = np.cumsum(np.random.default_rng(2).exponential(STEP, 3000))
     assert steady_clock(t) is t

@@ -3,6 +3,7 @@
 A robot samples at even ticks; a stamp is that tick plus the time that some other computer took to notice. A stamp that
 is 0.1 ms late moves a joint at 1 rad/s by 0.1 mrad, far more than its encoder's noise. Where stamps are ticks of one
 clock, some of them lost, the clock's phase is followed, averaged over half a second, and every stamp goes to its tick.
+Where one is so late that it is nearer to the next tick, which has a stamp of its own, it goes to the one before.
 """
 
 import numpy as np
@@ -11,8 +12,12 @@ from friction_audit.joint_log import Float, median_step
 
 WINDOW_S = 0.5
 FEWEST_STAMPS = 100
+LAGS = (8, 64)
+"""Stamps over which the period is measured: over the first, the usual step may be off by six in a hundred."""
 LEAST_COHERENCE = 0.5
 """Length of the mean phasor over a window, 1 for stamps exactly on ticks: below it, there is no tick to be seen."""
+MOST_MOVED = 0.1
+"""Of the stamps, those that are a tick too late: where there are more, they are no ticks of this clock."""
 
 
 def steady_clock(t: Float) -> Float:
@@ -21,13 +26,24 @@ def steady_clock(t: Float) -> Float:
 
     if len(t) < FEWEST_STAMPS:
         return t
-    steps = np.maximum(np.round(np.diff(t) / median_step(t)), 1.0)
-    period = float(np.polyfit(np.concatenate([[0.0], np.cumsum(steps)]), t, 1)[0])
+    period = _period(t)
     phasor = np.exp(2j * np.pi * t / period)
     window = min(int(WINDOW_S / period), len(t))
     mean = uniform_filter1d(phasor.real, window) + 1j * uniform_filter1d(phasor.imag, window)
     if np.abs(mean).min() < LEAST_COHERENCE:
         return t
     phase = np.unwrap(np.angle(mean)) / (2 * np.pi)
-    steady = (np.round(t / period - phase) + phase) * period
-    return steady if np.all(np.diff(steady) > 0) else t
+    tick = np.round(t / period - phase)
+    order = np.arange(len(t))
+    own = np.minimum.accumulate((tick - order)[::-1])[::-1] + order
+    return np.asarray((own + phase) * period) if np.mean(own < tick) <= MOST_MOVED else t
+
+
+def _period(t: Float) -> float:
+    """Ticks' period: the usual step, mended by how far stamps gain on it over many steps, jitter taken away. [s]"""
+    period = median_step(t)
+    for far in LAGS:
+        phasor = np.exp(2j * np.pi * t / period)
+        gained = float(np.angle(np.mean(phasor[far:] * phasor[:-far].conj()))) / (2.0 * np.pi)
+        period *= 1.0 + gained * period / float(np.mean(t[far:] - t[:-far]))
+    return period
