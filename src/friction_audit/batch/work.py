@@ -1,6 +1,7 @@
 """What a worker does with one log: read it, run the chain, keep the summary.
 
-A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled.
+A worker may be a process on this machine or on another one: all that goes in and comes out can be pickled. Who only
+hands the work out imports no more than the names of it.
 """
 
 import socket
@@ -17,7 +18,6 @@ from friction_audit.batch.recorded import Fault, Recorded, Worked
 from friction_audit.batch.remote import fetched
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.drift.session import Session
-from friction_audit.drift.summarise import conditions_of, summarise_joints
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.ingest import SeveralArmsError, arm_told_by, read_log
 from friction_audit.ingest.fingerprint import sha256_of
@@ -115,6 +115,8 @@ def _record(settings: BatchSettings, path: Path, topic: str, read_topic: str | N
 
 
 def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
+    from friction_audit.drift.summarise import conditions_of, summarise_joints
+
     log, interaction = estimate.log, estimate.interaction
     source = log.source
     return Session(

@@ -3,6 +3,7 @@
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
+from importlib import import_module
 from pathlib import Path
 from threading import Thread
 from typing import TYPE_CHECKING, Annotated
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from friction_audit.batch.log_file import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
     from friction_audit.batch.settings import BatchSettings
+    from friction_audit.discrepancy.settings import DiagnosisSettings
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
     from friction_audit.report.batch_summary import BatchSummary
@@ -42,6 +44,16 @@ INTERRUPTED = 130
 """Exit code: stopped by the user."""
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
 """Parameters that change nothing in the numbers; what a file of values held is written out."""
+FOR_RESULTS = (
+    "friction_audit.export.write_columns",
+    "friction_audit.report.batch_document",
+    "friction_audit.report.batch_table",
+    "friction_audit.report.html.batch_page",
+    "friction_audit.report.session_table",
+    "jinja2",
+    "pyarrow.parquet",
+)
+"""Modules that writing the results takes, imported while others read logs."""
 MOST_NAMED = 5
 """Logs that a message names; more are counted."""
 
@@ -164,7 +176,7 @@ def command(
         told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
         if told is None:
             again = command_line(context, leave_out=NOT_PART_OF_IT)
-            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again)
+            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
     if not output.json:
         voice.warn(told.warnings)
@@ -176,13 +188,15 @@ def command(
 
 def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
     from friction_audit.batch.settings import BatchSettings
+
+    diagnosis = _diagnosis_settings() if sessions.diagnose else None
+    return BatchSettings(audit=audit_settings(shared), reading=read_options(shared.reading), diagnosis=diagnosis)
+
+
+def _diagnosis_settings() -> "DiagnosisSettings":
     from friction_audit.discrepancy.settings import DiagnosisSettings
 
-    return BatchSettings(
-        audit=audit_settings(shared),
-        reading=read_options(shared.reading),
-        diagnosis=DiagnosisSettings() if sessions.diagnose else None,
-    )
+    return DiagnosisSettings()
 
 
 def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":
@@ -230,7 +244,7 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
 
 
 def _processes(running: RunningOptions) -> "LocalExecutor":
-    """Return the processes of this machine; beside a cluster they draw."""
+    """Return the processes of this machine; beside a cluster they analyse arms and draw."""
     from friction_audit.batch.local_executor import LocalExecutor
 
     return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
@@ -255,14 +269,13 @@ def _catch_up(
 ) -> "Standing":
     """Work on what is new, watched; stopped by the user, say how far it came."""
     from friction_audit.batch.run_batch import catch_up
-    from friction_audit.drift.load import load
 
     last: list[Progress] = []
 
     def watch(progress: "Progress") -> None:
         last[:] = [progress]
         if progress.done == 1 < progress.total:
-            Thread(target=load, name="load", daemon=True).start()  # there is time while others read logs
+            Thread(target=_load, name="load", daemon=True).start()  # there is time while others read logs
         if count is not None:
             count(progress.done, progress.total, progress.failed)
 
@@ -273,6 +286,15 @@ def _catch_up(
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
         typer.echo(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there", err=True)
         raise typer.Exit(INTERRUPTED) from stop
+
+
+def _load() -> None:
+    """Import what is needed once all logs are read."""
+    from friction_audit.drift.load import load
+
+    load()
+    for name in FOR_RESULTS:
+        import_module(name)
 
 
 def _require_an_answer(result: "BatchResult") -> None:
@@ -304,17 +326,18 @@ def _summarise(
     drift: "DriftSettings",
     limits: "tuple[Limit, ...]",
     command: str,
+    processes: "LocalExecutor",
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
+    from friction_audit.batch.drift_of_arms import drift_of_arms
     from friction_audit.batch.run_batch import gather
-    from friction_audit.drift.analyse import analyse_drift
     from friction_audit.drift.fail_on import exceeded
     from friction_audit.report.batch_summary import BatchSummary, FailedLog
     from friction_audit.report.document import to_json
 
     result = gather(standing, settings, ledger)
     _require_an_answer(result)
-    report = analyse_drift(result.sessions, drift)
+    report = drift_of_arms(result.sessions, drift, processes)
     every = {"reading": asdict(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
     every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
     summary = BatchSummary(

@@ -24,9 +24,13 @@ def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> Drift
         sessions: Of any arms, in any order.
         settings: How drift is looked for.
     """
+    return DriftReport(arms=tuple(analyse_arm(arm, settings) for arm in arms_of(sessions)))
+
+
+def arms_of(sessions: Sequence[Session]) -> list[tuple[Session, ...]]:
+    """Return the sessions of each arm, arms in the order of their names."""
     robots = sorted({session.robot for session in sessions})
-    arms = [analyse_arm([session for session in sessions if session.robot == robot], settings) for robot in robots]
-    return DriftReport(arms=tuple(arms))
+    return [tuple(session for session in sessions if session.robot == robot) for robot in robots]
 
 
 def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrift:
