@@ -43,7 +43,7 @@ def test_a_table_per_arm_within_eighty_columns() -> None:
 def test_what_drifts_is_told_with_its_step() -> None:
     lines = lines_of(by_hand.batch(ARM))
     (row,) = [line for line in lines if line.startswith("2 ")]
-    assert " ".join(row.split()) == "2 Coulomb drift +15.0 ± 1.5 % 13 +0.00 ± 0.10 % 3.3 %"
+    assert " ".join(row.split()) == "2 Coulomb drift +15.0 ± 1.5 % 13 0 ± 0.10 % 3.3 %"
     assert "  Coulomb: step at session 13 (12 to 14), 2026-03-21: +15.0 ± 1.5 %" in lines
     assert "  Coulomb: +0.0027 ± 0.0003 N m per session, +0.00178 ± 0.00019 per day" in lines
 

@@ -149,7 +149,8 @@ def format_slope(slope: Coefficient) -> str:
         return f"{slope.value:+.2g}"
     size = math.floor(math.log10(half))
     digits = max(0, 1 - size if half < ROUGH * 10.0**size else -size)
-    return f"{slope.value:+.{digits}f} ± {half:.{digits}f}"
+    value = f"{slope.value:+.{digits}f}"
+    return f"{value if float(value) else 0} ± {half:.{digits}f}"  # many sessions: no row of zeros
 
 
 def trend_text(found: CoefficientDrift) -> str:
