@@ -28,13 +28,20 @@ class Beside:
 
     def fit(self, own: Float) -> tuple[Float, float]:
         """Factors of an effect's columns (n, p), the smallest of those that do alike, (p,), and the sum of squares."""
+        factors, rest = self._fit(own)
+        return factors, float(rest @ rest)
+
+    def left(self, own: Float) -> Float:
+        """What an effect's columns (n, p) leave, shape (n,)."""
+        return self._fit(own)[1] if own.shape[1] else self.response
+
+    def _fit(self, own: Float) -> tuple[Float, Float]:
         scale = _scale(own)
         left, size, right = np.linalg.svd(self._free(own / scale), full_matrices=False)
         there = size > COPY * np.sqrt(len(own))
         along = left.T @ self.response
         factors = right.T @ np.where(there, along / np.where(there, size, 1.0), 0.0) / scale
-        rest = self.response - left[:, there] @ along[there]
-        return factors, float(rest @ rest)
+        return factors, self.response - left[:, there] @ along[there]
 
     def _free(self, signal: Float) -> Float:
         return np.asarray(signal - self.span @ (self.span.T @ signal))

@@ -29,20 +29,29 @@ class CycleScores:
     """Sums over cycles of base and residual, and the statistics of a candidate with all their draws."""
 
     def __init__(
-        self, y: Float, base: Float, number: Index, cycles: int, weights: Float, sample_weight: Float | None = None
+        self,
+        y: Float,
+        base: Float,
+        number: Index,
+        cycles: int,
+        weights: Float,
+        sample_weight: Float | None = None,
+        at: Index | None = None,
     ) -> None:
         """Read response (n,), base (n, b) and the number of the cycle of each sample, and take draws (draws, c).
 
-        Samples of candidates are multiplied by a weight (n,), as those of response and base have been.
+        Samples of candidates are multiplied by a weight (n,), as those of response and base have been; ``at`` tells
+        which of theirs they are, all if None.
         """
-        # A log is in the order of its cycles nearly always: then nothing need be copied.
-        self.order = slice(None) if np.all(np.diff(number) >= 0) else np.argsort(number, kind="stable")
-        self.bounds = np.searchsorted(number[self.order], np.arange(cycles + 1))
+        order = np.argsort(number, kind="stable")
+        self.at = order if at is None else at[order]
+        self.bounds = np.searchsorted(number[order], np.arange(cycles + 1))
         self.weights, self.squares = weights, weights**2
-        self.sample_weight = None if sample_weight is None else sample_weight[self.order]
-        rows = base.T[:, self.order]
+        even = sample_weight is None or bool(np.all(sample_weight == 1.0))
+        self.sample_weight = None if sample_weight is None or even else sample_weight[order]
+        rows = base.T[:, order]
         self.inverse = np.linalg.pinv(rows @ rows.T, rcond=1e-12, hermitian=True)
-        response = y[self.order]
+        response = y[order]
         residual = response - rows.T @ (self.inverse @ (rows @ response))
         self.with_residual = np.ascontiguousarray(np.concatenate([residual[None], rows]).T)
         own = self._per_cycle(rows)
@@ -58,7 +67,7 @@ class CycleScores:
         """Largest statistic of all shapes, and the same in each draw, shape (draws,)."""
         form: dict[int, Float] = {}
         for block in _blocks(group.shapes):
-            forms, ranks = self._forms(self._unit_rows(group.name, block))
+            forms, ranks = self._forms(group.name, self._rows(block))
             for rank in np.unique(ranks).tolist():
                 highest = forms[:, ranks == rank].max(axis=1)
                 form[rank] = np.maximum(form.get(rank, highest), highest)
@@ -68,25 +77,31 @@ class CycleScores:
         most = np.max([np.zeros(1 + len(self.weights)), *evidence], axis=0)
         return float(most[0]), most[1:]
 
-    def _unit_rows(self, name: str, shapes: Sequence[Float]) -> Float:
-        """Columns of some shapes of one width, with a norm of 1, one below the other, shape (s, p, n)."""
-        rows = np.stack([shape.T for shape in shapes])[:, :, self.order]
+    def _rows(self, shapes: Sequence[Float]) -> Float:
+        """Columns of some shapes of one width, one below the other, shape (s, p, n)."""
+        rows = np.empty((len(shapes), shapes[0].shape[1], len(self.at)))
+        for own, shape in zip(rows, shapes, strict=True):
+            shape.T.take(self.at, axis=1, out=own, mode="clip")  # its other modes make a copy first
         if self.sample_weight is not None:
             rows *= self.sample_weight
-        norm = np.sqrt(np.einsum("spn,spn->sp", rows, rows))[:, :, None]
-        if not np.all(np.isfinite(norm)):
-            raise AnalysisError(f"candidate {name}: values that are not finite, expected numbers; leave it out")
-        rows /= np.where(norm > 0, norm, 1.0)
         return rows
 
-    def _forms(self, rows: Float) -> tuple[Float, Index]:
+    def _forms(self, name: str, rows: Float) -> tuple[Float, Index]:
         """Quadratic forms of the data, then of each draw, (1 + draws, s), from rows (s, p, n); and ranks (s,)."""
         shapes, width, samples = rows.shape
+        gram = rows @ rows.transpose(0, 2, 1)
+        norm = np.sqrt(np.diagonal(gram, axis1=1, axis2=2))
+        if not np.all(np.isfinite(norm)):
+            raise AnalysisError(f"candidate {name}: values that are not finite, expected numbers; leave it out")
+        # Columns with a norm of 1 have these products: nothing depends on units of measurement.
+        norm = np.where(norm > 0, norm, 1.0)
+        gram /= norm[:, :, None] * norm[:, None, :]
         products = self._per_cycle(rows.reshape(-1, samples)).reshape(len(self.base_score), shapes, width, -1)
+        products /= norm[:, :, None]
         s, A = products[..., 0], products[..., 1:]
         total = A.sum(axis=0)
         lean = total @ self.inverse
-        turn = _orthonormal(rows @ rows.transpose(0, 2, 1) - lean @ total.transpose(0, 2, 1))
+        turn = _orthonormal(gram - lean @ total.transpose(0, 2, 1))
         s = np.einsum("csp,spr->csr", s - np.einsum("ca,spa->csp", self.base_score, lean), turn)
         A = np.einsum("spr,cspb->csrb", turn, A - np.einsum("spa,cab->cspb", lean, self.base_gram))
         drawn = quadratic_form(self._sums(s), self._spread(s, A))

@@ -211,7 +211,7 @@ def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
     groups = [*catalogue, *(curve.group for curve in ground.curves), ground.surface]
     clusters, base = len(np.unique(cluster)), ground.base.shape[1] + torque.shape[1]
     widest = min(clusters // CLUSTERS_PER_COLUMN, clusters - base - MIN_SPARE_CYCLES)
-    fitting = [narrow.keep(w) for group in groups if (narrow := group.narrow(widest)) is not None]
+    fitting = [narrow for group in groups if (narrow := group.narrow(widest)) is not None]
     even = even_weights(left[w], cluster, len(np.unique(ground.rows.cycle[w])))
     return omnibus_test(
         ground.y[w],
@@ -221,6 +221,7 @@ def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
         rng,
         remember=found.remember,
         weight=even,
+        at=np.flatnonzero(w),
     )
 
 

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.curves import Curve, build_curves, build_surface
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
@@ -117,9 +118,17 @@ class Ground:
         return self._memory()
 
     def _memory(self, *effects: Float) -> float:
-        run = np.where(self.working, self.run, -1)
-        curves = [*(curve.group.shapes[0] for curve in self.curves), self.rigid]
-        return min(integral_time(self.residual(*columns), run) for columns in (effects, [*effects, *curves]))
+        # A run lies within one cycle, so that its working rows follow each other among these too.
+        run, own = self.run[self.working], [effect[self.working] for effect in effects]
+        columns = np.hstack([np.zeros((len(run), 0)), *own])
+        return min(integral_time(beside.left(columns), run) for beside in self._beside)
+
+    @cached_property
+    def _beside(self) -> tuple[Beside, Beside]:
+        """The working rows beside the declared model, and beside curves and rigid bodies too."""
+        y, base = self.y[self.working], self.base[self.working]
+        curves = [curve.group.shapes[0][self.working] for curve in self.curves]
+        return Beside(base, y), Beside(np.hstack([base, *curves, self.rigid[self.working]]), y)
 
     def clusters(self, which: NDArray[np.bool_], *effects: Float) -> Clusters:
         """Cycles of some rows, put together until they outlast the noise's memory, or cut where they are few."""

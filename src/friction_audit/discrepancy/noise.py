@@ -38,10 +38,13 @@ def autocovariance(residual: Float, run: Index, lags: int) -> tuple[Float, Index
     sums, pairs = np.zeros(lags + 1), np.zeros(lags + 1, np.int64)
     kept = np.where(run >= 0, residual, 0.0)
     for lag in range(min(lags, len(residual) - 1) + 1):
-        same = (run[lag:] == run[: len(run) - lag]) & (run[lag:] >= 0)
-        sums[lag] = np.dot(kept[lag:] * same, kept[: len(run) - lag])
-        pairs[lag] = same.sum()
+        sums[lag], pairs[lag] = _at_lag(kept, run, lag)
     return sums, pairs
+
+
+def _at_lag(kept: Float, run: Index, lag: int) -> tuple[float, int]:
+    same = (run[lag:] == run[: len(run) - lag]) & (run[lag:] >= 0)
+    return float(np.dot(kept[lag:] * same, kept[: len(run) - lag])), int(np.count_nonzero(same))
 
 
 def integral_time(residual: Float, run: Index) -> float:
@@ -54,16 +57,17 @@ def integral_time(residual: Float, run: Index) -> float:
     _, lengths = np.unique(run[run >= 0], return_counts=True)
     if not len(lengths):
         return 1.0
-    sums, pairs = autocovariance(residual, run, int(min(lengths.max() - 1, LONGEST_MEMORY)))
-    told = pairs >= max(FEWEST_PAIRS * pairs[0], 2)
-    gamma = (sums / np.maximum(pairs, 1))[told]
-    if len(gamma) == 1 or gamma[0] <= 0:
-        return 1.0
-    rho = gamma[: len(gamma) // 2 * 2] / gamma[0]
-    pair_sums = rho[0::2] + rho[1::2]
-    ends = np.flatnonzero(pair_sums <= 0)
-    kept = pair_sums[: ends[0]] if len(ends) else pair_sums
-    return max(2.0 * float(kept.sum()) - 1.0, 1.0)
+    kept = np.where(run >= 0, residual, 0.0)
+    size, samples = _at_lag(kept, run, 0)
+    enough, longest = max(FEWEST_PAIRS * samples, 2), int(min(lengths.max() - 1, LONGEST_MEMORY))
+    pair_sums: list[float] = []
+    # Two lags after two, no further than they count: most memories end long before the longest.
+    for lag in range(0, longest, 2):
+        (first, one), (second, other) = _at_lag(kept, run, lag), _at_lag(kept, run, lag + 1)
+        if size <= 0.0 or other < enough or (pair := (first / one + second / other) / (size / samples)) <= 0.0:
+            break
+        pair_sums.append(pair)
+    return max(2.0 * float(np.sum(pair_sums)) - 1.0, 1.0)
 
 
 def grid_noise(signal: Float, differences: int = 2) -> float:

@@ -64,7 +64,7 @@ class Omnibus:
     cycles: int
 
 
-def omnibus_test(
+def omnibus_test(  # noqa: PLR0913
     y: Float,
     base: Float,
     groups: Sequence[Group],
@@ -74,6 +74,7 @@ def omnibus_test(
     draws: int = 999,
     remember: bool = False,
     weight: Float | None = None,
+    at: Index | None = None,
 ) -> Omnibus:
     """Tests all candidates at once; the family-wise error holds under correlated candidates and serial dependence.
 
@@ -94,6 +95,7 @@ def omnibus_test(
         draws: Number of bootstrap draws.
         remember: Whether neighbours in the order of the numbers are not independent (:func:`neighbours_remember`).
         weight: What all samples of response, base and candidates are multiplied by, None for 1, shape (n,).
+        at: Which samples of the candidates' columns these n are, all if None, shape (n,).
 
     Returns:
         The test.
@@ -105,7 +107,7 @@ def omnibus_test(
     cycles = int(number.max()) + 1
     _check(cycles, base.shape[1], groups)
     weights = bootstrap_weights(rng, draws, cycles, remember=remember)
-    scores = CycleScores(*_weighted(y, base, weight), number, cycles, weights, weight)
+    scores = CycleScores(*_weighted(y, base, weight), number, cycles, weights, weight, at)
     largest = [scores.largest(group) for group in groups]
     observed, drawn = balanced(np.array([own for own, _ in largest]), np.array([drawn for _, drawn in largest]))
     return Omnibus(

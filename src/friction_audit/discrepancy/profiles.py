@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.curves import Curve
-from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.omnibus import Omnibus
 from friction_audit.discrepancy.result import Profile
 from friction_audit.joint_log import Float
@@ -16,6 +15,8 @@ FEWEST_ROWS = 5
 CLEAR = 2.0
 """Standard errors from which a bin is spoken of."""
 FOLDS = 5
+COPY = 1e-12
+"""Eigenvalue, over the largest one, of the cross products of what is a copy."""
 
 
 def profile_all(
@@ -86,10 +87,15 @@ def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
     """Share of the mean square that the curve predicts of cycles it has not seen, at least 0."""
     numbers, place = np.unique(cycle, return_inverse=True)
     fold = place % min(FOLDS, len(numbers))
-    left = np.empty_like(residual)
-    for k in range(int(fold.max()) + 1):
-        out = fold == k
-        left[out] = residual[out] - columns[out] @ least_squares(columns[~out], residual[~out])
+    left, scale = residual.copy(), np.sqrt(np.mean(columns**2, axis=0))
+    scaled = columns / np.where(scale > 0, scale, 1.0)
+    parts = [np.flatnonzero(fold == k) for k in range(int(fold.max()) + 1)]
+    # A fit to the other folds needs no more of them than their cross products.
+    grams = np.stack([(own := scaled[part]).T @ own for part in parts])
+    rights = np.stack([residual[part] @ scaled[part] for part in parts])
+    inverse = np.linalg.pinv(grams.sum(axis=0) - grams, rcond=COPY, hermitian=True)
+    for part, factors in zip(parts, (inverse @ (rights.sum(axis=0) - rights)[:, :, None])[:, :, 0], strict=True):
+        left[part] -= scaled[part] @ factors
     total = float(np.sum(residual**2))
     return max(0.0, 1.0 - float(np.sum(left**2)) / total) if total > 0 else 0.0
 

@@ -113,7 +113,10 @@ def added_torques(motion: Motion, far: FarSide, links: Sequence[Transmission]) -
     coulomb, viscous = far.coulomb_nm * motion.direction, far.viscous_nms_per_rad * motion.dq
     heavy = [slow_enough(far, link.stiffness_nm_per_rad) for link in links]
     for place, torque in _all_transmitted(motion, heavy, links):
-        yield place, torque - heavy[place].inertia_kg_m2 * motion.ddq - coulomb - viscous
+        added = np.subtract(torque, heavy[place].inertia_kg_m2 * motion.ddq, out=torque)
+        added -= coulomb
+        added -= viscous
+        yield place, added
 
 
 def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
@@ -158,7 +161,7 @@ def _all_transmitted(
         play = links[places[0]].gap_rad > 0.0
         far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
         torque = _follow(q, dq, load, step, _between_samples(step, steps), far_sides, flexible, play)
-        yield from ((k, np.ascontiguousarray(torque[:, column])) for column, k in enumerate(dict.fromkeys(places)))
+        yield from ((k, torque[lane]) for lane, k in enumerate(dict.fromkeys(places)))
 
 
 def _side_by_side(kinds: Sequence[tuple[int, bool]]) -> Iterator[tuple[int, list[int]]]:
@@ -190,15 +193,18 @@ def _follow(
 ) -> Float:
     """Integrate far sides (3, m) behind transmissions (4, m), side by side, so that a processor takes several at once.
 
-    The measured side moves along the cubic through its samples and their slopes.
+    Returns the torque of each, shape (m, n): all that follows takes them one by one. The measured side moves along the
+    cubic through its samples and their slopes.
     """
     steps, many = len(between), far.shape[1]
     h = step / steps
     stiffness, damping, half, soft = links[0], links[1], links[2], links[3]
     keep, gain, held = _pace(far, damping, h)
     keep_apart, gain_apart, held_apart = _pace(far, np.zeros(many), h)
-    torque = np.zeros((len(q), many))
+    torque = np.empty((many, len(q)))
     theta, omega = np.empty(many), np.full(many, dq[0])
+    # About the last sample and about the next one, from half a sample before to half a sample after.
+    about = np.zeros((2, many))
     for j in range(many):
         theta[j] = q[0] - _twist(load[0], links[:, j])
     for k in range(len(q) - 1):
@@ -208,7 +214,7 @@ def _follow(
             place = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1]
             speed = w[3] * rise + w[4] * dq[k] + w[5] * dq[k + 1]
             borne = load[k] + (i + 0.5) / steps * more
-            felt = torque[k if 2 * i < steps else k + 1]
+            felt = about[0 if 2 * i < steps else 1]
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             if play:
                 for j in range(many):
@@ -233,9 +239,11 @@ def _follow(
                     omega[j] = free - min(max(free, -held[j]), held[j])
                     theta[j] = behind + 0.5 * h * omega[j]
                     felt[j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
-    torque /= steps
-    torque[0] *= 2.0
-    torque[-1] *= 2.0
+        for j in range(many):
+            torque[j, k] = about[0, j] / steps
+            about[0, j], about[1, j] = about[1, j], 0.0
+    torque[:, 0] *= 2.0
+    torque[:, -1] = 2.0 * (about[0] / steps)
     return torque
 
 

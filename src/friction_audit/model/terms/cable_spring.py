@@ -17,7 +17,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     centre, free = shape
     off = motion.q - centre
     stretch = np.sign(off) * np.maximum(np.abs(off) - free, 0.0)
-    return np.column_stack([stretch, stretch**3, np.ones(len(off))])
+    return np.stack([stretch, stretch**3, np.ones(len(off))]).T
 
 
 TERM = Term(

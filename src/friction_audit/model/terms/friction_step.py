@@ -13,7 +13,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     moment, length = shape
     later = motion.t - moment
     ramp = np.clip(0.5 + later / length, 0.0, 1.0) if length > 0.0 else (later >= 0.0).astype(np.float64)
-    return np.column_stack([motion.direction * ramp, motion.dq * ramp])
+    return np.stack([motion.direction * ramp, motion.dq * ramp]).T
 
 
 TERM = Term(

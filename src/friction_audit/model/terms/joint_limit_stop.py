@@ -24,7 +24,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     above, below = np.maximum(motion.q - upper, 0.0), np.maximum(lower - motion.q, 0.0)
     touched = motion.dq * ((above > 0.0) | (below > 0.0))
     upper_power, lower_power = (above / DEPTH_RAD) ** exponent, (below / DEPTH_RAD) ** exponent
-    return np.column_stack([upper_power, -lower_power, touched, motion.dq * (upper_power + lower_power)])
+    return np.stack([upper_power, -lower_power, touched, motion.dq * (upper_power + lower_power)]).T
 
 
 TERM = Term(

@@ -24,7 +24,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     if motion.rest is not None:
         load = load + motion.rest
     size = np.abs(load) ** exponent
-    return np.column_stack([motion.direction * size, np.sign(load) * size * round(directed)])
+    return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
 
 
 TERM = Term(

@@ -17,7 +17,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     order, centre, width = shape
     off = motion.q - centre
     bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
-    return np.column_stack([bell * np.cos(order * off), bell * np.sin(order * off)])
+    return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
 
 
 TERM = Term(

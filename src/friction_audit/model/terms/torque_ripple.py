@@ -18,7 +18,7 @@ SAME_STEP = 1e-12
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return cos(k q) and sin(k q) as columns."""
     angle = shape[0] * motion.q
-    return np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.stack([np.cos(angle), np.sin(angle)]).T
 
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:

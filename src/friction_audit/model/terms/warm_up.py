@@ -21,7 +21,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     if motion.temperature is not None:
         fading = fading - per_kelvin * (motion.temperature - REFERENCE_DEGC)
     cold = np.exp(fading)
-    return np.column_stack([motion.direction * cold, motion.dq * cold])
+    return np.stack([motion.direction * cold, motion.dq * cold]).T
 
 
 TERM = Term(
