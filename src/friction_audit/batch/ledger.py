@@ -24,8 +24,8 @@ BUSY_S = 60.0
 """How long to wait while another run writes."""
 BESIDE = ("", "-wal", "-shm")
 """Endings of the files that a ledger is made of while it is open."""
-AT_ONCE = 500
-"""Keys per question: SQLite takes no more than a thousand."""
+AT_ONCE = 50
+"""Keys per question: SQLite takes no more than a thousand, and rows take memory beside what is made of them."""
 
 
 class Ledger:
