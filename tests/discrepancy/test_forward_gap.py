@@ -100,7 +100,7 @@ def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
 
 
 def test_a_model_that_cannot_be_simulated_has_no_gap_in_motion() -> None:
-    runaway = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1))))
+    runaway = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1, 0.0))))
     assert simulate_cycles(DECLARED, runaway, make_data(GROWN), np.array([4, 9])) is None
 
 

@@ -257,7 +257,7 @@ def test_a_model_of_all_that_needs_no_past_gives_the_recording_back() -> None:
         FittedTerm("stribeck", (0.1, 0.1, 2.0)),
         FittedTerm("offset", (0.05,)),
         FittedTerm("torque_ripple", (0.05, 0.05, 30.0)),
-        FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1)),
+        FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1, 0.0)),
     )
     found = simulate_along(model, recording, model.torque(recording), np.array([[50, 3900]]))
     assert found is not None

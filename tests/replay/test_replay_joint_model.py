@@ -41,7 +41,7 @@ VALUES: dict[str, tuple[float, ...]] = {
     "offset": (0.1,),
     "torque_bias": (0.1,),
     "stribeck": (0.15, 0.1, 1.5),
-    "nonlinear_viscous": (0.15, 0.6, 0.01),
+    "nonlinear_viscous": (0.15, 0.6, 0.01, 0.0),
     "asymmetric_coulomb": (0.1,),
     "asymmetric_viscous": (0.02,),
     "unlogged_compensation": (0.1, 0.05, 0.0, 0.0),

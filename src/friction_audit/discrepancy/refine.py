@@ -11,7 +11,8 @@ from friction_audit.joint_log import Float
 
 BEYOND_EDGE = 1.5
 """At the edge of the grid the search goes on by so many of its last steps."""
-EVALUATIONS = 40
+EVALUATIONS = 20
+"""For each number: two or three turn along with each other."""
 FIRST_STEP = 1.0
 """Of the simplex, as logit of the share of the way between the neighbours: from the middle to three quarters."""
 CLOSE = 0.02
@@ -65,7 +66,12 @@ def refine(
         cost,
         begin,
         method="Nelder-Mead",
-        options={"initial_simplex": first, "maxfev": EVALUATIONS, "xatol": CLOSE, "fatol": SETTLED * own},
+        options={
+            "initial_simplex": first,
+            "maxfev": EVALUATIONS * max(len(free), 2),
+            "xatol": CLOSE,
+            "fatol": SETTLED * own,
+        },
     )
     return inside(found.x) if found.fun < own else shape
 

@@ -82,7 +82,7 @@ class Parameter:
         lower: Smallest value that makes sense.
         upper: Largest value that makes sense.
         whole: True for a choice by number, between which there is nothing.
-        optional: True for a factor that a file of a model may lack, where it is 0.
+        optional: True for a number that a file of a model may lack, where it is 0.
     """
 
     name: str

@@ -150,7 +150,7 @@ def _stribeck(values: Values, _setting: Setting) -> Told:
 
 
 def _nonlinear_viscous(values: Values, _setting: Setting) -> Told:
-    torque, exponent, bend = values.values()
+    torque, exponent, bend = list(values.values())[:3]
     _require(bend <= SMALL_SPEED_RAD_S, f"its friction that bends at {bend:g} rad/s is no power of the speed")
     return "nonlinear_viscous", {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
 

@@ -14,7 +14,14 @@ FALLING = {
     "lorentzian": 1.0 / (1.0 + (V / 0.1) ** 2),
     "line to zero": np.maximum(1.0 - np.abs(V) / 0.2, 0.0),
 }
-RISING = {"root": np.sqrt(np.abs(V)), "drag": V**2, "cube": np.abs(V) ** 3, "logarithm": np.arcsinh(np.abs(V) / 0.2)}
+RISING = {
+    "root": np.sqrt(np.abs(V)),
+    "drag": V**2,
+    "cube": np.abs(V) ** 3,
+    "logarithm": np.arcsinh(np.abs(V) / 0.2),
+    "smoothed by tanh": np.tanh(np.abs(V) / 0.1),
+    "smoothed by the arc tangent": np.arctan(np.abs(V) / 0.1),
+}
 
 
 @pytest.mark.parametrize("form", FALLING)

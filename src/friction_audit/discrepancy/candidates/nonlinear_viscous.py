@@ -11,21 +11,24 @@ from friction_audit.model.terms.nonlinear_viscous import TERM
 
 POWERS = (0.5, 1.5, 2.0, 3.0)
 """Exponents of plain powers: the bend lies below all speeds of the log."""
-BENDS = 4
-LOWEST, HIGHEST = 0.03, 1.0
+BENDS = 9
+LOWEST, HIGHEST = 0.001, 1.0
 """Shares of the log's high speed between which a friction may saturate."""
+SHARPNESSES = (-0.7, 0.0, 1.5)
+"""Of saturation: as the arc tangent, a root and tanh."""
 NO_BEND = 1e-3
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Plain powers, and saturation at several speeds."""
     (fast,) = speeds(data, 95.0)
-    powers = [(exponent, NO_BEND) for exponent in POWERS]
-    saturating = [(0.0, float(share)) for share in np.geomspace(LOWEST, HIGHEST, BENDS)]
-    return tuple(
-        {"curved_viscous_exponent": exponent, "curved_viscous_speed_rad_s": share * float(fast)}
-        for exponent, share in (*powers, *saturating)
-    )
+    powers = [_curve(exponent, NO_BEND * float(fast)) for exponent in POWERS]
+    bends = [float(share * fast) for share in np.geomspace(LOWEST, HIGHEST, BENDS)]
+    return *powers, *(_curve(0.0, v) | {"curved_viscous_sharpness": s} for v in bends for s in SHARPNESSES)
+
+
+def _curve(exponent: float, speed: float) -> dict[str, float]:
+    return {"curved_viscous_exponent": exponent, "curved_viscous_speed_rad_s": speed}
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
