@@ -151,3 +151,41 @@ def test_what_an_effect_holds_is_an_alternative_where_it_gives_most_of_the_torqu
 
 def test_what_only_resembles_an_effect_is_not_held_by_it() -> None:
     assert not next(rival for rival in named(noise=2.0).rivals if rival.name == "near").held
+
+
+def named_with_a_richer_form(share: float, noise: float) -> Naming:
+    """An offset of 1, and a form with a column more, which has so large a share in the torque."""
+    rng = np.random.default_rng(7)
+    more, other, e = rng.standard_normal((3, 2000))
+    one = np.ones(2000)
+    groups = [
+        Group(name="offset", shapes=(one[:, None],)),
+        Group(name="spring", shapes=(np.column_stack([one, more]),)),
+    ]
+    products = cross_products(one + share * more + noise * e, other[:, None], groups)
+    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    return naming
+
+
+def test_a_richer_form_that_adds_nothing_to_a_strong_effect_is_no_other_name() -> None:
+    naming = named_with_a_richer_form(share=0.0, noise=0.3)
+    (spring,) = naming.rivals
+    assert spring.idle
+    assert naming.alternatives == ()
+
+
+def test_one_that_adds_a_fifth_is_one_and_so_is_one_of_a_weak_effect() -> None:
+    assert not named_with_a_richer_form(share=0.2, noise=2.0).rivals[0].idle
+    assert not named_with_a_richer_form(share=0.1, noise=6.0).rivals[0].idle
+
+
+def test_a_column_that_is_nearly_the_base_s_is_not_held_for_that() -> None:
+    """A curve that is hardly bent is nearly the line that is fitted anyway, and no part of any effect."""
+    rng = np.random.default_rng(8)
+    line, bent, e = rng.standard_normal((3, 2000))
+    step = 0.9 * bent + 0.4 * rng.standard_normal(2000)
+    groups = [Group(name="step", shapes=(step[:, None],)), Group(name="curve", shapes=((line + 3e-4 * bent)[:, None],))]
+    products = cross_products(step + 0.3 * e, line[:, None], groups)
+    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    assert not naming.rivals[0].held
+    assert naming.alternatives == ()

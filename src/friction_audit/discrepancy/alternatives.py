@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from friction_audit.discrepancy.search import CrossProducts, Ranking, Search
+from friction_audit.discrepancy.search import CrossProducts, Index, Ranking, Search
 from friction_audit.joint_log import Float
 
 CLEARLY = 1e-6
@@ -26,6 +26,8 @@ WRONG_NAME = 0.01
 """Probability that, of all that run alike, one wins a name by chance that fits better than what is there."""
 ALIKE = 0.7
 """Correlation, free of all else in the model, above which two effects look the same."""
+ADDS = 0.05
+"""Of what an effect explains, what a form of it with more numbers must explain besides to be another name."""
 HARDLY_LEFT = 1e-6
 """Share of a column's square that is left beside columns that hold it."""
 
@@ -44,6 +46,8 @@ class Rival:
         held: Whether the effect's own columns hold those of the rival, as a spring's preload holds an offset.
         ahead: By how much the effect fits better: n_eff ln(RSS with the rival / RSS with the effect).
         brings: What the effect brings beside the rival: n_eff ln(RSS with the rival / RSS with both).
+        idle: Whether its columns hold the effect's own, and all that they add is less than a twentieth (rms) of what
+            the effect explains, and no more than chance brings.
     """
 
     name: str
@@ -54,6 +58,7 @@ class Rival:
     held: bool = False
     ahead: float = 0.0
     brings: float = 0.0
+    idle: bool = False
 
     def beaten(self, by_chance: float) -> bool:
         """Whether the log decides against it: by its numbers, or by its fit.
@@ -91,8 +96,9 @@ def name_effects(
     the effect brings beside it is what chance brings to one of all that run alike in one of a hundred logs in which the
     rival is the truth (an encompassing test: Mizon and Richard 1986). A rival that the effect holds
     within it (an offset in the preload of a spring) is never better: it belongs to the set where it alone gives most of
-    the torque, for it may be there beside something smaller. Names that no motion of this kind tells apart always
-    belong to the set.
+    the torque, for it may be there beside something smaller. One that holds the effect, and adds next to nothing to it,
+    is no other name: a spring so weak that only its preload shows is an offset. Names that no motion of this kind
+    tells apart always belong to the set.
 
     Args:
         products: Cross products of the data.
@@ -109,7 +115,7 @@ def name_effects(
         rivals = _rivals(products, [c.unit for c in found.chosen], chosen.unit, n_eff)
         alike = [rival for rival in rivals if rival.correlation > ALIKE]
         by_chance = _by_chance(products, chosen.unit, len(alike))
-        close = [rival.name for rival in alike if rival.held or not rival.beaten(by_chance)]
+        close = [r.name for r in alike if r.held or not (r.idle or r.beaten(by_chance))]
         names = dict.fromkeys([*close, *(name for name in same_as.get(chosen.name, ()) if name not in taken)])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
     return tuple(entries)
@@ -174,8 +180,10 @@ def best_shapes(ranking: Ranking, others: list[int]) -> dict[int, int]:
 def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: float) -> Rival:
     """One rival of a unit, its name's evidence given."""
     entry = ranking.products.units[rival]
-    correlation, held = _likeness(ranking, others, unit, rival)
-    alone, beside, both = (ranking.rss([*others, *more]) for more in ((unit,), (rival,), (unit, rival)))
+    correlation, held, holds = _likeness(ranking, others, unit, rival)
+    nothing, alone, beside, both = (ranking.rss([*others, *more]) for more in ((), (unit,), (rival,), (unit, rival)))
+    adds, chance = ranking.n_eff * float(np.log(alone / beside)), _by_chance(ranking.products, rival, 1)
+    hardly = adds < chance and alone - beside < ADDS**2 * (nothing - alone)
     return Rival(
         name=ranking.products.names[entry.group],
         shape=entry.shape,
@@ -183,8 +191,9 @@ def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: floa
         delta_bic=own - evidence(ranking, others, rival),
         correlation=correlation,
         held=held,
-        ahead=ranking.n_eff * float(np.log(beside / alone)),
+        ahead=-adds,
         brings=ranking.n_eff * float(np.log(beside / both)),
+        idle=holds and not held and hardly,
     )
 
 
@@ -205,18 +214,29 @@ def _worth(gain: ArrayLike, numbers: ArrayLike) -> Float:
     return np.asarray(gain - numbers * np.log(np.maximum(gain / numbers, 1.0)))
 
 
-def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tuple[float, bool]:
-    """Correlation of the torques that two units would each explain, free of base and other effects; and held or not."""
+def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tuple[float, bool, bool]:
+    """Correlation of the torques that two units would each explain, free of base and other effects.
+
+    And whether the one's columns hold the rival's, and the rival's the one's.
+    """
     one, two = (ranking.products.units[u].columns for u in (unit, rival))
     cols = ranking.columns(others)
     every = np.concatenate([[0], one, two])
     lean = np.linalg.lstsq(ranking.gram[np.ix_(cols, cols)], ranking.gram[np.ix_(cols, every)], rcond=1e-12)[0]
     free = ranking.gram[np.ix_(every, every)] - ranking.gram[np.ix_(every, cols)] @ lean
-    a, b = slice(1, 1 + len(one)), slice(1 + len(one), None)
-    first = np.linalg.lstsq(free[a, a], free[a, 0], rcond=1e-8)[0]
-    second = np.linalg.lstsq(free[b, b], free[b, 0], rcond=1e-8)[0]
-    size = (first @ free[a, a] @ first) * (second @ free[b, b] @ second)
-    inside = np.linalg.lstsq(free[a, a], free[a, b], rcond=1e-12)[0]
-    left = np.diag(free[b, b] - free[b, a] @ inside)
-    held = bool(np.all(left < HARDLY_LEFT * np.diag(ranking.gram)[two]))
-    return (float(abs(first @ free[a, b] @ second) / np.sqrt(size)) if size > 0 else 0.0), held
+    a, b = np.arange(1, 1 + len(one)), np.arange(1 + len(one), len(every))
+    first = np.linalg.lstsq(free[np.ix_(a, a)], free[a, 0], rcond=1e-8)[0]
+    second = np.linalg.lstsq(free[np.ix_(b, b)], free[b, 0], rcond=1e-8)[0]
+    size = (first @ free[np.ix_(a, a)] @ first) * (second @ free[np.ix_(b, b)] @ second)
+    correlation = float(abs(first @ free[np.ix_(a, b)] @ second) / np.sqrt(size)) if size > 0 else 0.0
+    return correlation, _holds(free, a, b), _holds(free, b, a)
+
+
+def _holds(free: Float, a: Index, b: Index) -> bool:
+    """Whether columns a hold columns b, from products of what of them is free of all else.
+
+    Not by what is left of whole columns: a curve that is hardly bent is nearly the line that is fitted anyway.
+    """
+    inside = np.linalg.lstsq(free[np.ix_(a, a)], free[np.ix_(a, b)], rcond=1e-12)[0]
+    left = np.diag(free[np.ix_(b, b)] - free[np.ix_(b, a)] @ inside)
+    return bool(np.all(left <= HARDLY_LEFT * np.diag(free)[b]))
