@@ -2,7 +2,7 @@
 
     python -m benchmarks.drift.summaries [--arms 200] [--rows 1 10 16] [--output benchmarks/drift/summaries.md]
 
-100 arms of 30 sessions take about 45 s of one core. Rows have seeds of their own: those made one by one are the same.
+100 arms of 30 sessions take about a minute of one core. Every row has a seed of its own and can be made alone.
 """
 
 import argparse

@@ -15,7 +15,7 @@ from friction_audit.joint_log import Float
 from friction_audit.report.figures import save_figure
 from friction_audit.report.figures.batch import BATCH_FIGURES, BatchFigure
 from friction_audit.report.figures.batch_changes import draw_changes
-from friction_audit.report.figures.batch_control import draw_control
+from friction_audit.report.figures.batch_control import chart_limits, draw_control
 from friction_audit.report.figures.batch_curves import draw_curves, mean_curve
 from friction_audit.report.figures.batch_drift import draw_drift, stretches, trend_line, value_limits
 from friction_audit.report.figures.batch_look import MOST_MARKED, runs, tick_places
@@ -163,6 +163,15 @@ def test_near_a_level_of_zero_the_chart_is_absolute() -> None:
     assert axes.get_ylabel() == "Coulomb\n[N m]"
     _, value = line(axes, "within the limits")
     assert value == pytest.approx([point.deviation.value for point in STEP.control])
+
+
+def test_limits_of_a_session_that_tells_little_do_not_stretch_the_chart() -> None:
+    value, limit = np.array([1.0, -2.0, 0.5, 40.0, np.nan]), np.array([5.0, 5.0, 4000.0, 6.0, np.nan])
+    bottom, top = chart_limits(value, -limit, limit)
+    assert bottom == pytest.approx(-40.0 - 0.06 * 80.0)  # every deviation is shown
+    assert top == pytest.approx(40.0 + 0.06 * 80.0)
+    _, top = chart_limits(value[:3], -limit[:3], limit[:3])
+    assert top == pytest.approx(10.0 + 0.06 * 20.0)  # twice the usual limit
 
 
 def test_changes_stand_at_their_size_over_what_is_too_small_to_be_seen() -> None:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.drift.report import ArmDrift, ControlPoint, JointDrift
+from friction_audit.joint_log import Float
 from friction_audit.report.drift_words import coefficient_unit, count_of
 from friction_audit.report.figures.batch_look import (
     COEFFICIENTS,
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 
 INSIDE, OUT, LIMITS, BASELINE = "within the limits", "outside", "limits of a steady joint", "reference sessions"
 LEGEND = (INSIDE, OUT, LIMITS, BASELINE)
+FARTHEST = 2.0
+"""Times the median limit that limits may stretch a panel; those of sessions that tell little are cut there."""
 
 
 def draw_control(arm: ArmDrift, joint: int | None) -> "Figure":
@@ -72,9 +75,21 @@ def _draw_points(axes: "Axes", control: tuple[ControlPoint, ...], *, relative: b
         place, low, high, step=None if many else "mid", color=LEFT_OUT, alpha=0.16, lw=0, label=LIMITS
     )
     axes.axhline(0.0, color=LEFT_OUT, lw=0.6)
+    axes.set_ylim(*chart_limits(value, low, high))
     line = {"lw": 0.7} if many else {"lw": 0.4, "marker": "o", "ms": 2.6, "mew": 0.0}
     handles: list[Artist] = [band, *axes.plot(place, value, color=ESTIMATE, label=INSIDE, **line)]
     if outside.any():
         mark = {"ls": "none", "marker": "s", "ms": 1.6 if many else 3.4, "mew": 0.0}
         handles += axes.plot(place[outside], value[outside], color=OUTSIDE, label=OUT, zorder=4, **mark)  # type: ignore[arg-type]
     return [*handles, Patch(facecolor=REFERENCE, alpha=0.25, lw=0, label=BASELINE)]
+
+
+def chart_limits(value: Float, low: Float, high: Float) -> tuple[float, float]:
+    """Return the ends of a panel that shows all deviations, and the limits of the usual sessions."""
+    limits = np.abs(np.concatenate([low, high]))
+    limits = limits[np.isfinite(limits)]
+    reach = max(FARTHEST * float(np.median(limits)) if len(limits) else 0.0, float(np.nanmax(np.abs(value))))
+    ends = np.concatenate([value, low, high])
+    inside = np.clip(ends[np.isfinite(ends)], -reach, reach)
+    margin = 0.06 * max(float(np.ptp(inside)), 1e-9)
+    return float(inside.min()) - margin, float(inside.max()) + margin

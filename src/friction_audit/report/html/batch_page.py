@@ -149,7 +149,7 @@ def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: 
     notes: list[Part] = [Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
     return Section(
         anchor=anchor,
-        title=f"Arm {arm.robot}",
+        title=arm.robot,
         parts=(Text(lines=(counts,)), *notes),
         sections=(
             Section(anchor=f"{anchor}-joints", title="Joints", parts=_joints(arm)),

@@ -33,7 +33,7 @@ from friction_audit.report.figures.batch_look import shortened
 from friction_audit.report.html.parts import Cell, Table, Tone
 
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
-WITHIN = ("joint", "coefficient", "in a session", "seen in", "per K", "at [°C]", "scatter", "described by")
+WITHIN = ("joint", "friction", "described by", "in a session", "seen in", "per K", "at [°C]", "scatter")
 SESSIONS = (
     "session", "started (UTC)", "start from", "length [s]", "part", "temperature [°C]", "recorded and read as",
     "payload", "file", "notes",
@@ -55,13 +55,13 @@ def joint_tables(arm: ArmDrift) -> tuple[Table, Table]:
     every = [(joint, found) for joint in arm.joints for found in joint.coefficients]
     verdicts = Table(
         caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %",
-        titles=("joint", "coefficient", "verdict", "change", "would show", "what is said of it"),
+        titles=("joint", "friction", "verdict", "change", "would show", "what is said of it"),
         rows=[_verdict_row(joint, found) for joint, found in every],
         numbers=frozenset({3, 4}),
     )
     numbers = Table(
         caption="Levels, trends and control charts in numbers",
-        titles=("joint", "coefficient", "level in the reference", "trend per session", "per day", "outside", "p"),
+        titles=("joint", "friction", "level in the reference", "trend per session", "per day", "outside", "p"),
         rows=[_number_row(joint, found) for joint, found in every],
         numbers=frozenset(range(2, 7)),
         folded=True,
@@ -110,10 +110,9 @@ def _with_unit(value: Coefficient, coefficient: str) -> str:
 def step_table(arm: ArmDrift) -> tuple[Table, ...]:
     """Return the steps that were found, if there are any."""
     rows = list(_steps(arm))
-    head = ("joint", "coefficient", "session", "started (UTC)", "range")
-    titles = (*head, "change", "before", "after", "p")
-    caption = "Steps: the first session after each, the range that holds it with 95 % confidence, and the levels"
-    return (Table(caption=caption, titles=titles, rows=rows, numbers=frozenset({2, 5, 6, 7, 8})),) if rows else ()
+    titles = ("joint", "friction", "session", "started (UTC)", "change", "before", "after")
+    caption = "Steps: the first session after each (with the range that holds it with 95 % confidence), and the levels"
+    return (Table(caption=caption, titles=titles, rows=rows, numbers=frozenset(range(2, 7))),) if rows else ()
 
 
 def _steps(arm: ArmDrift) -> Iterator[tuple[Cell, ...]]:
@@ -122,16 +121,15 @@ def _steps(arm: ArmDrift) -> Iterator[tuple[Cell, ...]]:
             for change in found.change_points:
                 start_s = arm.sessions[change.session].start_s
                 low, high = change.low + 1, change.high + 1
+                span = "" if low == high else f" ({low} to {high})"
                 yield (
                     _joint_cell(joint.joint, joint.name),
                     Cell(text=coefficient_name(found.coefficient)),
-                    Cell(text=str(change.session + 1), key=change.session),
+                    Cell(text=f"{change.session + 1}{span}", key=change.session),
                     Cell(text=format_start(start_s), key=_start_key(start_s)),
-                    Cell(text=f"{low}" if low == high else f"{low} to {high}", key=low),
                     Cell(text=format_change(change.relative, change.after, change.before), key=change.relative.value),
                     Cell(text=_with_unit(change.before, found.coefficient), key=change.before.value),
                     Cell(text=_with_unit(change.after, found.coefficient), key=change.after.value),
-                    Cell(text=format_p(change.p_value), key=change.p_value),
                 )
 
 
@@ -148,7 +146,7 @@ def within_table(arm: ArmDrift) -> Table:
         "the scatter between sessions",
         titles=WITHIN,
         rows=rows,
-        numbers=frozenset(range(2, 7)),
+        numbers=frozenset(range(3, 8)),
     )
 
 
@@ -159,12 +157,12 @@ def _within_row(arm: ArmDrift, joint: JointDrift, found: CoefficientDrift) -> tu
     return (
         _joint_cell(joint.joint, joint.name),
         Cell(text=coefficient_name(found.coefficient)),
+        Cell(text=SHAPES[found.shape]),
         Cell(text=format_percent(found.within), key=found.within.value),
         Cell(text=f"{shown} of {len(told)}" if told else NOTHING, key=shown),
         Cell(text=format_percent(found.temperature_slope), key=found.temperature_slope.value),
         Cell(text=NOTHING if math.isnan(warm) else f"{warm:.1f}", key=warm),
         Cell(text=format_share(found.scatter), key=found.scatter),
-        Cell(text=SHAPES[found.shape]),
     )
 
 
@@ -219,7 +217,7 @@ def session_table(arm: ArmDrift, most: int) -> Table:
         caption=f"Sessions, in the order of their {arm.ordered_by}s{_cut(arm, most)}",
         titles=SESSIONS,
         rows=[_session_row(arm, k, arm.sessions[k]) for k in _last(arm, most)],
-        numbers=frozenset({3, 5}),
+        numbers=frozenset({1, 3, 5}),
         folded=len(arm.sessions) > ACROSS,
     )
 
