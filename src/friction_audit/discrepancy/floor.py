@@ -1,6 +1,7 @@
 """Below what root mean square no model of the motion gets: the floor of the noise on the locked cycles."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,10 +19,11 @@ def noise_floor(ground: Ground, curves: Sequence[Curve], *effects: Float) -> flo
     Curves and model are fitted on the working cycles. It is an upper bound of the noise, for it holds what the curves
     do not learn; few cycles do not teach all of them at once.
     """
-    model = np.hstack([ground.base, *effects])
-    bent = [curve.group.shapes[0] for curve in curves]
-    tried = [*(np.hstack([model, columns]) for columns in bent), np.hstack([model, *bent])]
-    left = [ground.residual(*effects), *(_left(ground, columns) for columns in tried)]
+    parts = [ground.base, *effects, *(curve.group.shapes[0] for curve in curves)]
+    ends = np.cumsum([0, *(part.shape[1] for part in parts)]).tolist()
+    model, every = list(range(ends[1 + len(effects)])), list(range(ends[-1]))
+    bent = [[*model, *range(first, last)] for first, last in pairwise(ends[1 + len(effects) :])]
+    left = [ground.residual(*effects), *_left(ground, np.hstack(parts), ground.working, [*bent, every])]
     return min(float(np.sqrt(np.mean(residual[ground.locked] ** 2))) for residual in left)
 
 
@@ -31,14 +33,24 @@ def beside_all_curves(ground: Ground, *effects: Float) -> Float:
     To be looked at for what follows no quantity of the motion.
     """
     columns = np.hstack([ground.base, *effects, *(curve.group.shapes[0] for curve in ground.curves)])
-    return _left(ground, columns, np.ones_like(ground.working))
+    (left,) = _left(ground, columns, np.ones_like(ground.working), [list(range(columns.shape[1]))])
+    return left
 
 
-def _left(ground: Ground, columns: Float, fitted: NDArray[np.bool_] | None = None) -> Float:
-    """Residual of a fit to the working or other rows with a slight ridge, for curves over two axes may be copies."""
+def _left(ground: Ground, columns: Float, fitted: NDArray[np.bool_], tried: Sequence[Sequence[int]]) -> Iterator[Float]:
+    """Yield what some of the columns leave, fitted with a slight ridge, for curves over two axes may be copies.
+
+    Args:
+        ground: The joint.
+        columns: Shape (m, p).
+        fitted: Rows to fit to, shape (m,).
+        tried: Numbers of the columns of each fit.
+    """
     scale = np.sqrt(np.mean(columns**2, axis=0))
     scaled = columns / np.where(scale > 0, scale, 1.0)
-    rows = ground.working if fitted is None else fitted
-    x, y = scaled[rows], ground.y[rows]
-    factors = np.linalg.solve(x.T @ x + RIDGE * len(y) * np.eye(x.shape[1]), x.T @ y)
-    return np.asarray(ground.y - scaled @ factors)
+    x, y = scaled[fitted], ground.y[fitted]
+    gram, right = x.T @ x + RIDGE * len(y) * np.eye(x.shape[1]), x.T @ y
+    for some in tried:
+        factors = np.zeros(len(gram))
+        factors[some] = np.linalg.solve(gram[np.ix_(some, some)], right[some])
+        yield np.asarray(ground.y - scaled @ factors)

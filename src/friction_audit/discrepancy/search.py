@@ -503,7 +503,12 @@ def _added(new: Sequence[Float], old: Sequence[Float], rows: Index) -> Float:
 
 def _block(columns: Sequence[Float], rows: Index) -> Float:
     """Some rows of columns, one below the other, shape (k, m)."""
-    return np.concatenate([column.T.take(rows, axis=-1).reshape(-1, len(rows)) for column in columns], dtype=float)
+    block, at = np.empty((sum(map(_width, columns)), len(rows))), 0
+    for column in columns:
+        own = np.atleast_2d(np.asarray(column, float).T)
+        own.take(rows, axis=1, out=block[at : at + len(own)], mode="clip")  # its other modes make a copy first
+        at += len(own)
+    return block
 
 
 def _places(columns: Sequence[Float]) -> list[Index]:

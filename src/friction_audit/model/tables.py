@@ -162,15 +162,14 @@ def _holds(share: Tables, term: FittedTerm, motion: Motion) -> bool:
 
 def read_along(tables: Tables, motion: Motion) -> Float:
     """Read tables along the recording that they were made from: the torque it takes, shape (n,). [N m]"""
-    n, speed = len(motion.t), np.abs(motion.dq)
-    speeds = np.asarray(tables.speed_step * np.arange(n), np.float64)
-    places = np.asarray(tables.place_start + tables.place_step * np.arange(n), np.float64)
+    speed = np.abs(motion.dq)
+    at_speed, at_place = speed / tables.speed_step, (motion.q - tables.place_start) / tables.place_step
     held = tables.bristles.along(motion.q)
     held = held + tables.bristle_damping_s * np.gradient(held, motion.t)
     ways = [
-        _read(tables.speed[way], speeds, speed)
-        + _read(tables.place[way], places, motion.q)
-        + _read(tables.place_per_speed[way], places, motion.q) * speed
+        _read(tables.speed[way], at_speed)
+        + _read(tables.place[way], at_place)
+        + _read(tables.place_per_speed[way], at_place) * speed
         + tables.time[way]
         + tables.time_per_speed[way] * speed
         for way in (0, 1)
@@ -178,9 +177,14 @@ def read_along(tables: Tables, motion: Motion) -> Float:
     return np.asarray(tables.inertia_kg_m2 * motion.ddq + np.where(motion.dq < 0.0, ways[1], ways[0]) + held)
 
 
-def _read(table: Float, entries: Float, at: Float) -> Float:
-    """Read a table; most are zero, and need no reading."""
-    return np.asarray(np.interp(at, entries, table)) if table.any() else table
+def _read(table: Float, at: Float) -> Float:
+    """Read a table at steps from its first entry; most are zero, and need no reading."""
+    if not table.any():
+        return table
+    first = np.clip(at.astype(np.int64), 0, len(table) - 2)
+    low, high = table[first], table[first + 1]
+    with np.errstate(all="ignore"):  # entries of a form that does not fit may be nonsense
+        return np.asarray(low + np.clip(at - first, 0.0, 1.0) * (high - low))
 
 
 def _rms(signal: Float) -> float:

@@ -23,8 +23,13 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     upper, lower, exponent = shape
     above, below = np.maximum(motion.q - upper, 0.0), np.maximum(lower - motion.q, 0.0)
     touched = motion.dq * ((above > 0.0) | (below > 0.0))
-    upper_power, lower_power = (above / DEPTH_RAD) ** exponent, (below / DEPTH_RAD) ** exponent
+    upper_power, lower_power = _power(above / DEPTH_RAD, exponent), _power(below / DEPTH_RAD, exponent)
     return np.stack([upper_power, -lower_power, touched, motion.dq * (upper_power + lower_power)]).T
+
+
+def _power(depth: Float, exponent: float) -> Float:
+    """Return a power of depths, most of which are zero, whose powers are too, and need no computing."""
+    return np.asarray(np.power(depth, exponent, out=np.zeros_like(depth), where=depth > 0.0))
 
 
 TERM = Term(
