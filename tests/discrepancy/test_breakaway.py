@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.discrepancy.breakaway import STANDSTILL_S, find_breakaways, loaded_slowly, signed_rest
+from friction_audit.discrepancy.breakaway import STANDSTILL_S, find_breakaways, signed_rest, torque_known
 from friction_audit.joint_log import Float
 
 STEP_S = 1.0 / 400.0
@@ -117,4 +117,13 @@ def test_a_start_by_a_motor_that_held_the_other_way_tells_nothing(direction: flo
     found = find_breakaways(q, dq, DEAD, STEP_S)
     jumps = np.where(T < 1.0, -direction * LEVEL, direction * (LEVEL + 100.0 * (T - 1.0)))
     falls = np.where(T < 1.0, torque, 0.8 * torque)
-    assert [loaded_slowly(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [[True], [False], [True]]
+    assert [torque_known(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [[True], [False], [True]]
+
+
+@pytest.mark.parametrize(("fall", "known"), [(0.0, False), (0.05, False), (0.3, True)])
+def test_a_start_under_a_fast_torque_tells_something_where_that_falls_behind_it(fall: float, known: bool) -> None:
+    q, dq, _ = start(1.0, excess=0.3)
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    rising = LEVEL + 0.3 + 10.0 * (T - T[found.onset[0]])
+    behind = LEVEL + 0.3 - fall
+    assert torque_known(np.where(T[found.onset[0]] < T, behind, rising), found, STEP_S).tolist() == [known]

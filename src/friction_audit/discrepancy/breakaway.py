@@ -6,7 +6,8 @@ steadily moves the joint as the cube of the time since. With stiction the joint 
 told too early, so that the torque, still rising, is told too low; a smooth start is never told too high.
 
 A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
-controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing.
+controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing, but
+where the torque falls behind the start by more than that. Then the joint had been loaded with more than sliding takes.
 """
 
 from dataclasses import dataclass, replace
@@ -42,6 +43,9 @@ SMALL_SHARE = 0.05
 CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
 """A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
 standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start."""
+FALL_SIGMAS = 4.0
+"""A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in as
+much before, and by more than so many standard deviations of its noise: it had been more than sliding takes."""
 POWER = 3
 """Of the time, by which the path grows from a standstill under a torque that rises steadily."""
 SLOWEST = 3.0
@@ -117,10 +121,11 @@ def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Br
     )
 
 
-def loaded_slowly(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
-    """Whether the torque at each break-away is the same some milliseconds earlier or later, shape (k,).
+def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
+    """Whether the torque of each break-away is known, although its moment is to some milliseconds only, shape (k,).
 
-    A fall behind it is no objection: friction is less once a joint moves, and whoever pushes gives way.
+    It is where it is the same earlier or later, or falls behind the start by more than it differs there: friction is
+    less once the joint moves, and whoever pushes gives way.
 
     Args:
         torque: On the fine grid, shape (n,). [N m]
@@ -134,13 +139,15 @@ def loaded_slowly(torque: Float, breakaways: Breakaways, step_s: float) -> NDArr
     back = np.arange(-still, 1) - float(APART)
     powers = np.vander(back, DEGREE + 1)
     fitted = windows @ np.linalg.pinv(powers).T
-    change = np.abs(fitted[:, -2]) * ONSET_S / step_s
+    change, noise = np.abs(fitted[:, -2]) * ONSET_S / step_s, grid_noise(torque)
     usual = float(np.median(np.abs(fitted[:, -1])))
-    steady = change <= max(grid_noise(torque), SMALL_SHARE * usual)
+    steady = change <= max(noise, SMALL_SHARE * usual)
     at_rest = SIGMA_PER_MEDIAN * float(np.median(np.abs(windows[:, apart:] - windows[:, :-apart])))
     behind = torque[np.minimum(breakaways.onset + APART + apart, len(torque) - 1)]
     rise = (behind - fitted[:, -1]) * breakaways.direction
-    return np.asarray(steady & (rise <= max(CARRIED_SIGMAS * at_rest, CARRIED_SHARE * usual)))
+    carried = rise > max(CARRIED_SIGMAS * at_rest, CARRIED_SHARE * usual)
+    falls = -rise > np.maximum(change, FALL_SIGMAS * noise)
+    return np.asarray((steady & ~carried) | falls)
 
 
 def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float) -> tuple[Float, Float]:

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.discrepancy.breakaway import Breakaways, find_breakaways, loaded_slowly
+from friction_audit.discrepancy.breakaway import Breakaways, find_breakaways, torque_known
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 
@@ -121,7 +121,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
 
 def _breakaways(data: JointData) -> Breakaways:
     found = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
-    return found.take(loaded_slowly(data.torque, found, data.step_s))
+    return found.take(torque_known(data.torque, found, data.step_s))
 
 
 def _relative_weight(weights: Float, step_s: float) -> float:

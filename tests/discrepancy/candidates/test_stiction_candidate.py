@@ -28,11 +28,11 @@ def test_so_many_starts_are_enough(starts: int) -> None:
 def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> None:
     data = started_and_stopped()
     since = data.t % 1.0 - 0.5
-    # The start's last 20 ms take the torque from below zero up to friction: no few milliseconds say what it was.
-    jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * np.where(
-        data.t % 2.0 < 1.0, 1.0, -1.0
-    )
-    pushed = replace(data, torque=data.torque + jump)
+    # The last 20 ms before a start take the torque up to friction: no few milliseconds say what it was.
+    way = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
+    jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * way
+    held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * way
+    pushed = replace(data, torque=data.torque + jump + held_by_friction)
     assert CANDIDATE.untestable(data, baseline(data)) is None
     assert "0 of them under a torque that rises slowly" in str(CANDIDATE.untestable(pushed, baseline(pushed)))
 

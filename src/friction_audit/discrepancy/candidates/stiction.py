@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.discrepancy.breakaway import find_breakaways, loaded_slowly
+from friction_audit.discrepancy.breakaway import find_breakaways, torque_known
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
@@ -29,7 +29,7 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
     seen = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
     counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
-    telling = int(np.sum(counted & loaded_slowly(data.torque, seen, data.step_s)))
+    telling = int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
     if telling >= FEWEST_BREAKAWAYS:
         return moves(data, baseline)
     return (
