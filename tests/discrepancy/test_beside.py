@@ -29,6 +29,15 @@ def test_as_everything_fitted_together(seed: int) -> None:
     assert left == pytest.approx(float(np.sum((y - together @ every) ** 2)), rel=1e-12)
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_column_of_zeros_has_no_factor_not_even_a_rounding(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    own = rng.standard_normal((50, 5))
+    own[:, [1, 3]] = 0.0
+    factors, _ = Beside(rng.standard_normal((50, 3)), rng.standard_normal(50)).fit(own)
+    assert factors[[1, 3]].tolist() == [0.0, 0.0]
+
+
 def test_a_copy_adds_nothing() -> None:
     rng = np.random.default_rng(0)
     columns, y = rng.standard_normal((50, 3)), rng.standard_normal(50)

@@ -84,6 +84,13 @@ def test_columns_that_are_copies_share_the_smallest_factors() -> None:
     assert least_squares(np.column_stack([w, w, np.zeros(50)]), 2.0 * w) == pytest.approx([1.0, 1.0, 0.0])
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_column_of_zeros_has_no_factor_not_even_a_rounding(seed: int) -> None:
+    columns = np.random.default_rng(seed).standard_normal((40, 6))
+    columns[:, [2, 4]] = 0.0
+    assert least_squares(columns, np.sin(np.arange(40.0)))[[2, 4]].tolist() == [0.0, 0.0]
+
+
 def test_intervals_are_those_of_cluster_robust_least_squares() -> None:
     rng = np.random.default_rng(0)
     cycle = np.repeat(np.arange(40), 60)

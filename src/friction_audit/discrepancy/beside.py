@@ -41,6 +41,7 @@ class Beside:
         there = size > COPY * np.sqrt(len(own))
         along = left.T @ self.response
         factors = right.T @ np.where(there, along / np.where(there, size, 1.0), 0.0) / scale
+        factors[~np.any(own, axis=0)] = 0.0  # not the rounding of a zero, whose sign may be impossible
         return factors, self.response - left[:, there] @ along[there]
 
     def _free(self, signal: Float) -> Float:

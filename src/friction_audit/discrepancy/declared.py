@@ -113,10 +113,10 @@ def _columns(term: FittedTerm, data: JointData, rest: Float) -> dict[str, Float]
 
 
 def least_squares(columns: Float, y: Float) -> Float:
-    """Factors, shape (p,); of columns that are copies of each other, the smallest."""
-    scale = np.sqrt(np.mean(columns**2, axis=0))
-    scale = np.where(scale > 0, scale, 1.0)
-    return np.asarray(np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale)
+    """Factors, shape (p,); of columns that are copies of each other, the smallest; of zeros none, not even rounding."""
+    size = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.where(size > 0, size, 1.0)
+    return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))
 
 
 def coefficients(columns: Float, y: Float, cycle: NDArray[np.int64]) -> tuple[Coefficient, ...]:
