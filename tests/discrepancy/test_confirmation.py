@@ -91,6 +91,7 @@ def test_locked_cycles_prove_or_all_pay(
         evidence=one[3],
         gain_of_all=one[4],
         factors=(np.ones(1),),
+        tolerated=(np.ones(1),),
         again=one[5],
         doubt=one[0],
         cost=np.zeros(1),
@@ -108,6 +109,25 @@ def test_evidence_counts_all_cycles_beside_the_other_effects() -> None:
     assert proof.evidence[0] == pytest.approx(n_eff * np.log(left[0] / left[1]))
     assert proof.gain_of_all[0] == pytest.approx(1.0 - np.sqrt(left[1] / left[0]))
     assert np.concatenate(proof.factors) == pytest.approx(fits[1][0][-2:])
+
+
+@pytest.mark.parametrize("there", [1.0, 0.7, 0.0])
+def test_factors_move_towards_those_of_the_working_cycles_by_what_chance_allows(there: float) -> None:
+    locked = np.isin(CLEAN.data.cycle, CLEAN.rows.cycle[CLEAN.locked])
+    ground = ground_of(0.1 * np.cos(3 * CLEAN.data.q) * np.where(locked, there, 1.0))
+    proof = confirm(ground, [WAVE], np.random.default_rng(0))
+    columns, w = np.hstack([ground.base, WAVE]), ground.working
+    working = np.linalg.lstsq(columns[w], ground.y[w])[0][-1]
+    every, near = proof.factors[0][0], proof.tolerated[0][0]
+    torques = [ground.y - factor * WAVE[:, 0] for factor in (every, near)]
+    left = [float(np.linalg.lstsq(ground.base, torque)[1][0]) for torque in torques]
+    cost = len(ground.y) / ground.memory(WAVE) * np.log(left[1] / left[0])
+    if there == 1.0:
+        assert near == pytest.approx(working)
+        assert cost < confirmation.WORSE_BY_CHANCE
+    else:
+        assert min(every, working) < near < max(every, working)
+        assert cost == pytest.approx(confirmation.WORSE_BY_CHANCE)
 
 
 def rare(ground: Ground, cycles: int, *, locked: bool) -> tuple[Float, Float]:

@@ -123,3 +123,12 @@ def test_numbers_that_a_declared_term_lacks_are_lacking_in_the_grown_one() -> No
     joint = grown(replace(NONE, joint=1, grown=fitted), declared=declared_arm(term)).joints[0]
     assert joint is not None
     assert joint.values("gravity_error") == (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, *([0.0] * 9))
+
+
+@pytest.mark.parametrize(("half", "excess"), [(0.02, 0.0), (0.005, None)])
+def test_a_number_of_an_effect_that_may_be_its_lower_bound_is_put_there(half: float, excess: float | None) -> None:
+    (effect,) = NAMED.effects
+    below = replace(effect, parameters={**effect.parameters, "stribeck_excess_nm": coefficient(-0.01, half)})
+    result = grow_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)
+    joint = result.model.joints[0]
+    assert (joint and joint.values("stribeck")[0]) == excess

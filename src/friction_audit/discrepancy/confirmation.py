@@ -39,6 +39,7 @@ class Confirmed:
         evidence: n_eff ln(RSS without / RSS with) over all cycles, shape (k,).
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
+        tolerated: The same, as near to those of the working cycles as chance may have moved them, k arrays.
         again: Factor of the torque that the working cycles predict, fitted on the locked ones, shape (k,).
         doubt: p-value of what may object to it, shape (k,): of the locked cycles; by what their rows are worth where
             few of them hold it; of all cycles, each predicted from the others, where no locked one holds it.
@@ -52,6 +53,7 @@ class Confirmed:
     evidence: Float
     gain_of_all: Float
     factors: tuple[Float, ...]
+    tolerated: tuple[Float, ...]
     again: Float
     doubt: Float
     cost: Float
@@ -123,10 +125,29 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         evidence=worth * np.log(np.maximum(without, least) / max(with_all, least)),
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
+        tolerated=_tolerated(ground, effects, worth),
         again=factor,
         doubt=holm(doubt),
         cost=_cost(ground, effects),
     )
+
+
+def _tolerated(ground: Ground, effects: Sequence[Float], worth: float) -> tuple[Float, ...]:
+    """Factors of each effect over all cycles, moved towards those of the working ones by what chance allows.
+
+    A shape was refined on the working cycles until its factors were just possible; those of all cycles then lie beyond
+    one time in two.
+    """
+    every = np.ones_like(ground.working)
+    least = np.expm1(WORSE_BY_CHANCE / worth) * _left(ground, every, *effects)
+    both = zip(_factors(ground, every, effects), _factors(ground, ground.working, effects), strict=True)
+    moved = []
+    for k, (factors, working) in enumerate(both):
+        rest = np.hstack([ground.base, *effects[:k], *effects[k + 1 :]])
+        torque = effects[k] @ (working - factors)
+        cost = float(np.sum((torque - rest @ least_squares(rest, torque)) ** 2))
+        moved.append(factors + (1.0 if cost <= least else np.sqrt(least / cost)) * (working - factors))
+    return tuple(moved)
 
 
 def _cost(ground: Ground, effects: Sequence[Float]) -> Float:

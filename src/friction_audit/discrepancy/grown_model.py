@@ -9,7 +9,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import JointLog
 from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance
-from friction_audit.model.term import Term
+from friction_audit.model.term import Parameter, Term
 from friction_audit.model.terms import TERMS
 
 METHOD = "diagnose"
@@ -72,7 +72,7 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     terms += [] if declared is None else [term for term in declared.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in joint.effects}
     terms += [
-        FittedTerm(term.name, tuple(found[term.name].get(p.name, ABSENT).value for p in term.parameters))
+        FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name, ABSENT), p) for p in term.parameters))
         for term in TERMS
         if term.name in found
     ]
@@ -83,6 +83,11 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
 def _allowed(number: Coefficient) -> float:
     """Friction that comes out below zero is zero where its interval holds zero."""
     return max(number.value, 0.0) if number.high >= 0.0 else number.value
+
+
+def _bounded(number: Coefficient, parameter: Parameter) -> float:
+    """A number of an effect; its lower bound where it comes out below and its interval holds that bound."""
+    return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
 
 
 def _shape(term: Term, declared: JointModel | None) -> tuple[float, ...]:

@@ -326,7 +326,10 @@ def _accept(
     """
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
-        possible = [f.candidate.admissible(a, f.shape) for f, a in zip(found, proof.factors, strict=True)]
+        possible = [
+            f.candidate.admissible(own, f.shape) or f.candidate.admissible(near, f.shape)
+            for f, own, near in zip(found, proof.factors, proof.tolerated, strict=True)
+        ]
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
         fails |= proof.size < LEAST_SHARE * proof.size.max()
