@@ -27,6 +27,8 @@ NEARLY = 10.0
 MOST_NEARLY = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
+BY_CHANCE = 2.0
+"""Standard errors: those of an effect's torque are one over the root of what speaks for it."""
 ADDS = 0.05
 """Of what a plainer shape explains, what a richer one of the same effect must explain besides. The moments of inertia
 of a link that is wrong, which its first moments lack, come to a twentieth of its weight: 0.1 m, 5 rad/s^2, over g."""
@@ -327,8 +329,8 @@ def _accept(
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
         possible = [
-            f.candidate.admissible(own, f.shape) or f.candidate.admissible(near, f.shape)
-            for f, own, near in zip(found, proof.factors, proof.tolerated, strict=True)
+            _possible(f, own, evidence) or f.candidate.admissible(near, f.shape)
+            for f, own, near, evidence in zip(found, proof.factors, proof.tolerated, proof.evidence, strict=True)
         ]
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
@@ -341,3 +343,12 @@ def _accept(
         place = [instead] if instead is not None and instead.candidate.name not in there else []
         found = [*found[:weakest], *place, *found[weakest + 1 :]]
     return ()
+
+
+def _possible(found: Found, factors: Float, evidence: float) -> bool:
+    """Whether the factors over all cycles are possible, or as far from it as chance may bring them.
+
+    A shape may be refined up to where its factors would stop being possible: all cycles are as often beyond as not.
+    """
+    chance = BY_CHANCE / np.sqrt(max(evidence, BY_CHANCE**2))
+    return any(found.candidate.admissible(factors * (1.0 + off), found.shape) for off in (0.0, chance, -chance))

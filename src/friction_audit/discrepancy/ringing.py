@@ -74,7 +74,7 @@ def rings(names: Names, events: Sequence[Effect], vibration: Vibration) -> bool:
         return True
     for f in names.found:
         if f.candidate.name == ELASTICITY.name:
-            lowest = _resonance(names, f.shape["spring_nm_per_rad"])
+            lowest = _resonance(names, f.shape["spring_nm_per_rad"] / f.shape.get("far_share", 1.0))
             if vibration.high_hz >= lowest and vibration.low_hz <= HIGHER * lowest:
                 return True
         if f.candidate.name == BACKLASH.name and vibration.high_hz >= f.shape["contact_hz"]:
@@ -130,12 +130,14 @@ def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate
         shape
         for shape in every
         if shape["soft_nm"] == straight
-        and "damping_ratio" not in shape
+        and not {"damping_ratio", "far_share"} & shape.keys()
         and lowest <= _resonance(names, shape["spring_nm_per_rad"]) <= highest
     ]
     hard = max(CONTACTS_HZ)
     flanks = [
-        shape for shape in BACKLASH.tried(ground.data) if shape["contact_hz"] == hard and "motion_below_hz" not in shape
+        shape
+        for shape in BACKLASH.tried(ground.data)
+        if shape["contact_hz"] == hard and not {"motion_below_hz", "far_share"} & shape.keys()
     ]
     pairs = ((ELASTICITY, springs), (BACKLASH, flanks))
     return tuple(replace(candidate, shapes=tuple(shapes)) for candidate, shapes in pairs if shapes)

@@ -86,6 +86,11 @@ def far_side(motion: Motion) -> FarSide:
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
 
 
+def part_of(far: FarSide, share: float) -> FarSide:
+    """Return the far side with this share of the inertia, where the rest is on the measured side, as a rotor's."""
+    return replace(far, inertia_kg_m2=share * far.inertia_kg_m2)
+
+
 def simple_torque(motion: Motion) -> Float:
     """Return the torque of inertia, Coulomb and viscous friction.
 

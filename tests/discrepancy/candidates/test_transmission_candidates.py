@@ -18,8 +18,8 @@ SUBSTEPS = 10
 RIVALS = (time_delay, joint_elasticity, backlash, frictional_lag, presliding)
 
 
-def far_side_torque(stiffness: float, damping: float, half_gap: float) -> Float:
-    """Inertia and friction of the baseline behind a spring with a dead zone: explicit steps, a ramp for the sign."""
+def far_side_torque(stiffness: float, damping: float, half_gap: float, inertia: float = 0.3) -> Float:
+    """An inertia with the baseline's friction behind a spring with a dead zone: explicit steps, a ramp for the sign."""
     h = STEP_S / SUBSTEPS
     # From half a sample before to half a sample after each, at a constant speed beyond both ends.
     number = np.arange(len(DATA.q))
@@ -35,7 +35,7 @@ def far_side_torque(stiffness: float, damping: float, half_gap: float) -> Float:
         )
         push = push if push * twist > 0 or half_gap == 0.0 else 0.0
         friction = 0.3 * max(-1.0, min(1.0, omega / 2e-3)) + 0.07 * omega
-        omega += h * (push - friction) / 0.3
+        omega += h * (push - friction) / inertia
         theta += h * omega
         total[i] = push
     return np.asarray(total.reshape(-1, SUBSTEPS).mean(axis=1))
@@ -80,6 +80,23 @@ def test_a_dead_zone_is_a_backlash() -> None:
     own = share_seen(backlash.CANDIDATE, torque)
     assert own > 0.85
     assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < own - 0.3
+
+
+@pytest.mark.parametrize(
+    ("candidate", "link"), [(joint_elasticity.CANDIDATE, (600.0, 1.5, 0.0)), (backlash.CANDIDATE, (1e4, 20.0, 2e-3))]
+)
+def test_a_rotor_before_the_transmission_is_not_behind_it(
+    candidate: Candidate, link: tuple[float, float, float]
+) -> None:
+    stiffness, damping, half_gap = link
+    torque = 0.12 * DATA.ddq + far_side_torque(stiffness, damping, half_gap, 0.18)
+    shapes = candidate.tried(DATA)
+    one, several = (
+        share_seen(replace(candidate, shapes=tuple(s for s in shapes if ("far_share" in s) == lighter)), torque)
+        for lighter in (False, True)
+    )
+    assert several > 0.8
+    assert several > one + 0.05
 
 
 def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:

@@ -22,15 +22,22 @@ FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
 position shifts, and each one shifts the next."""
 PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
+FAR_SHARES = (0.8, 0.6)
+"""Of the inertia that is behind the play, where a rotor before it moves with the measured side, and its torque is
+measured too."""
 FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
-"""All that is behind the sensor is behind the play, as far as a fit that did not know of it can tell."""
+"""All that the shape says is behind the play, as far as a fit that did not know of it can tell."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
-    """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes."""
+    """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes.
+
+    On hard flanks with less inertia behind it too, along a smooth motion every second width.
+    """
     span = float(np.ptp(data.q)) or 1.0
     hard = max(CONTACTS_HZ)
+    calm = {"motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": max(FLANK_DAMPINGS)}
     kinds: tuple[dict[str, float], ...] = (
         *({"contact_hz": hz} for hz in CONTACTS_HZ),
         *(
@@ -38,7 +45,12 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
             for damping in FLANK_DAMPINGS
         ),
     )
-    return tuple({"gap_rad": float(share) * span, **kind} for kind in kinds for share in SPAN_SHARES)
+    widths = (SPAN_SHARES * span).tolist()
+    return (
+        *({"gap_rad": width, **kind} for kind in kinds for width in widths),
+        *({"gap_rad": width, "contact_hz": hard, "far_share": share} for share in FAR_SHARES for width in widths),
+        *({"gap_rad": width, "contact_hz": hard, **calm, "far_share": s} for s in FAR_SHARES for width in widths[::2]),
+    )
 
 
 def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
@@ -52,10 +64,10 @@ def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> It
     yield from along_motions(data, baseline, shapes, _plays)
 
 
-def _plays(motion: Motion, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+def _plays(motion: Motion, shapes: Sequence[Shape], share: float) -> Iterator[tuple[int, Float]]:
     damping = "flank_damping_ratio"
     plays = [(one["gap_rad"], one["contact_hz"], one.get(damping, CONTACT_DAMPING_RATIO)) for one in shapes]
-    yield from added_by_plays(motion, plays)
+    yield from added_by_plays(motion, plays, share)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

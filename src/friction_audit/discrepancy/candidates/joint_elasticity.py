@@ -32,6 +32,9 @@ LEAST_SHARE = 0.5
 MUCH_DAMPED = 0.1
 """Damping ratio of a far side that forgets noise of the position before it rings up on it. Undamped, it multiplies that
 noise at its resonance by ten, and the ringing of friction's jumps drowns in it."""
+FAR_SHARES = (0.8, 0.6)
+"""Of the inertia that is behind the spring, where a rotor before it moves with the measured side, and its torque is
+measured too."""
 RINGING_SEEN_HZ = 25.0
 """Highest corner of the rows. A spring that rings faster shows by what it twists alone, which noise of the position
 must leave to be seen."""
@@ -47,7 +50,8 @@ def all_springs(data: JointData) -> tuple[Shape, ...]:
     """Linear springs of all stiffnesses, and of every fourth one springs that are soft at first.
 
     Those that ring where hardly more than noise moves the measured side are tried with a smooth motion too, more
-    coarsely: it does not ring. Linear ones that ring where rows see it are tried with more damping too, more coarsely.
+    coarsely: it does not ring. Linear ones that ring where rows see it are tried with more damping too, and with less
+    inertia behind them, more coarsely.
     """
     usual = float(np.sqrt(np.mean(data.torque**2))) or 1.0
     every = _stiffnesses(data)
@@ -56,6 +60,11 @@ def all_springs(data: JointData) -> tuple[Shape, ...]:
         (every, SOFT_SHARES, {}),
         (fast[::2], SOFT_SHARES, {"motion_below_hz": MOTION_BELOW_HZ}),
         (slow[::4], SOFT_SHARES[:1], {"damping_ratio": MUCH_DAMPED}),
+        *(
+            (slow[::2], SOFT_SHARES[:1], {"far_share": share, "damping_ratio": damping})
+            for share in FAR_SHARES
+            for damping in (DAMPING_RATIO, MUCH_DAMPED)
+        ),
     )
     return tuple(
         {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual, **other}
@@ -85,9 +94,9 @@ def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> It
     yield from along_motions(data, baseline, shapes, _springs)
 
 
-def _springs(motion: Motion, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+def _springs(motion: Motion, shapes: Sequence[Shape], share: float) -> Iterator[tuple[int, Float]]:
     springs = [(one["spring_nm_per_rad"], one["soft_nm"], one.get("damping_ratio", DAMPING_RATIO)) for one in shapes]
-    yield from per_compliance(motion, springs)
+    yield from per_compliance(motion, springs, share)
 
 
 def _stiffnesses(data: JointData) -> Float:

@@ -47,19 +47,20 @@ def along_motions(
     data: JointData,
     baseline: Baseline,
     shapes: Sequence[Shape],
-    added: Callable[[Motion, Sequence[Shape]], Iterator[tuple[int, Float]]],
+    added: Callable[[Motion, Sequence[Shape], float], Iterator[tuple[int, Float]]],
 ) -> Iterator[tuple[int, Float]]:
     """Columns of many shapes, all of them along one motion at a time: as measured, or below the frequency they name.
 
     Args:
         data: The joint.
         baseline: The declared model as fitted.
-        shapes: Those with ``motion_below_hz`` go along a smooth motion.
-        added: Pairs of the place in the list and the columns, of shapes along one motion.
+        shapes: Those with ``motion_below_hz`` go along a smooth motion; those with ``far_share`` have that share of the
+            inertia behind them, all others all of it.
+        added: Pairs of the place in the list and the columns, of shapes along one motion, before one share.
     """
-    places: dict[float | None, list[int]] = {}
+    places: dict[tuple[float | None, float], list[int]] = {}
     for place, shape in enumerate(shapes):
-        places.setdefault(shape.get("motion_below_hz"), []).append(place)
-    for below_hz, alike in places.items():
-        for k, column in added(smooth_motion(data, baseline, below_hz), [shapes[place] for place in alike]):
+        places.setdefault((shape.get("motion_below_hz"), shape.get("far_share", 1.0)), []).append(place)
+    for (below_hz, share), alike in places.items():
+        for k, column in added(smooth_motion(data, baseline, below_hz), [shapes[place] for place in alike], share):
             yield alike[k], column

@@ -9,7 +9,7 @@ from math import pi, sqrt
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torques, far_side, simple_torque
+from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torques, far_side, part_of, simple_torque
 
 CONTACT_DAMPING_RATIO = 0.2
 """Of metal on lubricated metal: half of the speed is left after an impact."""
@@ -26,9 +26,14 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
     yield from added_by_plays(motion, [(gap, contact_hz, CONTACT_DAMPING_RATIO) for gap, contact_hz in shapes])
 
 
-def added_by_plays(motion: Motion, plays: Sequence[tuple[float, float, float]]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many plays, each with the ringing [Hz] and the damping ratio of a flank that touches."""
-    far, torque = far_side(motion), simple_torque(motion)
+def added_by_plays(
+    motion: Motion, plays: Sequence[tuple[float, float, float]], share: float = 1.0
+) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many plays, each with the ringing [Hz] and the damping ratio of a flank that touches.
+
+    Behind them is this share of the inertia, and all friction.
+    """
+    far, torque = part_of(far_side(motion), share), simple_torque(motion)
     usual = sqrt(torque @ torque / len(torque))
     flanks = [
         Transmission(

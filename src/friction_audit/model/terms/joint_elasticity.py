@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import Transmission, added_torques, far_side
+from friction_audit.model.transmission import Transmission, added_torques, far_side, part_of
 
 DAMPING_RATIO = 0.05
 """Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
@@ -25,13 +25,18 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
     yield from per_compliance(motion, [(stiffness, soft, DAMPING_RATIO) for stiffness, soft in shapes])
 
 
-def per_compliance(motion: Motion, springs: Sequence[tuple[float, float, float]]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many springs: stiffness [N m/rad], soft torque [N m] and damping ratio of each."""
+def per_compliance(
+    motion: Motion, springs: Sequence[tuple[float, float, float]], share: float = 1.0
+) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many springs: stiffness [N m/rad], soft torque [N m] and damping ratio of each.
+
+    Behind them is this share of the inertia, and all friction.
+    """
     links = [
         Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft)
         for stiffness, soft, damping_ratio in springs
     ]
-    for place, added in added_torques(motion, far_side(motion), links):
+    for place, added in added_torques(motion, part_of(far_side(motion), share), links):
         yield place, links[place].stiffness_nm_per_rad * added[:, None]
 
 
