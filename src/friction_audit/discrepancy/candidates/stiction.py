@@ -34,8 +34,8 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
         return moves(data, baseline)
     return (
         f"the joint breaks away from a standstill {int(counted.sum())} times, {telling} of them under a torque that "
-        "rises slowly: let it stand still for a tenth of a second or more, then raise the torque slowly until it "
-        f"moves, at least {FEWEST_BREAKAWAYS} times"
+        "rises slowly or falls behind the start: let it stand still for a tenth of a second or more, then raise the "
+        f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
     )
 
 
