@@ -43,9 +43,7 @@ def robots(found: Identified) -> dict[str, list[str]]:
 
 
 def test_manifest_before_log_before_folder() -> None:
-    row = ManifestRow(
-        line=2, path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil"
-    )
+    row = ManifestRow(path="a/1.csv", robot="R1", start_s=5.0, temperature_c=21.0, payload="tool", note="new oil")
     found = identify(
         [
             (file("a/1.csv", row), recorded("left", start=1.0)),
@@ -80,7 +78,7 @@ def test_arms_of_one_log_stay_apart_and_under_the_manifest_s_name() -> None:
         "left": ["a/1.bag [/l]"],
         "right": ["a/1.bag [/r]"],
     }
-    row = ManifestRow(line=2, path="a/1.bag", robot="cell 3")
+    row = ManifestRow(path="a/1.bag", robot="cell 3")
     assert set(robots(identify([(file("a/1.bag", row), one) for one in pair]))) == {"cell 3/left", "cell 3/right"}
 
 

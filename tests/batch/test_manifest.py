@@ -41,6 +41,10 @@ FAULTY = {
     "header alone": ("path\n", "no rows below the header"),
     "misspelt": ("path,temprature\nrun1.csv,20\n", "column temprature: did you mean temperature?"),
     "twice": ("path,path\nrun1.csv,run2.csv\n", "column path comes twice"),
+    "same log twice beside another fault": (
+        "path,temperature\nrun1.csv,warm\nrun1.csv,20\n",
+        "expected degrees Celsius, such as 23.5; line 3: run1.csv comes twice, first in line 2",
+    ),
     "same log twice": ("path\nrun1.csv\n./run1.csv\n", "line 3: ./run1.csv comes twice, first in line 2"),
     "too many cells": ("path,note\nrun1.csv,a,b\n", "line 2: 3 cells under 2 columns; put text with commas in quotes"),
 }

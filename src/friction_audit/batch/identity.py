@@ -9,7 +9,7 @@ from friction_audit.batch.start_time import holds_a_time, time_in_name
 from friction_audit.drift.order import natural, put_in_order
 from friction_audit.drift.session import Session
 
-NOTHING_SAID = ManifestRow(line=0, path="")
+NOTHING_SAID = ManifestRow(path="")
 UNKNOWN = "unknown"
 
 

@@ -11,7 +11,6 @@ class ManifestRow:
     """What a manifest says of a log; None or empty where it says nothing.
 
     Attributes:
-        line: Line of the manifest, for messages.
         path: The log.
         start_s: Unix time of the start. [s]
         robot: Which arm.
@@ -20,7 +19,6 @@ class ManifestRow:
         note: For people.
     """
 
-    line: int
     path: str
     start_s: float | None = None
     robot: str = ""

@@ -27,6 +27,7 @@ def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
     _check_header(manifest, header)
     wrong: list[str] = []
     rows: dict[str, ManifestRow] = {}
+    seen: dict[str, int] = {}
     for cells in lines:
         if not any(cell.strip() for cell in cells):
             continue
@@ -38,10 +39,10 @@ def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
         values = dict(zip(header, (cell.strip() for cell in cells), strict=False))
         wrong += _wrong_with(values, lines.line_num, manifest.parent)
         place = _place(values.get("path", ""), manifest.parent)
-        if place in rows:
-            wrong.append(f"line {lines.line_num}: {values['path']} comes twice, first in line {rows[place].line}")
-        elif not wrong:
-            rows[place] = _row(values, lines.line_num)
+        if values.get("path") and seen.setdefault(place, lines.line_num) != lines.line_num:
+            wrong.append(f"line {lines.line_num}: {values['path']} comes twice, first in line {seen[place]}")
+        if not wrong:
+            rows[place] = _row(values)
     if wrong:
         raise InputError(f"{manifest}: " + "; ".join(wrong))
     if not rows:
@@ -94,10 +95,9 @@ def _place(path: str, folder: Path) -> str:
     return path if "://" in path else os.path.normpath((folder / path).absolute())
 
 
-def _row(values: Mapping[str, str], line: int) -> ManifestRow:
+def _row(values: Mapping[str, str]) -> ManifestRow:
     temperature = values.get("temperature", "")
     return ManifestRow(
-        line=line,
         path=values["path"],
         start_s=parse_time(values.get("start", "")),
         robot=values.get("robot", ""),

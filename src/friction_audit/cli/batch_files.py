@@ -29,6 +29,8 @@ _COUNTS = re.compile(r"\d+ computed, \d+ known")
 _COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
 SETTINGS, TOLD = "reported_settings", "reported"
 """Notes of the ledger: which settings made the results that lie beside it, and what they were and said."""
+MOST_NAMED = 4
+"""Files that a message names; more are counted."""
 EXCEEDED = 5
 """Exit code: a limit that the user set is exceeded."""
 
@@ -73,9 +75,10 @@ def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settin
     figures = [found for kind in choices.BATCH_FIGURES for one in formats for found in folder.glob(f"*{kind}.{one}")]
     existing = [str(path) for path in (*(folder / name for name in RESULTS), *sorted(figures)) if path.exists()]
     if existing:
+        more = f" and {len(existing) - MOST_NAMED} more" if len(existing) > MOST_NAMED else ""
         raise UsageError(
-            f"{', '.join(existing)}: made with other settings; nothing was computed; use --overwrite to replace them "
-            "(the ledger keeps the numbers of both), or another folder with -o"
+            f"{', '.join(existing[:MOST_NAMED])}{more}: made with other settings; nothing was computed; use "
+            "--overwrite to replace them (the ledger keeps the numbers of both), or another folder with -o"
         )
 
 
