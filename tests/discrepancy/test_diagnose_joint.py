@@ -152,3 +152,27 @@ def test_the_same_seed_gives_the_same_answer() -> None:
     first, again = (diagnose_joint(subject(), [SQUARE], DiagnosisSettings(seed=4)) for _ in range(2))
     assert again.omnibus_p == first.omnibus_p
     assert again.ladder == first.ladder
+
+
+def waves(data: JointData) -> Float:
+    return np.column_stack([np.sin((k // 2 + 1) * data.q * 2.0 + np.pi / 2 * (k % 2)) for k in range(16)])
+
+
+@pytest.mark.parametrize(("duration_s", "verdict"), [(16.0, "unexplained"), (60.0, "named")])
+def test_as_many_numbers_as_cycles_are_no_explanation(duration_s: float, verdict: str) -> None:
+    toy = replace(SQUARE, name="waves", columns=lambda data, _baseline, _shape: waves(data), column_units=("nm",) * 16)
+    one = subject(lambda data: np.asarray(waves(data) @ np.resize([0.1, -0.07, 0.05], 16)), duration_s=duration_s)
+    found = diagnose_joint(one, (toy,), DiagnosisSettings())
+    assert [effect.name for effect in found.effects] == ["waves"]
+    assert found.verdict == verdict
+    assert ("16 numbers were fitted to" in found.message) == (verdict == "unexplained")
+
+
+def test_what_is_larger_on_one_side_is_not_what_it_was_taken_for() -> None:
+    """A bump that only resists the motion up is half of what its name says."""
+    found = diagnose_joint(
+        subject(lambda data: bump(data) * (1.0 + 0.9 * np.sign(data.dq))), (BUMP,), DiagnosisSettings()
+    )
+    assert [effect.name for effect in found.effects] == ["bump"]
+    assert found.verdict == "unexplained"
+    assert "bump is larger forwards than backwards" in found.message

@@ -11,6 +11,7 @@ from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.discrepancy.naming import Names, find_names, with_moments_of_all_cycles, worth
 from friction_audit.discrepancy.search import Ranking, cross_products
 from friction_audit.joint_log import Float
@@ -165,3 +166,20 @@ def test_what_is_no_function_of_time_is_told_as_it_was_proven() -> None:
 def test_rows_are_worth_their_number_over_the_memory() -> None:
     ground = ground_of(None)
     assert worth(ground) == pytest.approx(ground.working.sum() / ground.memory())
+
+
+@pytest.mark.parametrize(("factor", "named"), [(0.5, True), (3.0, False)])
+def test_no_effect_makes_coulomb_friction_drive(factor: float, named: bool) -> None:
+    """Three times a curve that starts at 1 N m, with less than nothing beside it, is no friction."""
+
+    def curve(data: JointData) -> Float:
+        return mean_sign(data.t, data.dq, data.ddq) * (1.0 + 0.1 * data.dq**2)
+
+    def missing(data: JointData) -> Float:
+        return factor * curve(data) - max(factor - 0.5, 0.0) * mean_sign(data.t, data.dq, data.ddq)
+
+    toy = replace(SQUARE, name="curve", columns=lambda data, _baseline, _shape: curve(data)[:, None])
+    ground = ground_of(missing)
+    library = build_library((toy,), ground.data, ground.baseline(), ground.rows)
+    found = find_names(ground, (toy,), library, 0.05, np.random.default_rng(0)).found
+    assert bool(found) == named

@@ -34,6 +34,10 @@ def _plain(_shape: Shape) -> bool:
     return False
 
 
+def _itself(_data: JointData, _shape: Shape) -> str:
+    return ""
+
+
 def _sharp(_baseline: Baseline, _shape: Shape) -> float:
     return 0.0
 
@@ -64,6 +68,8 @@ class Candidate:
         rugged: Name of the number of its shape on which the misfit has many valleys; empty without one.
         beside_rugged: Values of other numbers of the shape to try for each value of that one.
         richer: ``richer(shape)``: whether a shape is told only where it adds a good deal to the best of the others.
+        stands_in: ``stands_in(data, shape)``: why a shape cannot be this effect in this motion, but stands in for
+            something else that runs alike; empty where it can.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
     """
 
@@ -81,6 +87,7 @@ class Candidate:
     rugged: str = ""
     beside_rugged: tuple[Shape, ...] = ()
     richer: Callable[[Shape], bool] = _plain
+    stands_in: Callable[[JointData, Shape], str] = _itself
     blur: Callable[[Baseline, Shape], float] = _sharp
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None

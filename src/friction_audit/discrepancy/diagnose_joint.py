@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.constancy import find_inconstant
 from friction_audit.discrepancy.contacts import leave_out_contacts
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
@@ -18,7 +19,14 @@ from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
-from friction_audit.discrepancy.naming import Names, find_names, search_library, with_moments_of_all_cycles, worth
+from friction_audit.discrepancy.naming import (
+    Names,
+    find_names,
+    search_library,
+    unknowns,
+    with_moments_of_all_cycles,
+    worth,
+)
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
@@ -170,13 +178,21 @@ def _told(
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
     restless = find_restless(ground, grown, fine, over, lambda vibration: rings(names, events, vibration))
     limit = _detection_limit(ground, names, gap, alpha)
-    verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), restless=restless.decides)
+    doubts = _doubts(ground, names)
+    open_end = restless.decides or bool(doubts)
+    verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), open_end=open_end)
     return JointDiscrepancy(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
         message=message_of(
-            verdict, effects, profiles[1], restless.phrases, limit, tests[0].p_value <= alpha, names.library.untestable
+            verdict,
+            effects,
+            profiles[1],
+            (*doubts, *restless.phrases),
+            limit,
+            tests[0].p_value <= alpha,
+            names.library.untestable,
         ),
         effects=effects,
         declared=declared,
@@ -195,6 +211,22 @@ def _told(
         untestable=names.library.untestable,
         findings=subject.findings,
         traces=_traces(ground, ground.curves, before, after),
+    )
+
+
+def _doubts(ground: Ground, names: Names) -> tuple[str, ...]:
+    """Why names that fit may stand in for something else, a phrase each.
+
+    What a model does not get right is much the same all through a cycle, however many independent samples of noise that
+    holds: as many numbers as cycles fit whatever it is.
+    """
+    fitted, cycles = unknowns(names), len(np.unique(ground.rows.cycle))
+    crowded = f"{fitted} numbers were fitted to {cycles} cycles, so that names may stand in for something else"
+    alone = (f for f in names.found if not f.naming.alternatives)
+    return (
+        *([crowded] if fitted > cycles else []),
+        *(why for f in alone if (why := f.candidate.stands_in(ground.data, f.shape))),
+        *find_inconstant(ground, [(f.candidate.name, f.columns) for f in names.found]),
     )
 
 
@@ -225,11 +257,11 @@ def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
     )
 
 
-def _verdict(names: Names, first: Omnibus, gap: Gap, alpha: float, *, touched: bool, restless: bool) -> Verdict:
-    """The one word; ``restless`` is what shakes or scatters without following the motion."""
+def _verdict(names: Names, first: Omnibus, gap: Gap, alpha: float, *, touched: bool, open_end: bool) -> Verdict:
+    """The one word; ``open_end`` where something shakes or scatters following no motion, or a name only stands in."""
     if not names.library.entries:
         return "not_testable"
-    if restless:
+    if open_end:
         return "unexplained"
     if not names.found:
         missing = gap.before > (LEAST_OVER_FLOOR if first.p_value <= alpha else OVER_FLOOR) * gap.floor

@@ -4,6 +4,7 @@ import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, columns_of, columns_together
 from friction_audit.discrepancy.candidates.excitation import reversals
+from friction_audit.discrepancy.displacement import strokes
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.presliding import TERM
@@ -36,6 +37,17 @@ def admissible(factors: Float, _shape: Shape) -> bool:
     return bool(factors[0] > 0)
 
 
+def stands_in(data: JointData, shape: Shape) -> str:
+    """Whether friction would still build up at most moments of the motion: what never slides is no presliding."""
+    travelled = float(np.median(np.abs(strokes(data).displacement[data.used]))) if data.used.any() else 0.0
+    if shape["reach_rad"] <= travelled:
+        return ""
+    return (
+        f"presliding over {shape['reach_rad']:.2g} rad, where the joint is within {travelled:.2g} rad of its last "
+        "reversal half of the time, stands in for something else that follows the motion"
+    )
+
+
 CANDIDATE = Candidate(
     name="presliding",
     label="friction builds up after a reversal",
@@ -47,4 +59,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="displacement",
     term=TERM,
+    stands_in=stands_in,
 )
