@@ -8,11 +8,12 @@ import numpy as np
 from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
+from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, extend_library, plainer, rebuild_library
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
-from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, search
+from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, not_zero, search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -27,6 +28,9 @@ NEARLY = 10.0
 MOST_NEARLY = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
+COULOMB = "coulomb_nm"
+SURELY = 2.0
+"""Standard errors by which Coulomb friction must be below zero to be impossible."""
 ADDS = 0.05
 """Of what a plainer shape explains, what a richer one of the same effect must explain besides. The moments of inertia
 of a link that is wrong, which its first moments lack, come to a twentieth of its weight: 0.1 m, 5 rad/s^2, over g."""
@@ -249,6 +253,18 @@ def _plainly(ground: Ground, library: Library, searched: Searched) -> tuple[Libr
     return library, searched
 
 
+def unknowns(names: Names) -> int:
+    """How many factors and numbers of shapes were fitted; which link it is, and the like, is a choice."""
+    return sum(_unknowns(names.library, found) for found in names.found)
+
+
+def _unknowns(library: Library, found: Found) -> int:
+    term, shapes = found.candidate.term, library.entry(found.candidate.name).shapes
+    choices = set() if term is None else {parameter.name for parameter in term.shape if parameter.whole}
+    free = {name for name in found.shape if len({shape[name] for shape in shapes if name in shape}) > 1}
+    return int(not_zero(found.columns).sum()) + len(free - choices)
+
+
 def _numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
     """How many numbers each shape leaves free: those that differ among the shapes that have them."""
     values: dict[str, set[float]] = {}
@@ -312,6 +328,32 @@ def _refined(
     return found
 
 
+def _drives(ground: Ground, found: Sequence[Found]) -> int | None:
+    """The effect beside which Coulomb friction comes out plainly below zero, and without which not.
+
+    Two curves over the speed that nearly cancel leave their difference to Coulomb friction, which then would drive. A
+    smoothed sign that is not quite the right one leaves a little: less than Coulomb friction is without it.
+    """
+    columns = [f.columns for f in found]
+    value, error = _coulomb(ground, columns)
+    alone, _ = _coulomb(ground, [])
+    if value + max(SURELY * error, alone) >= 0.0 or alone < 0.0:
+        return None
+    without = [_coulomb(ground, [*columns[:k], *columns[k + 1 :]])[0] for k in range(len(found))]
+    return int(np.argmax(without)) if max(without) >= 0.0 else None
+
+
+def _coulomb(ground: Ground, effects: Sequence[Float]) -> tuple[float, float]:
+    """Coulomb friction of the declared model over all cycles beside some columns, and its standard error. [N m]"""
+    if COULOMB not in ground.declared.names:
+        return 0.0, 0.0
+    at, columns = ground.declared.names.index(COULOMB), np.hstack([ground.base, *effects])
+    factors = least_squares(columns, ground.y)
+    left = ground.y - columns @ factors
+    spread = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)[at, at]
+    return float(factors[at]), float(np.sqrt(ground.memory(*effects) * np.mean(left**2) * spread))
+
+
 def _accept(
     ground: Ground,
     found: list[Found],
@@ -330,6 +372,8 @@ def _accept(
             f.candidate.admissible(own, f.shape) or f.candidate.admissible(near, f.shape)
             for f, own, near in zip(found, proof.factors, proof.tolerated, strict=True)
         ]
+        if (driver := _drives(ground, found)) is not None:
+            possible[driver] = False
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
         fails |= proof.size < LEAST_SHARE * proof.size.max()
