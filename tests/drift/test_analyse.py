@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from friction_audit.drift.analyse import analyse_drift, choose_reference
 from friction_audit.drift.report import ArmDrift, CoefficientDrift
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import JointSummary, Session
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from tests.drift.made_sessions import (
@@ -113,6 +113,26 @@ def test_too_few_sessions_say_how_many_are_needed(count: int) -> None:
     assert arm.joints[0].coefficients[0].shape == "too_few"
     assert not arm.drift
     assert "at least 4 are needed" in arm.message
+
+
+def test_a_joint_that_never_moved_is_said_to_have_stood_still() -> None:
+    still = JointSummary(
+        joint=2,
+        name="joint2",
+        coefficients={},
+        cycles=0,
+        moving_s=0.0,
+        speed_rad_s=(np.nan, np.nan, np.nan),
+        reason="did not move: its speed never came near the threshold; move it",
+    )
+    sessions = [replace(one, joints=(*one.joints, still)) for one in make_sessions(noisy(6))]
+    expected = "0 comparable sessions, at least 4 are needed to tell drift from scatter; did not move (6 sessions)"
+    joint = analyse(sessions).joints[1]
+    assert joint.message == f"joint 2: {expected}"
+    assert [one.message for one in joint.coefficients] == [
+        f"Coulomb friction: {expected}",
+        f"viscous friction: {expected}",
+    ]
 
 
 def test_no_session_is_no_arm() -> None:

@@ -18,7 +18,7 @@ from friction_audit.drift.smallest_drift import smallest_change
 from friction_audit.drift.temperature import TOGETHER, shared, without_temperature
 from friction_audit.drift.trend import find_trend, temperature_slope
 from friction_audit.drift.within import change_within
-from friction_audit.drift.words import Circumstances, describe
+from friction_audit.drift.words import Circumstances, describe, describe_too_few
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
@@ -66,7 +66,8 @@ def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
         drift=False,
         message="",
     )
-    return replace(drift, message=describe(drift, sessions, Circumstances()))
+    own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
+    return replace(drift, message=describe_too_few(drift, [joint.reason for joint in own if joint.reason]))
 
 
 def describe_series(

@@ -1,5 +1,7 @@
 """The sentences of drift, for tired people."""
 
+import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -43,8 +45,6 @@ class Circumstances:
 
 def describe(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> str:
     """Return one sentence on a coefficient, without a full stop."""
-    if drift.shape == "too_few":
-        return f"{NAMES[drift.coefficient]}: {too_few_words(len(drift.sessions) - len(drift.isolated))}"
     return "; ".join([_main(drift, sessions, beside), *_beside(drift, sessions, beside)])
 
 
@@ -165,6 +165,18 @@ def _odd_ones(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]
     return parts
 
 
+def describe_too_few(drift: CoefficientDrift, reasons: Sequence[str]) -> str:
+    """Return one sentence on a coefficient with too few estimates.
+
+    Args:
+        drift: The coefficient.
+        reasons: Why sessions have no estimate; what most of them share is told.
+    """
+    clauses = Counter(re.split("[:;]", reason)[0] for reason in reasons)
+    most = [f"{why} ({count} session{'' if count == 1 else 's'})" for why, count in clauses.most_common(1)]
+    return "; ".join([f"{NAMES[drift.coefficient]}: {too_few_words(len(drift.sessions) - len(drift.isolated))}", *most])
+
+
 def too_few_words(count: int) -> str:
     """Return how many sessions there are and how many it takes."""
     plural = "" if count == 1 else "s"
@@ -177,9 +189,9 @@ def describe_joint(joint: int, coefficients: Sequence[CoefficientDrift]) -> str:
     if told:
         rest = "; nothing else changed" if len(told) < len(coefficients) else ""
         return f"joint {joint}: {'; '.join(told)}{rest}"
-    few = {len(drift.sessions) - len(drift.isolated) for drift in coefficients if drift.shape == "too_few"}
-    if len(few) == 1 and all(drift.shape == "too_few" for drift in coefficients):
-        return f"joint {joint}: {too_few_words(few.pop())}"
+    said = {drift.message.removeprefix(f"{NAMES[drift.coefficient]}: ") for drift in coefficients}
+    if len(said) == 1 and all(drift.shape == "too_few" for drift in coefficients):
+        return f"joint {joint}: {said.pop()}"
     return f"joint {joint}: {'; '.join(drift.message for drift in coefficients)}"
 
 
