@@ -159,7 +159,7 @@ def main() -> None:
     parser.add_argument("--logs", type=int, default=100)
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument(
-        "--memory", type=int, nargs="*", default=[100, 1000], help="numbers of logs; 10 MB of disk each"
+        "--memory", type=int, nargs="*", default=[100, 1000], help="numbers of logs; 15 MB of disk each"
     )
     parser.add_argument("--page", type=Path, default=None)
     arguments = parser.parse_args()
