@@ -52,3 +52,23 @@ def test_nothing_to_stand_beside() -> None:
     factors, left = Beside(np.zeros((2, 0)), y).fit(y[:, None] / 2.0)
     assert_allclose(factors, [2.0])
     assert left == pytest.approx(0.0, abs=1e-20)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_column_of_zeros_has_the_factor_zero_and_no_rounding(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    columns, own, y = rng.standard_normal((300, 3)), rng.standard_normal((300, 4)), rng.standard_normal(300)
+    own[:, 1] = 0.0
+    factors, _ = Beside(columns, y).fit(own)
+    assert factors[1] == 0.0
+    assert np.all(factors[[0, 2, 3]] != 0.0)
+
+
+def test_what_is_left_is_what_the_sum_of_squares_is_of() -> None:
+    rng = np.random.default_rng(1)
+    columns, own, y = rng.standard_normal((60, 3)), rng.standard_normal((60, 2)), rng.standard_normal(60)
+    beside = Beside(columns, y)
+    left = beside.left(own)
+    assert_allclose(np.hstack([columns, own]).T @ left, 0.0, atol=1e-12)
+    assert float(left @ left) == pytest.approx(beside.fit(own)[1], rel=1e-12)
+    assert_allclose(beside.left(own[:, :0]), beside.response)

@@ -223,3 +223,14 @@ def test_names_of_cycles_do_not_matter_to_the_statistic(seed: int) -> None:
         scores = CycleScores(data.noise, data.base, number, 16, np.ones((1, 16)))
         tables.append([scores.largest(group)[0] for group in data.groups])
     np.testing.assert_allclose(tables[1], tables[0], rtol=1e-6, atol=1e-9)
+
+
+def test_candidates_with_more_samples_are_read_where_the_others_are() -> None:
+    data = synthetic_columns(np.random.default_rng(3), cycles=20, memory=0.5, per_cycle=40)
+    kept = data.cycle % 4 != 1
+    some = [replace(g, shapes=tuple(w[kept] for w in g.shapes)) for g in data.groups]
+    y, base, cycle = data.noise[kept], data.base[kept], data.cycle[kept]
+    copied = omnibus_test(y, base, some, cycle, np.random.default_rng(4), draws=49)
+    read = omnibus_test(y, base, data.groups, cycle, np.random.default_rng(4), draws=49, at=np.flatnonzero(kept))
+    np.testing.assert_array_equal(read.adjusted_p, copied.adjusted_p)
+    assert read.p_value == copied.p_value
