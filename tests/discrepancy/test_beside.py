@@ -54,16 +54,6 @@ def test_nothing_to_stand_beside() -> None:
     assert left == pytest.approx(0.0, abs=1e-20)
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_a_column_of_zeros_has_the_factor_zero_and_no_rounding(seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    columns, own, y = rng.standard_normal((300, 3)), rng.standard_normal((300, 4)), rng.standard_normal(300)
-    own[:, 1] = 0.0
-    factors, _ = Beside(columns, y).fit(own)
-    assert factors[1] == 0.0
-    assert np.all(factors[[0, 2, 3]] != 0.0)
-
-
 def test_what_is_left_is_what_the_sum_of_squares_is_of() -> None:
     rng = np.random.default_rng(1)
     columns, own, y = rng.standard_normal((60, 3)), rng.standard_normal((60, 2)), rng.standard_normal(60)
