@@ -96,6 +96,14 @@ def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
     assert SQUARE.name in {rival.name for rival in found.naming.rivals}
 
 
+def test_one_that_is_small_beside_an_offset_is_for_an_offset_has_no_formula_to_be_wrong() -> None:
+    ground = ground_of(lambda data: 2.0 + bump(data))
+    toys = (replace(OFFSET, exact=True), BUMP)
+    library = build_library(toys, ground.data, ground.baseline(), ground.rows)
+    names = find_names(ground, toys, library, 0.05, np.random.default_rng(0))
+    assert [found.candidate.name for found in names.found] == ["offset", "bump"]
+
+
 @pytest.mark.parametrize(("share", "rich"), [(0.02, False), (0.5, True)])
 def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bool) -> None:
     def both(data: JointData) -> Float:

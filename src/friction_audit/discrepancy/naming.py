@@ -27,7 +27,8 @@ NEARLY = 10.0
 """What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
 MOST_NEARLY = 2
 LEAST_SHARE = 0.2
-"""An effect that is smaller than this share of a larger one may be what that one's formula does not get right."""
+"""An effect that is smaller than this share of a larger one may be what that one's formula does not get right: not of
+an offset, which is right or not there."""
 COULOMB = "coulomb_nm"
 SURELY = 2.0
 """Standard errors by which Coulomb friction must be below zero to be impossible."""
@@ -376,7 +377,8 @@ def _accept(
             possible[driver] = False
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
-        fails |= proof.size < LEAST_SHARE * proof.size.max()
+        inexact = proof.size[[not f.candidate.exact for f in found]]
+        fails |= proof.size < LEAST_SHARE * inexact.max(initial=0.0)
         if not fails.any():
             return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
         weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))

@@ -22,4 +22,5 @@ CANDIDATE = Candidate(
     axis="speed",
     same_as=("torque_bias",),
     term=TERM,
+    exact=True,
 )

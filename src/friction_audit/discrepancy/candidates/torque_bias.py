@@ -22,4 +22,5 @@ CANDIDATE = Candidate(
     axis="time",
     same_as=("asymmetric_coulomb",),
     term=TERM,
+    exact=True,
 )
