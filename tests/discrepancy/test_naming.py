@@ -162,7 +162,8 @@ def test_a_moment_in_a_locked_cycle_is_told_from_all_cycles() -> None:
     names = find_names(ground, toys, library, 0.05, np.random.default_rng(0))
     (told,) = with_moments_of_all_cycles(ground, names)
     assert told.shape["moment_s"] == pytest.approx(moment, abs=0.1)
-    assert inside[0] - 0.1 < names.found[0].shape["moment_s"] < inside[-1] + 0.1
+    # So is the one that the gap is measured with, or the locked cycles would be missed for not having been asked.
+    assert names.found[0].shape["moment_s"] == pytest.approx(moment, abs=0.1)
 
 
 def test_what_is_no_function_of_time_is_told_as_it_was_proven() -> None:

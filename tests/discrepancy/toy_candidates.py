@@ -62,6 +62,7 @@ STEP = Candidate(
     untestable=lambda _data, _baseline: None,
     admissible=lambda _factors, _shape: True,
     axis="time",
+    moment="moment_s",
 )
 LOCKED_OUT = Candidate(
     name="locked_out",

@@ -70,6 +70,7 @@ class Candidate:
         richer: ``richer(shape)``: whether a shape is told only where it adds a good deal to the best of the others.
         stands_in: ``stands_in(data, shape)``: why a shape cannot be this effect in this motion, but stands in for
             something else that runs alike; empty where it can.
+        moment: Name of the number of its shape that is a moment, which a locked cycle may hide; empty without one.
         exact: Whether its formula cannot be wrong, as that of a constant cannot.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
     """
@@ -89,6 +90,7 @@ class Candidate:
     beside_rugged: tuple[Shape, ...] = ()
     richer: Callable[[Shape], bool] = _plain
     stands_in: Callable[[JointData, Shape], str] = _itself
+    moment: str = ""
     exact: bool = False
     blur: Callable[[Baseline, Shape], float] = _sharp
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None

@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.discrepancy.library import Library, extend_library, plainer, rebuild_library
+from friction_audit.discrepancy.library import Entry, Library, extend_library, plainer, rebuild_library
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, not_zero, search
@@ -29,6 +30,8 @@ MOST_NEARLY = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right: not of
 an offset, which is right or not there."""
+UNTOLD = 6.0
+"""Of n_eff ln(RSS / RSS_best): the 95 % quantile of chi squared for a moment and a length."""
 COULOMB = "coulomb_nm"
 SURELY = 2.0
 """Standard errors by which Coulomb friction must be below zero to be impossible."""
@@ -324,6 +327,8 @@ def _refined(
         entry = library.entry(chosen.name)
         base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
         shape = refine(entry.candidate, entry.shapes[chosen.shape], entry.shapes, ground, baseline, base)
+        if entry.candidate.moment:
+            shape = _placed(ground, entry, shape, baseline, base)
         columns[k] = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
         found.append(Found(candidate=entry.candidate, shape=shape, columns=columns[k], naming=naming, p_value=1.0))
     return found
@@ -353,6 +358,23 @@ def _coulomb(ground: Ground, effects: Sequence[Float]) -> tuple[float, float]:
     left = ground.y - columns @ factors
     spread = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)[at, at]
     return float(factors[at]), float(np.sqrt(ground.memory(*effects) * np.mean(left**2) * spread))
+
+
+def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Baseline, base: Float) -> Shape:
+    """The shape with its moment where all cycles have it, of those that the working ones do not tell from it.
+
+    They put a moment that lies in a locked cycle anywhere in there.
+    """
+    w = ground.working
+    own = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+    working, whole = Beside(base[w], ground.y[w]), Beside(base, ground.y)
+    most = working.fit(own[w])[1] * float(np.exp(UNTOLD / worth(ground, base, own)))
+    place, least = shape, whole.fit(own)[1]
+    for other, columns in zip(entry.shapes, entry.columns, strict=True):
+        if working.fit(columns[w])[1] <= most and (left := whole.fit(columns)[1]) < least:
+            place, least = other, left
+    every = replace(ground, working=np.ones_like(w))
+    return refine(entry.candidate, place, entry.shapes, every, baseline, base)
 
 
 def _accept(

@@ -53,4 +53,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="time",
     term=TERM,
+    moment="step_time_s",
 )
