@@ -4,15 +4,25 @@ An event is in the cycle in which it happened and in no other, so that no locked
 fitted to its rows is not a property of the joint.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.candidates.contact_event import CANDIDATE, Contact, find_contacts
+from friction_audit.discrepancy.candidates.contact_event import (
+    CANDIDATE,
+    Contact,
+    contacts_of,
+    find_contacts,
+    overlap,
+)
+from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, keep_rows, without
-from friction_audit.discrepancy.naming import search_library
+from friction_audit.discrepancy.naming import Names, search_library, with_moments_of_all_cycles
+from friction_audit.discrepancy.ripple_scan import with_scanned_orders
+from friction_audit.joint_log import Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -31,19 +41,55 @@ class Undisturbed:
 
 
 def leave_out_contacts(ground: Ground, library: Library) -> Undisturbed:
-    """Leave contacts out where a search takes them beside everything that the motion can explain.
+    """Leave out contacts that stand out beside everything that the motion can explain.
 
-    The search goes over all cycles: an event that lies in a locked one is in no other, and nothing is learned from it.
+    What a search over all cycles takes beside them is what it can explain: an event that lies in a locked cycle is in
+    no other, and nothing is learned from it.
     """
     others = without(library, CANDIDATE.name)
-    contacts = find_contacts(ground.data) if len(others.entries) < len(library.entries) else ()
+    tried = next((entry.shapes for entry in library.entries if entry.candidate.name == CANDIDATE.name), ({},))
+    if not tried[0]:
+        return Undisturbed(ground=ground, library=others, contacts=())
+    every = replace(ground, working=np.ones_like(ground.working))
+    library = with_scanned_orders(every, library)
+    _, outcome, _ = search_library(every, library)
+    taken = [(library.entry(one.name), one.shape) for one in outcome.chosen if one.name != CANDIDATE.name]
+    contacts = contacts_of(tried[0])
+    if taken:
+        # Fitted with all rows: else the one moment at which a stop is deep would be a contact.
+        baseline = ground.baseline()
+        fine = [entry.candidate.columns(ground.data, baseline, entry.shapes[shape]) for entry, shape in taken]
+        contacts = _beside(every, [entry.columns[shape] for entry, shape in taken], fine)
+    return without_contacts(ground, others, contacts)
+
+
+def contacts_beside(ground: Ground, undisturbed: Undisturbed, names: Names) -> tuple[Contact, ...]:
+    """The contacts that still stand out of what a joint's names leave of all its rows.
+
+    None is new: beside a name whose numbers are not quite right something always stands out. A moment at which
+    something changes is refined once more with the rows of the contacts, for it may lie in one of them.
+    """
+    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
+    found = [replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True)]
+    told = with_moments_of_all_cycles(ground, replace(names, found=tuple(found)))
+    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
+    beside = _beside(replace(ground, working=np.ones_like(ground.working)), [f.columns for f in told], fine)
+    return tuple(contact for contact in undisturbed.contacts if any(overlap(contact, other) for other in beside))
+
+
+def without_contacts(ground: Ground, library: Library, contacts: tuple[Contact, ...]) -> Undisturbed:
+    """A joint without the rows of some contacts; its library holds none."""
     if not contacts:
-        return Undisturbed(ground=ground, library=others, contacts=())
-    _, outcome, _ = search_library(replace(ground, working=np.ones_like(ground.working)), library)
-    if all(chosen.name != CANDIDATE.name for chosen in outcome.chosen):
-        return Undisturbed(ground=ground, library=others, contacts=())
+        return Undisturbed(ground=ground, library=library, contacts=())
     kept = ~_touched(ground, contacts)
-    return Undisturbed(ground=ground.keep(kept), library=keep_rows(others, kept), contacts=contacts)
+    return Undisturbed(ground=ground.keep(kept), library=keep_rows(library, kept), contacts=contacts)
+
+
+def _beside(ground: Ground, effects: Sequence[Float], fine: Sequence[Float]) -> tuple[Contact, ...]:
+    """Contacts beside effects: columns on the rows, shape (m, p) each, and on the fine grid, shape (n, p) each."""
+    columns = np.hstack([ground.base, *effects])
+    factors = least_squares(columns[ground.working], ground.y[ground.working])[ground.base.shape[1] :]
+    return find_contacts(ground.data, np.hstack(fine) @ factors if len(factors) else np.zeros(len(ground.data.t)))
 
 
 def _touched(ground: Ground, contacts: tuple[Contact, ...]) -> NDArray[np.bool_]:

@@ -7,8 +7,14 @@ import numpy as np
 
 from friction_audit.discrepancy.against_energy import differences_from_energy
 from friction_audit.discrepancy.candidate import Candidate
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.constancy import find_inconstant
-from friction_audit.discrepancy.contacts import leave_out_contacts
+from friction_audit.discrepancy.contacts import (
+    Undisturbed,
+    contacts_beside,
+    leave_out_contacts,
+    without_contacts,
+)
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
@@ -18,7 +24,7 @@ from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import build_library
+from friction_audit.discrepancy.library import build_library, without
 from friction_audit.discrepancy.naming import (
     Names,
     find_names,
@@ -134,7 +140,27 @@ def _judge(
     rng = np.random.default_rng(settings.seed)
     library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
     undisturbed = leave_out_contacts(ground, library)
+    first, names = _named(undisturbed, candidates, settings, rng)
+    if undisturbed.contacts and names.found:
+        contacts = contacts_beside(ground, undisturbed, names)
+        if len(contacts) < len(undisturbed.contacts):
+            undisturbed = without_contacts(ground, without(library, CONTACT.name), contacts)
+            first, names = _named(undisturbed, candidates, settings, rng)
     events = contact_effects(ground, undisturbed)
+    ground = undisturbed.ground
+    if (on_time := put_on_time(ground, names)) is not None:
+        subject = replace(subject, data=on_time.data, findings=(*subject.findings, on_time.finding))
+        return _judge(subject, make_ground(on_time.data, subject.model, settings.seed), candidates, settings)
+    if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
+        names, events = ringing.names, (ringing.effect,)
+    last = _test(ground, names, rng) if names.found else first
+    return _told(subject, ground, names, events, (first, last), settings.alpha)
+
+
+def _named(
+    undisturbed: Undisturbed, candidates: Sequence[Candidate], settings: DiagnosisSettings, rng: np.random.Generator
+) -> tuple[Omnibus, Names]:
+    """Whether anything is missing, and what."""
     ground = undisturbed.ground
     names = Names(found=(), library=undisturbed.library, baseline=ground.baseline())
     first = _test(ground, names, rng)
@@ -144,13 +170,7 @@ def _judge(
     # random signs per cycle.
     if library.entries and (first.p_value <= settings.alpha or searched[1].chosen):
         names = find_names(ground, candidates, library, settings.alpha, rng, searched)
-    if (on_time := put_on_time(ground, names)) is not None:
-        subject = replace(subject, data=on_time.data, findings=(*subject.findings, on_time.finding))
-        return _judge(subject, make_ground(on_time.data, subject.model, settings.seed), candidates, settings)
-    if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
-        names, events = ringing.names, (ringing.effect,)
-    last = _test(ground, names, rng) if names.found else first
-    return _told(subject, ground, names, events, (first, last), settings.alpha)
+    return first, names
 
 
 def _told(

@@ -5,7 +5,8 @@ is out of the ordinary, and only they are taken from the torque; what is fitted 
 come with every stroke are no contacts but a function of the motion.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,22 +15,23 @@ from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.mean_sign import mean_sign
+from friction_audit.discrepancy.pushes import ABOUT_S, HALF, Push, find_pushes
 from friction_audit.joint_log import Float
 
-WINDOWS_S = (0.1, 0.3, 1.0)
-"""Lengths of a touch that are looked for; a longer one is found by its beginning and its end."""
-LEAST_SIGMAS = 6.0
-"""How far a window's mean stands out: of thousands of windows of noise, none does."""
-EDGE_SIGMAS = 2.5
-"""How far the shortest window stands out at the beginning and the end of a contact."""
-LEAST_FILLED = 0.5
-"""Share of a window in which the joint must move."""
+OUTLYING = 12.0
+"""What is so many times the median does not bend the fit."""
 TURNING_S = 2.0
 """A shorter touch may drag at a reversal, and turn with it."""
 TURN_S = 0.05
 """About a reversal, where the filter mixes both directions, nothing is looked for."""
-APART_S = 0.1
-"""Stretches that are closer belong to one contact."""
+APART_S = 0.2
+"""Pushes between which less time is clear belong to one contact."""
+HIDDEN_S = 0.2
+"""So far a contact may reach over a reversal that is next to it, where nothing is looked for."""
+WHOLE_S = 1.0
+"""A contact begins and ends so long within the log: what does not may settle, or have changed for good."""
+LEAST_SIDE_S = 0.1
+"""Of either direction, that a contact may be asked whether it turns."""
 MOST_CYCLES = 0.6
 """Share of the cycles in which contacts may be."""
 MOST_TIME = 0.2
@@ -39,7 +41,6 @@ KNOTS = 5
 """Points of the curve through one contact, nothing at its ends."""
 SPEEDS = 24
 """Knots of the friction's curve over the speed, a third apart over three decades."""
-SIGMA_PER_MEDIAN = 1.4826
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -55,26 +56,33 @@ class Contact:
     stop_s: float
 
 
-def find_contacts(data: JointData) -> tuple[Contact, ...]:
-    """Find the stretches of a log in which something touches the joint; none where they come with every stroke."""
+def find_contacts(data: JointData, explained: Float | None = None) -> tuple[Contact, ...]:
+    """Find the stretches of a log in which something touches the joint; none where they come with every stroke.
+
+    Args:
+        data: The joint.
+        explained: Torque of effects that are known already, shape (n,); None where there are none. [N m]
+    """
     if not data.used.any():
         return ()
     clear = data.used & ~_widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
     if not clear.any():
         return ()
-    plain, any_law = _stand_out(data, clear, _plain(data)), _stand_out(data, clear, _any_law(data))
-    return tuple(contact for contact in any_law if any(_overlap(contact, other) for other in plain))
+    known = np.zeros(len(data.t)) if explained is None else explained
+    plain, any_law = (_stand_out(data, clear, law(data), known) for law in (_plain, _any_law))
+    return tuple(contact for contact in any_law if any(overlap(contact, other) for other in plain))
 
 
-def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float) -> tuple[Contact, ...]:
-    """Stretches that stand out of a friction's columns, shape (n, p); none where they come with every stroke."""
-    left = _left(data, clear, friction)
-    means = [_window_means(left, clear, _samples(length, data)) for length in WINDOWS_S]
-    outlying = np.zeros(len(left), bool)
-    for length, mean in zip(WINDOWS_S, means, strict=True):
-        outlying |= _widened(np.abs(mean) > LEAST_SIGMAS, _samples(length, data))
-    stretches = _stretches(data.t, outlying, np.abs(means[0]) > EDGE_SIGMAS)
-    found = tuple(contact for contact in stretches if not _turns(data, left, contact))
+def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float, known: Float) -> tuple[Contact, ...]:
+    """Stretches that stand out of a friction's columns, shape (n, p), and of what is known, shape (n,)."""
+    left = _left(replace(data, torque=data.torque - known), clear, friction)
+    pushes = find_pushes(data, left, clear, known)
+    changed = [c for c in _stretches(data.t, clear, pushes, TURNING_S) if _turns(data, left, c)]
+    found = tuple(
+        contact
+        for contact in _stretches(data.t, clear, pushes, APART_S)
+        if _whole(data, contact) and not any(overlap(contact, other) for other in changed)
+    )
     inside = np.zeros(len(left), bool)
     for contact in found:
         inside |= (data.t >= contact.start_s) & (data.t <= contact.stop_s)
@@ -83,17 +91,23 @@ def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float) -> tu
     return found if rare and all(c.stop_s - c.start_s <= LONGEST_S for c in found) else ()
 
 
-def _overlap(one: Contact, other: Contact) -> bool:
+def _whole(data: JointData, contact: Contact) -> bool:
+    return bool(contact.start_s >= data.t[0] + WHOLE_S and contact.stop_s <= data.t[-1] - WHOLE_S)
+
+
+def overlap(one: Contact, other: Contact) -> bool:
+    """Whether two contacts share a moment."""
     return one.start_s <= other.stop_s and other.start_s <= one.stop_s
 
 
-def _turns(data: JointData, left: Float, contact: Contact) -> bool:
+def _turns(data: JointData, left: Float, stretch: Contact) -> bool:
     """Whether what is left in a long stretch turns with the direction: friction that has changed, and no touch."""
-    inside = (data.t >= contact.start_s) & (data.t <= contact.stop_s) & (left != 0.0)
+    inside = (data.t >= stretch.start_s) & (data.t <= stretch.stop_s) & (left != 0.0)
     both = [left[inside & (data.dq > 0.0)], left[inside & (data.dq < 0.0)]]
-    if contact.stop_s - contact.start_s < TURNING_S or min(map(len, both)) < _samples(WINDOWS_S[0], data):
+    if stretch.stop_s - stretch.start_s < TURNING_S or min(map(len, both)) < _samples(LEAST_SIDE_S, data):
         return False
-    return float(both[0].mean() * both[1].mean()) < 0.0
+    one, other = (float(np.median(side)) for side in both)
+    return one * other < 0.0 and min(abs(one), abs(other)) > HALF * float(np.median(np.abs(left[inside])))
 
 
 def _samples(length_s: float, data: JointData) -> int:
@@ -109,7 +123,7 @@ def _left(data: JointData, clear: NDArray[np.bool_], friction: Float) -> Float:
     for _ in range(3):  # what stands out must not bend the fit
         used, torque = columns[kept], data.torque[kept]
         left = data.torque - columns @ np.linalg.lstsq(used.T @ used, used.T @ torque)[0]
-        kept = clear & (np.abs(left) < 2.0 * LEAST_SIGMAS * np.median(np.abs(left[clear])))
+        kept = clear & (np.abs(left) < OUTLYING * np.median(np.abs(left[clear])))
     return np.where(clear, left, 0.0)
 
 
@@ -127,20 +141,6 @@ def _any_law(data: JointData) -> Float:
     return np.asarray(mean_sign(data.t, data.dq, data.ddq)[:, None] * hats)
 
 
-def _window_means(left: Float, used: NDArray[np.bool_], samples: int) -> Float:
-    """Means over raised cosines about each sample, in units of their usual size."""
-    from scipy.signal import fftconvolve
-
-    bell = np.hanning(max(samples, 1) + 2)[1:-1]
-    if len(bell) >= len(left):
-        return np.zeros(len(left))
-    filled = fftconvolve(used.astype(np.float64), bell**2, mode="same") / np.sum(bell**2)
-    enough = filled > LEAST_FILLED
-    mean = np.where(enough, fftconvolve(left, bell, mode="same") / np.sqrt(np.where(enough, filled, 1.0)), 0.0)
-    usual = SIGMA_PER_MEDIAN * float(np.median(np.abs(mean[enough]))) if enough.any() else np.inf
-    return np.asarray(mean / usual) if usual > 0.0 else np.zeros(len(left))
-
-
 def _widened(marks: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
     """All samples within half a window of a marked one."""
     from scipy.ndimage import maximum_filter1d
@@ -148,21 +148,33 @@ def _widened(marks: NDArray[np.bool_], samples: int) -> NDArray[np.bool_]:
     return np.asarray(maximum_filter1d(marks, max(samples, 1)), bool)
 
 
-def _stretches(t: Float, outlying: NDArray[np.bool_], clear: NDArray[np.bool_]) -> tuple[Contact, ...]:
-    """Runs of outlying samples, those that are close put together, from the first clear sample of each to its last."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], outlying, [False]])))
-    starts, stops = t[edges[::2]], t[edges[1::2] - 1]
-    far = np.append(True, starts[1:] - stops[:-1] > APART_S) if len(starts) else np.zeros(0, bool)
-    last = np.append(np.flatnonzero(far)[1:] - 1, len(starts) - 1) if len(starts) else np.zeros(0, int)
-    return tuple(_trimmed(t, clear, float(a), float(b)) for a, b in zip(starts[far], stops[last], strict=True))
+def _stretches(t: Float, clear: NDArray[np.bool_], pushes: Sequence[Push], apart_s: float) -> tuple[Contact, ...]:
+    """Pushes in the order of time, those with little clear time in between put together."""
+    clear_s = np.append(0.0, np.cumsum(clear) * (t[1] - t[0]))
+    found: list[Contact] = []
+    for push in sorted(pushes, key=lambda push: push.start_s):
+        one = _reaching(t, clear, push)
+        if found and _between(t, clear_s, found[-1].stop_s, one.start_s) <= apart_s:
+            found[-1] = Contact(start_s=min(found[-1].start_s, one.start_s), stop_s=max(found[-1].stop_s, one.stop_s))
+        else:
+            found.append(one)
+    return tuple(found)
 
 
-def _trimmed(t: Float, clear: NDArray[np.bool_], start: float, stop: float) -> Contact:
-    inside = t[clear & (t >= start) & (t <= stop)]
-    half = 0.5 * WINDOWS_S[0]
-    if not len(inside):
-        return Contact(start_s=start, stop_s=stop)
-    return Contact(start_s=max(start, float(inside[0]) - half), stop_s=min(stop, float(inside[-1]) + half))
+def _between(t: Float, clear_s: Float, stop_s: float, start_s: float) -> float:
+    """Clear time between two moments. [s]"""
+    first, last = np.searchsorted(t, (stop_s, max(stop_s, start_s)))
+    return float(clear_s[last] - clear_s[first])
+
+
+def _reaching(t: Float, clear: NDArray[np.bool_], push: Push) -> Contact:
+    """Where a push is, and over a reversal next to it."""
+    start, stop = float(t[0]) + push.start_s, float(t[0]) + push.stop_s
+    before, behind = (t >= start - 2.0 * ABOUT_S) & (t < start), (t > stop) & (t <= stop + 2.0 * ABOUT_S)
+    return Contact(
+        start_s=start if clear[before].all() else start - HIDDEN_S,
+        stop_s=stop if clear[behind].all() else stop + HIDDEN_S,
+    )
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
@@ -176,11 +188,18 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
+def contacts_of(shape: Shape) -> tuple[Contact, ...]:
+    """Contacts of a shape of the candidate."""
+    return tuple(
+        Contact(start_s=shape[f"start_{k}_s"], stop_s=shape[f"stop_{k}_s"]) for k in range(1, len(shape) // 2 + 1)
+    )
+
+
 def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
     """Hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
     hats = [np.zeros((len(data.t), 1))] if not shape else []
-    for k in range(1, len(shape) // 2 + 1):
-        knots = np.linspace(shape[f"start_{k}_s"], shape[f"stop_{k}_s"], KNOTS + 2)
+    for contact in contacts_of(shape):
+        knots = np.linspace(contact.start_s, contact.stop_s, KNOTS + 2)
         hats += [
             np.interp(data.t, knots, np.eye(KNOTS + 2)[i], left=0.0, right=0.0)[:, None] for i in range(1, KNOTS + 1)
         ]

@@ -1,5 +1,6 @@
 """Contacts over time: what the grown model leaves of the torque, stretches in which something touched shaded."""
 
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -63,7 +64,17 @@ def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
         torque = _simple_torque(data, rows)
     left = filter_rows(data.torque - torque, rows.kernel, rows.every)
     seen = (data.moving & data.valid)[:: rows.every]
-    return Touched(t=data.t[:: rows.every], left=np.where(seen, left, np.nan), contacts=find_contacts(data))
+    beside = find_contacts(replace(data, torque=data.torque - torque))
+    return Touched(
+        t=data.t[:: rows.every],
+        left=np.where(seen, left, np.nan),
+        contacts=tuple(contact for contact in beside if _left_out(traces.t, contact)),
+    )
+
+
+def _left_out(t: Float, contact: Contact) -> bool:
+    """Whether a diagnosis, whose rows have these times, left a contact out, shape (m,)."""
+    return not np.any((t >= contact.start_s) & (t <= contact.stop_s))
 
 
 def _simple_torque(data: JointData, rows: Rows) -> Float:

@@ -1,0 +1,274 @@
+"""Pushes that stand out of noise: matched filters for the noise's own spectrum, one push after the other.
+
+Noise that remembers long is large and slow, and a mean over a window tells little beside it; a push begins and ends
+within tens of milliseconds, where such a noise is small. What is left of a torque is divided by the spectrum of its
+noise and correlated with pushes of several lengths: no other linear statistic sees them better (Turin 1960). The
+largest is taken out and the rest asked again, for the flank of one push is not another. What comes again with the
+motion is none, nor is a single wild sample.
+
+References:
+    G. L. Turin, An introduction to matched filters, IRE Transactions on Information Theory 6 (1960) 311.
+    S. G. Mallat, Z. Zhang, Matching pursuits with time-frequency dictionaries, IEEE Transactions on Signal Processing
+    41 (1993) 3397.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.recurrence import Passes, passes_of
+from friction_audit.joint_log import Float
+
+Samples = NDArray[np.bool_]
+Spectrum = NDArray[np.complex128]
+RATE_HZ = 100.0
+CORNER_HZ = 25.0
+"""Above it inertia times acceleration is the encoder's noise, and nobody pushes."""
+LENGTHS_S = (0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8)
+"""Lengths of a push that are looked for; a longer one is several, and one much shorter no other than a wild sample."""
+BY_CHANCE = 0.01
+"""Probability that noise alone holds one."""
+ABOUT_S = 0.05
+"""Before and behind a push the direction of motion must be clear: at a reversal any error of friction is sudden."""
+LEAST_FILLED = 0.5
+"""Share of a segment of the spectrum that must be clear."""
+LEAST_KIND_S, LEAST_PUSHES = 3.0, 16
+"""Clear time is halved by speed, the slow half again, until one is shorter than this or than so many pushes; and by
+acceleration, the fast half again: what the model lacks is more there, and a push must stand out of it."""
+SEGMENT_S = 2.56
+"""Length over which the spectrum is taken."""
+SMOOTHED = 5
+"""Frequencies over which the spectrum is smoothed."""
+MOST = 100
+"""Pushes that are looked for: what comes more often is no event."""
+REACH_S = 5.12
+"""As far as a filter can reach from a push: twice the length over which the spectrum is taken."""
+AFTER_WILD_S = 0.1
+"""About a wild sample nothing is looked for."""
+LEAST_SHARE = 0.2
+"""Of what a filter sees of the torque that was taken off: what is smaller may be what its formula gets wrong."""
+FEWEST_AGAIN, HALF = 2, 0.5
+SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Push:
+    """One of them.
+
+    Attributes:
+        start_s: Its beginning, from the first sample on. [s]
+        stop_s: Its end. [s]
+        size: How far it stands out, with its sign, in standard deviations.
+    """
+
+    start_s: float
+    stop_s: float
+    size: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class _Matched:
+    """A filter for pushes of one length and form about each of n samples.
+
+    Attributes:
+        push: The push, shape (k,).
+        response: The filter, by frequency, shape (f,).
+        norm: Root of the push's energy over the noise's spectrum.
+        clear: Where the push and a little about it are clear, shape (n,).
+        kinds: Number of the pushes during which the joint was as fast, and of those in which it was accelerated as
+            much, shape (n,) each.
+    """
+
+    push: Float
+    response: Spectrum
+    norm: float
+    clear: Samples
+    kinds: tuple[NDArray[np.int64], ...]
+
+    def of(self, signal: Float, length: int) -> Float:
+        """Size of a push about each sample, in standard deviations of the noise's spectrum, shape (n,).
+
+        Args:
+            signal: Shape (n,).
+            length: Of the transform, a part of the filter's own.
+        """
+        from scipy.fft import irfft, rfft
+
+        response = self.response[:: 2 * (len(self.response) - 1) // length]
+        return np.asarray(irfft(rfft(signal, length) * response, length)[: len(signal)] / self.norm)
+
+    def usual(self, size: Float) -> Float:
+        """What pushes of each kind in fact are, infinite where none is looked for, shape (n,)."""
+        sigma = np.full(len(size), np.inf)
+        if not self.clear.any():
+            return sigma
+        sigma[self.clear] = _sigma(np.abs(size[self.clear]))
+        for kind in self.kinds:
+            for number in np.unique(kind[self.clear]):
+                which = self.clear & (kind == number)
+                sigma[which] = np.maximum(sigma[which], _sigma(np.abs(size[which])))
+        return sigma
+
+
+def find_pushes(data: JointData, left: Float, clear: Samples, known: Float) -> tuple[Push, ...]:
+    """Find pushes in what is left of a torque, the largest first, at most ``MOST``.
+
+    Args:
+        data: The joint, n samples: what is left grows with its acceleration, or comes again with its motion.
+        left: What is left, shape (n,). [N m]
+        clear: Samples that count, shape (n,); a straight line leads over the others.
+        known: Torque that was taken off, shape (n,): what is far smaller than it may be what its formula lacks. [N m]
+    """
+    if clear.sum() * data.step_s < SEGMENT_S:
+        return ()
+    every, place = max(int(1.0 / (RATE_HZ * data.step_s) + 1e-9), 1), np.arange(len(left))
+    rest = _thinned(np.interp(place, place[clear], left[clear]), every)
+    hardness = (-np.abs(data.dq[::every]), _thinned(np.abs(data.ddq), every))
+    step_s = data.step_s * every
+    length = _length(len(rest), step_s)
+    matched = _filters(rest, clear[::every], hardness, step_s, length)
+    sizes = np.stack([one.of(rest, length) for one in matched])
+    sigma = np.stack([one.usual(size) for one, size in zip(matched, sizes, strict=True)])
+    least = _least(clear[::every], step_s, len(matched))
+    found = _pursued(sizes, sigma.copy(), matched, least, passes_of(data, every), step_s)
+    taken_off, near = _thinned(known, every), round(AFTER_WILD_S / step_s)
+    return tuple(
+        push
+        for push, k, at in found
+        if abs(push.size) > LEAST_SHARE * _largest(matched[k].of(taken_off, length) / sigma[k, at], at, near)
+    )
+
+
+def _largest(size: Float, at: int, near: int) -> float:
+    return float(np.max(np.abs(size[max(at - near, 0) : at + near + 1])))
+
+
+def _length(samples: int, step_s: float) -> int:
+    """Of a transform: more than the samples, and a multiple of what one push needs."""
+    from scipy.fft import next_fast_len
+
+    part = 2 * round(REACH_S / step_s)
+    return part * int(next_fast_len(samples // part + 2))
+
+
+def _thinned(signal: Float, every: int) -> Float:
+    """Every so many samples, of frequencies below half the new rate."""
+    from scipy.signal import resample_poly
+
+    return np.asarray(resample_poly(signal, 1, every, padtype="line"))
+
+
+def _pursued(
+    sizes: Float, sigma: Float, matched: list[_Matched], least: float, passes: Passes, step_s: float
+) -> Iterator[tuple[Push, int, int]]:
+    """One push after the other, with the number of its filter and its sample.
+
+    Sizes and their standard deviations, shape (filters, n), are changed on the way.
+    """
+    first = sizes / sigma
+    apart, reach = round(AFTER_WILD_S / step_s), round(REACH_S / step_s)
+    for _ in range(MOST):
+        there = np.abs(sizes) / sigma
+        best, at = (int(k) for k in np.unravel_index(np.argmax(there), there.shape))
+        if there[best, at] < least:
+            break
+        found, size = matched[best], float(sizes[best, at] / sigma[best, at])
+        _take_out(sizes, matched, best, at, reach)
+        again = passes.like(at)
+        if len(found.push) == 1 or _recurs(first[best] * np.sign(size), abs(size), again, apart, least):
+            for place in (at, *again):
+                sigma[:, max(place - apart, 0) : place + apart + 1] = np.inf
+            continue
+        start = at - len(found.push) // 2
+        yield Push(start_s=start * step_s, stop_s=(start + len(found.push)) * step_s, size=size), best, at
+
+
+def _take_out(sizes: Float, matched: list[_Matched], best: int, at: int, reach: int) -> None:
+    """Take a push, fitted after its own filter, out of what all filters give about it."""
+    push, torque = matched[best].push, np.zeros(2 * reach)
+    start = reach - len(push) // 2
+    torque[start : start + len(push)] = sizes[best, at] / matched[best].norm * push
+    first, last = max(at - reach, 0), min(at + reach, sizes.shape[1])
+    for size, one in zip(sizes, matched, strict=True):
+        size[first:last] -= one.of(torque, 2 * reach)[first - at + reach : last - at + reach]
+
+
+def _recurs(size: Float, own: float, again: list[int], near: int, least: float) -> bool:
+    """Whether half as much is near most moments at which the joint moves alike, or what stands out is little more."""
+    if len(again) < FEWEST_AGAIN:
+        return False
+    there = [float(np.max(size[max(place - near, 0) : place + near + 1])) for place in again]
+    return float(np.median(there)) > HALF * own or own - float(np.median(size[again])) < least
+
+
+def _least(clear: Samples, step_s: float, filters: int) -> float:
+    """How far a push must stand out: all moments and forms that are tried counted."""
+    from scipy.special import ndtri
+
+    tried = 2.0 * CORNER_HZ * step_s * float(clear.sum()) * filters
+    return float(-ndtri(0.5 * BY_CHANCE / tried))
+
+
+def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: float, length: int) -> list[_Matched]:
+    """A wild sample, and half a sine and a step of each length."""
+    from scipy.fft import rfft, rfftfreq
+    from scipy.ndimage import minimum_filter1d
+
+    frequency = rfftfreq(length, step_s)
+    weight = np.where(frequency < CORNER_HZ, 1.0 / _noise(rest, clear, step_s)(frequency), 0.0)
+    samples = [round(length_s / step_s) for length_s in LENGTHS_S]
+    pushes = [np.ones(1), *(np.sin(np.pi * (np.arange(m) + 0.5) / m) for m in samples), *(np.ones(m) for m in samples)]
+    matched = []
+    for push in pushes:
+        about = np.zeros(length)
+        about[(np.arange(len(push)) - len(push) // 2) % length] = push
+        spectrum = rfft(about)
+        whole = minimum_filter1d(clear, len(push) + 2 * round(ABOUT_S / step_s) + 1, mode="constant")
+        matched.append(
+            _Matched(
+                push=push,
+                response=np.conj(spectrum) * weight,
+                norm=float(np.sqrt(2.0 * np.sum(np.abs(spectrum) ** 2 * weight) / length)),
+                clear=np.asarray(whole, bool),
+                kinds=tuple(_kinds(one, whole, len(push), step_s) for one in hardness),
+            )
+        )
+    return matched
+
+
+def _kinds(hardness: Float, clear: Samples, samples: int, step_s: float) -> NDArray[np.int64]:
+    """Number of the kind of a push about each sample, shape (n,)."""
+    from scipy.ndimage import uniform_filter1d
+
+    least = max(LEAST_KIND_S / step_s, LEAST_PUSHES * samples)
+    halvings = int(np.log2(max(float(clear.sum()) / least, 1.0)))
+    hard = uniform_filter1d(hardness, samples)
+    edges = np.quantile(hard[clear], 1.0 - 0.5 ** np.arange(1.0, halvings + 1.0)) if halvings else np.zeros(0)
+    return np.searchsorted(edges, hard, side="right").astype(np.int64)
+
+
+def _noise(rest: Float, clear: Samples, step_s: float) -> Callable[[Float], Float]:
+    """Power spectrum per sample, as a function of frequency: medians over segments, which few pushes do not move."""
+    from scipy.fft import rfft, rfftfreq
+    from scipy.ndimage import uniform_filter1d
+
+    samples = min(round(SEGMENT_S / step_s), len(rest))
+    window = np.hanning(samples + 2)[1:-1]
+    window /= np.linalg.norm(window)
+    starts = np.arange(0, len(rest) - samples + 1, max(samples // 2, 1))[:, None] + np.arange(samples)
+    filled = clear[starts] @ window**2
+    power = np.abs(rfft(window * rest[starts], axis=1)) ** 2 / np.maximum(filled, LEAST_FILLED)[:, None]
+    enough = filled >= min(LEAST_FILLED, float(np.max(filled)))
+    usual = np.median(power[enough], axis=0) / np.log(2.0)
+    floor = np.finfo(float).eps * max(float(usual.max()), np.finfo(float).tiny)
+    smooth = uniform_filter1d(np.log(np.maximum(usual, floor)), SMOOTHED, mode="nearest")
+    return lambda frequency: np.asarray(np.exp(np.interp(frequency, rfftfreq(samples, step_s), smooth)))
+
+
+def _sigma(size: Float) -> float:
+    """Robust, and no smaller than the tails say."""
+    median, decile = np.quantile(size, (0.5, 0.9))
+    return max(SIGMA_PER_MEDIAN * float(median), SIGMA_PER_NINTH_DECILE * float(decile), float(np.finfo(float).tiny))

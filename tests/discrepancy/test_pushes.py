@@ -1,0 +1,90 @@
+"""Pushes are seen by what they change against the noise's own colour, and nothing else is taken for one."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.pushes import Push, find_pushes
+from friction_audit.joint_log import Float
+from tests.discrepancy.candidates.joint_data_by_hand import two_sines
+
+MOTION = two_sines()
+STEP_S = MOTION.step_s
+CLEAR = np.ones(len(MOTION.t), bool)
+NOTHING = np.zeros(len(MOTION.t))
+
+
+def slow_noise(memory_s: float, seed: int = 3) -> Float:
+    """Noise of standard deviation 1 that forgets exponentially."""
+    rng, kept = np.random.default_rng(seed), np.exp(-STEP_S / memory_s)
+    noise = rng.normal(size=len(MOTION.t))
+    for k in range(1, len(noise)):
+        noise[k] = kept * noise[k - 1] + np.sqrt(1.0 - kept**2) * noise[k]
+    return noise
+
+
+def box(start_s: float, length_s: float, size: float) -> Float:
+    return np.where((MOTION.t >= start_s) & (MOTION.t < start_s + length_s), size, 0.0)
+
+
+def found(left: Float, known: Float = NOTHING, data: JointData = MOTION) -> tuple[Push, ...]:
+    return find_pushes(data, left, CLEAR, known)
+
+
+@pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])
+def test_noise_of_any_memory_holds_none(memory_s: float) -> None:
+    assert found(slow_noise(memory_s)) == ()
+
+
+def test_a_push_is_seen_by_its_flanks_where_a_mean_over_it_is_like_the_noise() -> None:
+    noise, size = slow_noise(0.1), 2.8
+    means = np.convolve(noise, np.ones(40) / 40.0, mode="valid")
+    assert size < 4.0 * np.std(means)
+    (one,) = found(noise + box(30.0, 0.2, size))
+    assert one.start_s == pytest.approx(30.0, abs=0.03)
+    assert one.stop_s == pytest.approx(30.2, abs=0.03)
+    assert one.size > 5.5
+
+
+def test_the_sign_is_the_push_s() -> None:
+    sizes = {round(one.start_s): one.size for one in found(slow_noise(0.1) + box(20, 0.2, 4.0) - box(40, 0.2, 4.0))}
+    assert sizes[20] > 0.0 > sizes[40]
+
+
+def test_units_of_measurement_change_nothing() -> None:
+    left = slow_noise(0.02) + box(30.0, 0.2, 1.5)
+    assert [one.size for one in found(1e3 * left)] == pytest.approx([one.size for one in found(left)])
+
+
+def test_a_wild_sample_is_no_push() -> None:
+    wild = np.zeros(len(MOTION.t))
+    wild[4000] = 60.0
+    assert found(slow_noise(0.02) + wild) == ()
+
+
+def test_what_comes_at_the_same_place_and_speed_in_other_cycles_is_no_push() -> None:
+    w = 2.0 * np.pi / 3.0
+    q, dq, ddq = np.sin(w * MOTION.t), w * np.cos(w * MOTION.t), -(w**2) * np.sin(w * MOTION.t)
+    sine = replace(MOTION, q=q, dq=dq, ddq=ddq, cycle=((MOTION.t + 0.75) // 3.0).astype(np.int64))
+    bump = 3.0 * ((np.abs(q) < 0.1) & (dq > 0.0))
+    assert found(slow_noise(0.02) + bump, data=sine) == ()
+    assert len(found(slow_noise(0.02) + bump * (sine.cycle == 9), data=sine)) == 1
+
+
+def test_what_is_far_smaller_than_what_was_taken_off_there_may_be_its_formula() -> None:
+    left = slow_noise(0.1) + box(30.0, 0.2, 4.0)
+    assert len(found(left, box(30.0, 0.2, 8.0))) == 1
+    assert found(left, box(30.0, 0.2, 80.0)) == ()
+
+
+def test_nothing_is_looked_for_where_little_is_clear() -> None:
+    assert find_pushes(MOTION, slow_noise(0.1) + box(30.0, 0.2, 5.0), MOTION.t < 1.0, NOTHING) == ()
+
+
+def test_a_model_that_lacks_more_the_faster_the_joint_is_accelerated_holds_none() -> None:
+    burst = 1.0 + 7.0 * np.exp(-(((MOTION.t - 30.0) / 4.0) ** 2))
+    data = replace(MOTION, ddq=burst)
+    assert found(slow_noise(0.002) * burst) != ()
+    assert found(slow_noise(0.002) * burst, data=data) == ()
