@@ -104,6 +104,16 @@ def test_one_that_is_small_beside_an_offset_is_for_an_offset_has_no_formula_to_b
     assert [found.candidate.name for found in names.found] == ["offset", "bump"]
 
 
+@pytest.mark.parametrize(("names", "kept"), [(("gravity_error", "stribeck"), 2), (("presliding", "stribeck"), 1)])
+def test_friction_that_is_small_beside_what_knows_no_direction_is_named(names: tuple[str, str], kept: int) -> None:
+    """Gravity that nobody took away is ten times what the joint misses; it turns with no direction."""
+    large, small = replace(BUMP, name=names[0]), replace(SQUARE, name=names[1])
+    ground = ground_of(lambda data: 20.0 * bump(data) + square(data))
+    library = build_library((large, small), ground.data, ground.baseline(), ground.rows)
+    found = find_names(ground, (large, small), library, 0.05, np.random.default_rng(0)).found
+    assert [one.candidate.name for one in found] == list(names)[:kept]
+
+
 @pytest.mark.parametrize(("share", "rich"), [(0.02, False), (0.5, True)])
 def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bool) -> None:
     def both(data: JointData) -> Float:

@@ -47,6 +47,14 @@ def test_a_number_between_the_values_of_the_grid_may_be_refined_again() -> None:
     assert found["place_rad"] == pytest.approx(0.41, abs=0.003)
 
 
+@pytest.mark.parametrize("found_before", [0.2999, 0.3001])
+@pytest.mark.parametrize("place", [0.13, 0.41])
+def test_a_search_that_ended_beside_a_value_of_the_grid_goes_on_beyond_it(found_before: float, place: float) -> None:
+    shape = {"place_rad": found_before, "width_rad": 0.2}
+    wider = replace(BUMP, shapes=(*BUMP.tried(ground_of(bump(0.0, 0.2)).data), shape))
+    assert refined(ground_of(bump(place, 0.2)), wider, shape)["place_rad"] == pytest.approx(place, abs=0.003)
+
+
 def test_two_numbers_are_found_together() -> None:
     found = refined(ground_of(bump(0.36, 0.24)), WIDE, {"place_rad": 0.3, "width_rad": 0.3})
     assert found == pytest.approx({"place_rad": 0.36, "width_rad": 0.24}, rel=0.05)

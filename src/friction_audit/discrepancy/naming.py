@@ -12,6 +12,7 @@ from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Entry, Library, extend_library, plainer, rebuild_library
+from friction_audit.discrepancy.mending import may_mend
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, not_zero, search
@@ -377,6 +378,12 @@ def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Baseline, base
     return refine(entry.candidate, place, entry.shapes, every, baseline, base)
 
 
+def _largest_beside(small: Found, found: Sequence[Found], size: Float) -> float:
+    """Size of the largest effect whose formula may lack what another one seems to be."""
+    inexact = [not f.candidate.exact and may_mend(small.candidate.name, f.candidate.name) for f in found]
+    return float(size[inexact].max(initial=0.0))
+
+
 def _accept(
     ground: Ground,
     found: list[Found],
@@ -399,8 +406,7 @@ def _accept(
             possible[driver] = False
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
-        inexact = proof.size[[not f.candidate.exact for f in found]]
-        fails |= proof.size < LEAST_SHARE * inexact.max(initial=0.0)
+        fails |= proof.size < LEAST_SHARE * np.array([_largest_beside(f, found, proof.size) for f in found])
         if not fails.any():
             return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
         weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))

@@ -11,6 +11,8 @@ from friction_audit.joint_log import Float
 
 BEYOND_EDGE = 1.5
 """At the edge of the grid the search goes on by so many of its last steps."""
+HARDLY_OFF = 0.1
+"""Of the way to the next but one value of the grid: what is nearer is no end of a search."""
 EVALUATIONS = 20
 """For each number: two or three turn along with each other."""
 FIRST_STEP = 1.0
@@ -89,12 +91,19 @@ def _free(candidate: Candidate, shape: Shape, tried: Sequence[Shape]) -> dict[st
     return free
 
 
+def _skip_close(side: list[float], value: float) -> list[float]:
+    """The values on one side, the nearest last, without one that is hardly off: there an earlier search had ended."""
+    near = len(side) > 1 and abs(side[-1] - value) < HARDLY_OFF * abs(side[-2] - value)
+    return side[:-1] if near else side
+
+
 def _neighbours(name: str, shape: Shape, tried: Sequence[Shape]) -> tuple[float, float]:
     """The values of the grid on either side of the nearest one; a step beyond where it is the last."""
     grid = sorted({other[name] for other in tried if name in other})
     at = int(np.argmin(np.abs(np.array(grid) - shape[name])))
     if len(grid) == 1:
         return grid[0], grid[0]
-    low = grid[at - 1] if at > 0 else grid[0] - BEYOND_EDGE * (grid[1] - grid[0])
-    high = grid[at + 1] if at + 1 < len(grid) else grid[-1] + BEYOND_EDGE * (grid[-1] - grid[-2])
+    below = _skip_close([grid[0] - BEYOND_EDGE * (grid[1] - grid[0]), *grid[:at]], shape[name])
+    above = _skip_close([grid[-1] + BEYOND_EDGE * (grid[-1] - grid[-2]), *grid[:at:-1]], shape[name])
+    low, high = below[-1], above[-1]
     return (max(low, grid[0] / 2.0) if grid[0] > 0 else low), high
