@@ -157,7 +157,10 @@ def shade_reference(axes: "Axes", places: Sequence[float]) -> None:
 
 def draw_pairs(arm: ArmDrift, joint: int | None, draw_panel: DrawPanel, legend: Sequence[str]) -> "Figure":
     """Draw one joint at column width, Coulomb above viscous, or every joint on a sheet, a row for each."""
+    from matplotlib import rcParams
+
     with figure_style():
+        rcParams["axes.titley"] = 1.0  # no panel has ticks above: to look for them takes a third of the time
         joints = chosen_joints(arm, joint)
         figure, pairs = new_pairs(len(joints), sheet=joint is None)
         handles: list[Artist] = []
