@@ -176,7 +176,8 @@ def command(
         told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
         if told is None:
             again = command_line(context, leave_out=NOT_PART_OF_IT)
-            summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
+            with voice.step("look for drift"):
+                summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
     if not output.json:
         voice.warn(told.warnings)
