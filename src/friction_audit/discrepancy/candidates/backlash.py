@@ -33,7 +33,7 @@ LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes.
 
-    On hard flanks with less inertia behind it too, along a smooth motion every second width.
+    On hard flanks every second width with less inertia behind it too, along a smooth motion every fourth.
     """
     span = float(np.ptp(data.q)) or 1.0
     hard = max(CONTACTS_HZ)
@@ -48,8 +48,8 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     widths = (SPAN_SHARES * span).tolist()
     return (
         *({"gap_rad": width, **kind} for kind in kinds for width in widths),
-        *({"gap_rad": width, "contact_hz": hard, "far_share": share} for share in FAR_SHARES for width in widths),
-        *({"gap_rad": width, "contact_hz": hard, **calm, "far_share": s} for s in FAR_SHARES for width in widths[::2]),
+        *({"gap_rad": width, "contact_hz": hard, "far_share": share} for share in FAR_SHARES for width in widths[::2]),
+        *({"gap_rad": width, "contact_hz": hard, **calm, "far_share": s} for s in FAR_SHARES for width in widths[::4]),
     )
 
 
