@@ -9,7 +9,7 @@ from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, 
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
-from friction_audit.discrepancy.declared import least_squares
+from friction_audit.discrepancy.driving import driving
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Entry, Library, extend_library, plainer, rebuild_library
 from friction_audit.discrepancy.mending import may_mend
@@ -33,9 +33,6 @@ LEAST_SHARE = 0.2
 an offset, which is right or not there."""
 UNTOLD = 6.0
 """Of n_eff ln(RSS / RSS_best): the 95 % quantile of chi squared for a moment and a length."""
-COULOMB = "coulomb_nm"
-SURELY = 2.0
-"""Standard errors by which Coulomb friction must be below zero to be impossible."""
 ADDS = 0.05
 """Of what a plainer shape explains, what a richer one of the same effect must explain besides. The moments of inertia
 of a link that is wrong, which its first moments lack, come to a twentieth of its weight: 0.1 m, 5 rad/s^2, over g."""
@@ -335,32 +332,6 @@ def _refined(
     return found
 
 
-def _drives(ground: Ground, found: Sequence[Found]) -> int | None:
-    """The effect beside which Coulomb friction comes out plainly below zero, and without which not.
-
-    Two curves over the speed that nearly cancel leave their difference to Coulomb friction, which then would drive. A
-    smoothed sign that is not quite the right one leaves a little: less than Coulomb friction is without it.
-    """
-    columns = [f.columns for f in found]
-    value, error = _coulomb(ground, columns)
-    alone, _ = _coulomb(ground, [])
-    if value + max(SURELY * error, alone) >= 0.0 or alone < 0.0:
-        return None
-    without = [_coulomb(ground, [*columns[:k], *columns[k + 1 :]])[0] for k in range(len(found))]
-    return int(np.argmax(without)) if max(without) >= 0.0 else None
-
-
-def _coulomb(ground: Ground, effects: Sequence[Float]) -> tuple[float, float]:
-    """Coulomb friction of the declared model over all cycles beside some columns, and its standard error. [N m]"""
-    if COULOMB not in ground.declared.names:
-        return 0.0, 0.0
-    at, columns = ground.declared.names.index(COULOMB), np.hstack([ground.base, *effects])
-    factors = least_squares(columns, ground.y)
-    left = ground.y - columns @ factors
-    spread = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)[at, at]
-    return float(factors[at]), float(np.sqrt(ground.memory(*effects) * np.mean(left**2) * spread))
-
-
 def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Baseline, base: Float) -> Shape:
     """The shape with its moment where all cycles have it, of those that the working ones do not tell from it.
 
@@ -402,7 +373,7 @@ def _accept(
             f.candidate.admissible(own, f.shape) or f.candidate.admissible(near, f.shape)
             for f, own, near in zip(found, proof.factors, proof.tolerated, strict=True)
         ]
-        if (driver := _drives(ground, found)) is not None:
+        if (driver := driving(ground, [f.columns for f in found])) is not None:
             possible[driver] = False
         shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
         fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
