@@ -38,6 +38,9 @@ LEAST_FILLED = 0.5
 LEAST_KIND_S, LEAST_PUSHES = 3.0, 16
 """Clear time is halved by speed, the slow half again, until one is shorter than this or than so many pushes; and by
 acceleration, the fast half again: what the model lacks is more there, and a push must stand out of it."""
+SHAKES_S = (0.1, 0.2, 0.4)
+"""Lengths of what is no push, but a sample that is out of place or time: one, or a step from one on, comes as inertia
+times its second derivative, a hat or a whole sine, and so does what rings. A push has an impulse."""
 SEGMENT_S = 2.56
 """Length over which the spectrum is taken."""
 SMOOTHED = 5
@@ -75,6 +78,7 @@ class _Matched:
 
     Attributes:
         push: The push, shape (k,).
+        pushes: Whether it is one, with an impulse, and not an error of the position or a wild sample.
         response: The filter, by frequency, shape (f,).
         norm: Root of the push's energy over the noise's spectrum.
         clear: Where the push and a little about it are clear, shape (n,).
@@ -83,6 +87,7 @@ class _Matched:
     """
 
     push: Float
+    pushes: bool
     response: Spectrum
     norm: float
     clear: Samples
@@ -178,7 +183,7 @@ def _pursued(
         found, size = matched[best], float(sizes[best, at] / sigma[best, at])
         _take_out(sizes, matched, best, at, reach)
         again = passes.like(at)
-        if len(found.push) == 1 or _recurs(first[best] * np.sign(size), abs(size), again, apart, least):
+        if not found.pushes or _recurs(first[best] * np.sign(size), abs(size), again, apart, least):
             for place in (at, *again):
                 sigma[:, max(place - apart, 0) : place + apart + 1] = np.inf
             continue
@@ -213,16 +218,14 @@ def _least(clear: Samples, step_s: float, filters: int) -> float:
 
 
 def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: float, length: int) -> list[_Matched]:
-    """A wild sample, and half a sine and a step of each length."""
+    """Half a sine and a step of each length; what is no push: a wild sample, hats and whole sines."""
     from scipy.fft import rfft, rfftfreq
     from scipy.ndimage import minimum_filter1d
 
     frequency = rfftfreq(length, step_s)
     weight = np.where(frequency < CORNER_HZ, 1.0 / _noise(rest, clear, step_s)(frequency), 0.0)
-    samples = [round(length_s / step_s) for length_s in LENGTHS_S]
-    pushes = [np.ones(1), *(np.sin(np.pi * (np.arange(m) + 0.5) / m) for m in samples), *(np.ones(m) for m in samples)]
     matched = []
-    for push in pushes:
+    for push in (*_pushes(step_s), *_shakes(step_s)):
         about = np.zeros(length)
         about[(np.arange(len(push)) - len(push) // 2) % length] = push
         spectrum = rfft(about)
@@ -230,6 +233,7 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
         matched.append(
             _Matched(
                 push=push,
+                pushes=len(push) > 1 and abs(float(push.mean())) > np.finfo(float).eps ** 0.5,
                 response=np.conj(spectrum) * weight,
                 norm=float(np.sqrt(2.0 * np.sum(np.abs(spectrum) ** 2 * weight) / length)),
                 clear=np.asarray(whole, bool),
@@ -237,6 +241,19 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
             )
         )
     return matched
+
+
+def _pushes(step_s: float) -> list[Float]:
+    samples = [round(length_s / step_s) for length_s in LENGTHS_S]
+    return [*(np.sin(np.pi * (np.arange(m) + 0.5) / m) for m in samples), *(np.ones(m) for m in samples)]
+
+
+def _shakes(step_s: float) -> list[Float]:
+    """A wild sample, and what has no impulse: second derivatives of a bump and of a step, both smooth."""
+    samples = [round(length_s / step_s) for length_s in SHAKES_S]
+    around = [(np.arange(m) + 0.5) / m for m in samples]
+    hats = [np.sin(np.pi * x) - 2.0 * np.sin(np.pi * x).mean() * np.sin(np.pi * x) ** 2 for x in around]
+    return [np.ones(1), *hats, *(np.sin(2.0 * np.pi * x) for x in around)]
 
 
 def _kinds(hardness: Float, clear: Samples, samples: int, step_s: float) -> NDArray[np.int64]:
