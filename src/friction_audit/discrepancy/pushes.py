@@ -39,8 +39,8 @@ LEAST_KIND_S, LEAST_PUSHES = 3.0, 16
 """Clear time is halved by speed, the slow half again, until one is shorter than this or than so many pushes; and by
 acceleration, the fast half again: what the model lacks is more there, and a push must stand out of it."""
 SHAKES_S = (0.1, 0.2, 0.4)
-"""Lengths of what is no push, but a sample that is out of place or time: one, or a step from one on, comes as inertia
-times its second derivative, a hat or a whole sine, and so does what rings. A push has an impulse."""
+"""Lengths of what is no push but a sample that is out of place or time: it comes as inertia times its second
+derivative, a hat. A push has an impulse. A whole sine is not looked for: a long push begins with a step, much like one."""
 SEGMENT_S = 2.56
 """Length over which the spectrum is taken."""
 SMOOTHED = 5
@@ -218,7 +218,7 @@ def _least(clear: Samples, step_s: float, filters: int) -> float:
 
 
 def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: float, length: int) -> list[_Matched]:
-    """Half a sine and a step of each length; what is no push: a wild sample, hats and whole sines."""
+    """Half a sine and a step of each length; what is no push: a wild sample, and hats."""
     from scipy.fft import rfft, rfftfreq
     from scipy.ndimage import minimum_filter1d
 
@@ -249,11 +249,10 @@ def _pushes(step_s: float) -> list[Float]:
 
 
 def _shakes(step_s: float) -> list[Float]:
-    """A wild sample, and what has no impulse: second derivatives of a bump and of a step, both smooth."""
-    samples = [round(length_s / step_s) for length_s in SHAKES_S]
-    around = [(np.arange(m) + 0.5) / m for m in samples]
+    """A wild sample, and second derivatives of a bump, which have no impulse."""
+    around = [(np.arange(m) + 0.5) / m for m in (round(length_s / step_s) for length_s in SHAKES_S)]
     hats = [np.sin(np.pi * x) - 2.0 * np.sin(np.pi * x).mean() * np.sin(np.pi * x) ** 2 for x in around]
-    return [np.ones(1), *hats, *(np.sin(2.0 * np.pi * x) for x in around)]
+    return [np.ones(1), *hats]
 
 
 def _kinds(hardness: Float, clear: Samples, samples: int, step_s: float) -> NDArray[np.int64]:
