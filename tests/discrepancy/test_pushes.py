@@ -64,6 +64,13 @@ def test_a_wild_sample_is_no_push() -> None:
     assert found(slow_noise(0.02) + wild) == ()
 
 
+def test_a_sample_out_of_place_times_the_inertia_is_no_push() -> None:
+    bump = np.exp(-(((MOTION.t - 30.0) / 0.05) ** 2))
+    hat = np.gradient(np.gradient(bump, MOTION.t), MOTION.t)
+    assert found(slow_noise(0.02) + 8.0 * hat / np.abs(hat).max()) == ()
+    assert len(found(slow_noise(0.02) + 8.0 * bump)) >= 1
+
+
 def test_what_comes_at_the_same_place_and_speed_in_other_cycles_is_no_push() -> None:
     w = 2.0 * np.pi / 3.0
     q, dq, ddq = np.sin(w * MOTION.t), w * np.cos(w * MOTION.t), -(w**2) * np.sin(w * MOTION.t)

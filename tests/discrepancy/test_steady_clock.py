@@ -63,8 +63,8 @@ def test_a_stamp_nearer_to_the_next_tick_goes_back_to_its_own(rate: int) -> None
     steady = steady_clock(tick + late)
     apart = np.abs(steady - tick - np.median(steady - tick))
     assert np.mean(late > 0.5 / rate) > 2e-3
-    # Only one whose next tick was lost has nobody who tells that it is late.
-    assert np.mean(apart > 0.25 / rate) < 0.05 * np.mean(late > 0.5 / rate)
+    # One whose next tick was lost has nobody who tells that it is late, but it would be far earlier than any other.
+    assert not np.any(apart > 0.4 / rate)
     assert np.median(apart) < 2e-5
 
 

@@ -40,7 +40,8 @@ LEAST_KIND_S, LEAST_PUSHES = 3.0, 16
 acceleration, the fast half again: what the model lacks is more there, and a push must stand out of it."""
 SHAKES_S = (0.1, 0.2, 0.4)
 """Lengths of what is no push but a sample that is out of place or time: it comes as inertia times its second
-derivative, a hat. A push has an impulse. A whole sine is not looked for: a long push begins with a step, much like one."""
+derivative, a hat. A push has an impulse. A whole sine is not looked for: a long push begins with a step, which is much
+like one."""
 SEGMENT_S = 2.56
 """Length over which the spectrum is taken."""
 SMOOTHED = 5
