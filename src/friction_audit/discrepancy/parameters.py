@@ -16,6 +16,7 @@ from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.profile_likelihood import profile_number
+from friction_audit.discrepancy.profile_moment import moment_interval
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -122,15 +123,19 @@ def _rms(columns: Float) -> Float:
 def _with_profiles(
     ground: Ground, found: Sequence[Found], baseline: Baseline
 ) -> tuple[list[Found], list[dict[str, Coefficient]]]:
-    """The effects with the best shapes on all cycles where those are rugged, and the intervals of such numbers."""
+    """The effects with the best shapes on all cycles where those are rugged; intervals of those numbers and moments."""
     told = list(found)
     profiled: list[dict[str, Coefficient]] = []
     for k, f in enumerate(told):
         name = f.candidate.rugged
+        others = np.hstack([ground.base, *(g.columns for g in told if g is not f)])
+        if f.candidate.moment:
+            interval = moment_interval(f.candidate, f.shape, ground, baseline, others)
+            profiled.append({f.candidate.moment: interval})
+            continue
         if not name:
             profiled.append({})
             continue
-        others = np.hstack([ground.base, *(g.columns for g in told if g is not f)])
         best = profile_number(f.candidate, name, f.shape, ground, baseline, others)
         columns = ground.rows.of(f.candidate.columns(ground.data, baseline, best.shape))
         told[k] = replace(f, shape=best.shape, columns=columns)

@@ -55,6 +55,7 @@ AFTER_WILD_S = 0.1
 LEAST_SHARE = 0.2
 """Of what a filter sees of the torque that was taken off: what is smaller may be what its formula gets wrong."""
 FEWEST_AGAIN, HALF = 2, 0.5
+ROUNDING = 1e-9
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080
 
 
@@ -234,7 +235,7 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
         matched.append(
             _Matched(
                 push=push,
-                pushes=len(push) > 1 and abs(float(push.mean())) > np.finfo(float).eps ** 0.5,
+                pushes=len(push) > 1 and abs(float(push.mean())) > ROUNDING,
                 response=np.conj(spectrum) * weight,
                 norm=float(np.sqrt(2.0 * np.sum(np.abs(spectrum) ** 2 * weight) / length)),
                 clear=np.asarray(whole, bool),

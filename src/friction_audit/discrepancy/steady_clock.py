@@ -39,7 +39,7 @@ def steady_clock(t: Float) -> Float:
     phase = np.unwrap(np.angle(mean)) / (2 * np.pi)
     tick = np.round(t / period - phase)
     order = np.arange(len(t))
-    own = np.minimum.accumulate((tick - order)[::-1])[::-1] + order
+    own: Float = np.minimum.accumulate((tick - order)[::-1])[::-1] + order
     earliest = EARLIEST * np.quantile(own + phase - t / period, COMMON)
     while np.any(early := _may_be_late(own) & (own + phase - t / period > earliest)):
         own -= early
