@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from friction_audit.batch.executor import Executor, Lost
-from friction_audit.drift.analyse import analyse_arm, arms_of
+from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
 from friction_audit.drift.report import ArmDrift, DriftReport
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
@@ -24,7 +24,7 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
     """
     arms = arms_of(sessions)
     if len(arms) == 1:
-        return DriftReport(arms=(analyse_arm(arms[0], settings),))
+        return analyse_drift(sessions, settings)
     found: dict[str, ArmDrift] = {}
     for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
         if isinstance(drift, Lost):

@@ -92,8 +92,8 @@ class LowPass:
 
     def _bridged(self, t: Float, position: Float) -> Float:
         """A position on the fine clock; where samples are lost, a cubic spline."""
-        even, steps = np.interp(self.fine, t, position), np.diff(t)
-        lost = np.flatnonzero(steps > GAP_STEPS * float(np.median(steps)))
+        even = np.interp(self.fine, t, position)
+        lost = np.flatnonzero(np.diff(t) > GAP_STEPS * median_step(t))
         if len(lost):
             from scipy.interpolate import CubicSpline
 

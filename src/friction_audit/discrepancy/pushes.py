@@ -55,7 +55,6 @@ AFTER_WILD_S = 0.1
 LEAST_SHARE = 0.2
 """Of what a filter sees of the torque that was taken off: what is smaller may be what its formula gets wrong."""
 FEWEST_AGAIN, HALF = 2, 0.5
-ROUNDING = 1e-9
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080
 
 
@@ -227,7 +226,8 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
     frequency = rfftfreq(length, step_s)
     weight = np.where(frequency < CORNER_HZ, 1.0 / _noise(rest, clear, step_s)(frequency), 0.0)
     matched = []
-    for push in (*_pushes(step_s), *_shakes(step_s)):
+    forms = [(push, True) for push in _pushes(step_s)] + [(shake, False) for shake in _shakes(step_s)]
+    for push, pushes in forms:
         about = np.zeros(length)
         about[(np.arange(len(push)) - len(push) // 2) % length] = push
         spectrum = rfft(about)
@@ -235,7 +235,7 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
         matched.append(
             _Matched(
                 push=push,
-                pushes=len(push) > 1 and abs(float(push.mean())) > ROUNDING,
+                pushes=pushes,
                 response=np.conj(spectrum) * weight,
                 norm=float(np.sqrt(2.0 * np.sum(np.abs(spectrum) ** 2 * weight) / length)),
                 clear=np.asarray(whole, bool),
