@@ -35,7 +35,7 @@ SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (
     "truth", "seed", "scenario", "noise", "form", "partial", "joint", "hidden_here", "verdict", "named", "sets",
     "shrink", "over_floor", "before_nm", "after_nm", "floor_nm", "motion_before", "motion_after", "omnibus_p",
-    "remaining_p", "numbers", "message",
+    "remaining_p", "numbers", "message", "scales",
 )  # fmt: skip
 
 
@@ -45,18 +45,19 @@ def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[st
     names = () if truth == "none" or truth in kinds else tuple(truth.split("+"))
     case = draw_case(seed, names, SIZES[seed % len(SIZES)], scenario)
     try:
+        scales = () if truth in kinds else scales_for(case)
+        if scales is None:
+            return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": ""}]
         if truth in kinds:
             log = log_with(case, truth)
         else:
-            scales = scales_for(case)
-            if scales is None:
-                return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": ""}]
             case = scaled(case, scales)
             log = _log_of(case)
         found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case))).discrepancy
     except FrictionAuditError as error:
         return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
-    return [_row(case, truth, joint) for joint in found.joints]
+    found_with = {"scales": "/".join(map(repr, scales))}
+    return [_row(case, truth, joint) | found_with for joint in found.joints]
 
 
 def scaled(case: Case, scales: Iterable[float]) -> Case:

@@ -34,14 +34,15 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
         model: The declared model, None for the simple one.
         corner_hz: Of the rows' filter; None for what the log's own noise allows. [Hz]
     """
-    data, stated = _prepared(log)[joint], None if model is None else model.joints[joint]
+    data, stated = prepared(log)[joint], None if model is None else model.joints[joint]
     rows = make_ground(data, stated, 0).rows if corner_hz is None else make_rows(data, corner_hz)
     declared = declare(data, rows, stated)
     left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
     return float(np.sqrt(np.mean(left**2)))
 
 
-def _prepared(log: JointLog) -> tuple[JointData, ...]:
+def prepared(log: JointLog) -> tuple[JointData, ...]:
+    """The joints of a log, as the detector prepares them."""
     interaction = extract_interaction(log, TorqueSettings())
     return prepare(interaction, segment_cycles(interaction, CycleSettings()), log)
 
@@ -53,7 +54,7 @@ def scales_for(case: Case) -> tuple[float, ...] | None:
     """
     nothing, joint, model = (0.0,) * len(case.effects), case.number - 1, model_of(case)
     log = simulate(settings_of(case, nothing), case.seed).log
-    corner = make_ground(_prepared(log)[joint], None if model is None else model.joints[joint], 0).rows.corner_hz
+    corner = make_ground(prepared(log)[joint], None if model is None else model.joints[joint], 0).rows.corner_hz
     noise, ideal = left_over(log, joint, model), _left(case, nothing, corner)
     found = [_scale(case, k, noise * case.partial, ideal, corner) for k in range(len(case.effects))]
     scales = [scale for scale in found if scale is not None]

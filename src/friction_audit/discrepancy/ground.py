@@ -137,16 +137,22 @@ class Ground:
         return Clusters(number=number, remember=neighbours_remember(number, memory))
 
 
-def make_ground(data: JointData, model: JointModel | None, seed: int) -> Ground:
+def make_ground(data: JointData, model: JointModel | None, seed: int, corner_hz: float | None = None) -> Ground:
     """Take the rows of a joint, its declared model, and lock cycles away.
+
+    Args:
+        data: The joint.
+        model: The declared model, None for the simple one.
+        seed: Which cycles are locked away.
+        corner_hz: Of the rows' filter; None for what the noise allows. [Hz]
 
     Raises:
         AnalysisError: If there are fewer than four cycles.
     """
-    rows = make_rows(data)
+    rows = make_rows(data, CORNER_HZ if corner_hz is None else corner_hz)
     declared = declare(data, rows, model)
     inertia = declared.baseline(least_squares(declared.columns, declared.y)).inertia_kg_m2
-    if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
+    if corner_hz is None and (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
         rows = make_rows(data, corner)
         declared = declare(data, rows, model)
     numbers, place = np.unique(rows.cycle, return_inverse=True)

@@ -189,7 +189,7 @@ def search_library(ground: Ground, library: Library, earlier: CrossProducts | No
         library: What is looked for.
         earlier: Products of an earlier search on the same cycles.
     """
-    groups = [replace(entry.group, numbers=_numbers(entry.shapes)) for entry in library.entries]
+    groups = [replace(entry.group, numbers=free_numbers(entry.shapes)) for entry in library.entries]
     products = cross_products(ground.y, ground.base, groups, ground.working, earlier)
     n_eff = worth(ground)
     outcome = search(products, n_eff)
@@ -267,7 +267,7 @@ def _unknowns(library: Library, found: Found) -> int:
     return int(not_zero(found.columns).sum()) + len(free - choices)
 
 
-def _numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
+def free_numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
     """How many numbers each shape leaves free: those that differ among the shapes that have them."""
     values: dict[str, set[float]] = {}
     for shape in shapes:

@@ -1,0 +1,70 @@
+"""The table of the only names, where the log separates them, from rows by hand."""
+
+import csv
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks.hidden_effects.separable import BEGIN, END, FIELDS, by_effect, judged, main
+
+ROWS = (
+    ("backlash", 0, "named", "backlash", "0.3"),
+    ("backlash", 1, "ambiguous", "backlash|presliding", "1.0"),
+    ("backlash", 2, "ambiguous", "backlash|presliding", "0.5"),
+    ("backlash", 3, "named", "backlash", "0.2"),
+    ("backlash", 4, "", "", "3.0"),
+    ("cable_spring", 5, "ambiguous", "cable_spring|joint_limit_stop", "3.0"),
+)
+KNOWN = (("backlash", 0, "True", ""), ("backlash", 1, "True", ""), ("backlash", 2, "False", "presliding"))
+
+
+@pytest.fixture
+def rows() -> list[dict[str, str]]:
+    names = ("truth", "seed", "verdict", "sets", "partial")
+    return [dict(zip(names, map(str, row), strict=True), scenario="joint") for row in ROWS]
+
+
+@pytest.fixture
+def known() -> dict[tuple[str, int], dict[str, str]]:
+    return {
+        (truth, seed): {"truth": truth, "seed": str(seed), "separates": separates, "close": close}
+        for truth, seed, separates, close in KNOWN
+    }
+
+
+def test_what_is_weak_or_has_no_answer_or_other_names_is_not_judged(rows: list[dict[str, str]]) -> None:
+    assert [row["seed"] for row in judged(rows)] == ["0", "1", "2"]
+
+
+def test_the_only_name_counts_where_the_log_separates(
+    rows: list[dict[str, str]], known: dict[tuple[str, int], dict[str, str]]
+) -> None:
+    line, total = by_effect(judged(rows), known).splitlines()[2:]
+    cells = [cell.strip() for cell in line.strip("|").split("|")]
+    assert cells[:2] == ["backlash", "3"]
+    assert [cell.split(" ")[0] for cell in cells[2:5]] == ["67", "50", "0"]
+    assert cells[5] == "presliding 1"
+    assert total.startswith("| all | 3 |")
+
+
+def test_the_table_goes_between_the_marks_of_a_page(
+    rows: list[dict[str, str]],
+    known: dict[tuple[str, int], dict[str, str]],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    page, answers, file = tmp_path / "page.md", tmp_path / "rows.csv", tmp_path / "separations.csv"
+    page.write_text(f"before\n{BEGIN}\nstale\n{END}\nafter\n", encoding="utf-8")
+    for path, fields, lines in ((answers, rows[0].keys(), rows), (file, FIELDS, known.values())):
+        with path.open("w", newline="") as opened:
+            writer = csv.DictWriter(opened, fields)
+            writer.writeheader()
+            writer.writerows(lines)
+    asked = ["separable", str(answers), "--separations", str(file), "--output", str(page)]
+    monkeypatch.setattr(sys, "argv", asked)
+    main()
+    text = page.read_text(encoding="utf-8")
+    assert text.startswith("before")
+    assert "stale" not in text
+    assert "| backlash | 3 |" in text
