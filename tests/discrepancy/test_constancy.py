@@ -58,21 +58,46 @@ def test_the_difference_is_that_of_the_two_factors_over_their_mean() -> None:
     column, noise = rng.standard_normal((2, 20000))
     half = Half(inside=np.arange(20000) % 2 == 0, here="", there="")
     y = np.where(half.inside, 1.4, 0.6) * column + 0.1 * noise
-    share, z = _difference(y, column[:, None], 0, half, 4.0)
+    share, z = _difference(y, column[:, None], 0, half, 4.0, np.zeros(20000))
     assert share == pytest.approx(0.8, abs=0.01)
     # An error of 2 sigma / sqrt(n), twice that for a memory of four samples.
     assert z == pytest.approx(0.8 / (2.0 * 0.1 * 2.0 / np.sqrt(20000)), rel=0.05)
+
+
+def of_motion_and_noise(share: float) -> tuple[Float, Float, Float, Half]:
+    """A response of one mechanism, a column with noise of this size beside it in one half, that noise, and the half."""
+    rng = np.random.default_rng(1)
+    moved, wrong, again, noise = rng.standard_normal((4, 20000))
+    half = Half(inside=np.arange(20000) % 2 == 0, here="", there="")
+    size = np.where(half.inside, share, 0.0)
+    return moved + 0.1 * noise, moved + size * wrong, size * again, half
+
+
+def test_a_column_that_is_partly_noise_has_a_smaller_factor_and_is_no_other_mechanism() -> None:
+    y, column, noise, half = of_motion_and_noise(0.8)
+    told_by_the_column, z = _difference(y, column[:, None], 0, half, 1.0, np.zeros(20000))
+    assert told_by_the_column == pytest.approx(2.0 * (1.0 / 1.64 - 1.0) / (1.0 / 1.64 + 1.0), abs=0.15)
+    assert z < -10.0
+    assert _difference(y, column[:, None], 0, half, 1.0, noise)[0] == pytest.approx(0.0, abs=0.05)
+
+
+def test_a_half_that_is_mostly_noise_says_nothing() -> None:
+    y, column, noise, half = of_motion_and_noise(1.2)
+    assert _difference(y, column[:, None], 0, half, 1.0, noise) == (0.0, 0.0)
 
 
 def test_a_half_that_hardly_holds_the_effect_says_nothing() -> None:
     column = np.ones(1000)
     column[500:] = 0.01
     half = Half(inside=np.arange(1000) < 500, here="", there="")
-    assert _difference(column + 1.0, np.column_stack([column]), 0, half, 1.0) == (0.0, 0.0)
+    assert _difference(column + 1.0, np.column_stack([column]), 0, half, 1.0, np.zeros(1000)) == (0.0, 0.0)
 
 
 def test_a_difference_that_the_declared_model_holds_says_nothing() -> None:
     """An offset by direction is Coulomb friction."""
     sign = np.resize([1.0, -1.0], 1000)
     half = Half(inside=sign > 0.0, here="", there="")
-    assert _difference(np.ones(1000), np.column_stack([sign, np.ones(1000)]), 1, half, 1.0) == (0.0, 0.0)
+    assert _difference(np.ones(1000), np.column_stack([sign, np.ones(1000)]), 1, half, 1.0, np.zeros(1000)) == (
+        0.0,
+        0.0,
+    )

@@ -21,8 +21,12 @@ ANOTHER = 0.5
 get right of its own mechanism changes its size by less."""
 LEAST_THERE = 0.1
 """Share of an effect's squares that each half must hold."""
+LEAST_OF_MOTION = 0.5
+"""Share of an effect's squares in a half that must come of the motion and not of its noise: elsewhere its factor is not
+told."""
 OWN = 1e-3
 """Share of the difference's squares that no other column of the model may hold."""
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -34,28 +38,34 @@ class Half:
     there: str
 
 
-def find_inconstant(ground: Ground, named: Sequence[tuple[str, Float]]) -> tuple[str, ...]:
+def find_inconstant(
+    ground: Ground, named: Sequence[tuple[str, Float]], noise: Sequence[Float] | None = None
+) -> tuple[str, ...]:
     """Say of each effect that is clearly larger in one half of the motion than in the other where it is.
 
     Each effect's torque, as fitted with everything together, is one column; times plus or minus a half in the two
-    halves it is another, beside the declared model and all effects.
+    halves it is another, beside the declared model and all effects. Where some of its columns is noise of the motion,
+    its factor is too small by that share of the squares (regression calibration), in each half by its own.
 
     Args:
         ground: The joint.
         named: Name and columns of each effect on the rows, shape (m, p).
+        noise: Of its columns, each of its shape; none where None.
     """
     model = np.hstack([ground.base, *(columns for _, columns in named)])
     factors, at = least_squares(model, ground.y), ground.base.shape[1]
-    torques = []
-    for _, columns in named:
-        torques.append(columns @ factors[at : at + columns.shape[1]])
+    torques, shakes = [], []
+    for k, (_, columns) in enumerate(named):
+        own = factors[at : at + columns.shape[1]]
+        torques.append(columns @ own)
+        shakes.append(np.zeros(len(columns)) if noise is None else noise[k] @ own)
         at += columns.shape[1]
     beside = np.column_stack([ground.base, *torques])
     memory = ground.memory(*(columns for _, columns in named))
     found = []
     for k, (name, _) in enumerate(named):
         place = ground.base.shape[1] + k
-        told = [(*_difference(ground.y, beside, place, half, memory), half) for half in _halves(ground)]
+        told = [(*_difference(ground.y, beside, place, half, memory, shakes[k]), half) for half in _halves(ground)]
         share, z, half = max(told, key=lambda one: abs(one[1]) * (abs(one[0]) > ANOTHER))
         if abs(z) > SURELY and abs(share) > ANOTHER:
             more, less = (half.here, half.there) if share > 0.0 else (half.there, half.here)
@@ -84,19 +94,26 @@ def _above(values: Float, here: str, there: str) -> Half:
     return Half(inside=values > np.median(values), here=here, there=there)
 
 
-def _difference(y: Float, beside: Float, place: int, half: Half, memory: float) -> tuple[float, float]:
+def _difference(y: Float, beside: Float, place: int, half: Half, memory: float, noise: Float) -> tuple[float, float]:
     """By how much an effect is larger inside than outside, over their mean, and over its standard error; 0 untold."""
     torque, others = beside[:, place], np.delete(beside, place, axis=1)
-    split = torque * np.where(half.inside, 0.5, -0.5)
     own = torque - others @ least_squares(others, torque)
+    of_motion = [1.0 - _square(noise[rows]) / max(_square(own[rows]), TINY) for rows in (half.inside, ~half.inside)]
+    if min(of_motion) < LEAST_OF_MOTION:
+        return 0.0, 0.0
+    torque, own = (column * np.where(half.inside, *of_motion) for column in (torque, own))
+    split = torque * np.where(half.inside, 0.5, -0.5)
+    beside = np.column_stack([others, torque])
     free = split - beside @ least_squares(beside, split)
-    there, whole = float(np.sum(own[half.inside] ** 2)), float(own @ own)
-    size = float(free @ free)
-    if not LEAST_THERE * whole < there < (1.0 - LEAST_THERE) * whole or size <= OWN * float(split @ split):
+    there, whole, size = _square(own[half.inside]), _square(own), _square(free)
+    if not LEAST_THERE * whole < there < (1.0 - LEAST_THERE) * whole or size <= OWN * _square(split):
         return 0.0, 0.0
     columns = np.column_stack([beside, split])
     factors = least_squares(columns, y)
     left = y - columns @ factors
     error = float(np.sqrt(memory * np.mean(left**2) / size))
-    mean = max(abs(float(factors[place])), float(np.finfo(float).tiny))
-    return float(factors[-1]) / mean, float(factors[-1]) / max(error, float(np.finfo(float).tiny))
+    return float(factors[-1]) / max(abs(float(factors[-2])), TINY), float(factors[-1]) / max(error, TINY)
+
+
+def _square(signal: Float) -> float:
+    return float(signal @ signal)

@@ -25,6 +25,7 @@ from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library, without
+from friction_audit.discrepancy.motion_noise import noise_in_columns
 from friction_audit.discrepancy.naming import (
     Names,
     find_names,
@@ -154,7 +155,7 @@ def _judge(
     if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
         names, events = ringing.names, (ringing.effect,)
     last = _test(ground, names, rng) if names.found else first
-    return _told(subject, ground, names, events, (first, last), settings.alpha)
+    return _told(subject, ground, names, events, (first, last), settings.alpha, rng)
 
 
 def _named(
@@ -180,6 +181,7 @@ def _told(
     events: tuple[Effect, ...],
     tests: tuple[Omnibus, Omnibus],
     alpha: float,
+    rng: np.random.Generator,
 ) -> JointDiscrepancy:
     """Everything that is to be said, from what was found and the tests without and with it."""
     columns = [f.columns for f in names.found]
@@ -198,7 +200,7 @@ def _told(
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
     restless = find_restless(ground, grown, fine, over, lambda vibration: rings(names, events, vibration))
     limit = _detection_limit(ground, names, gap, alpha)
-    doubts = _doubts(ground, names)
+    doubts = _doubts(ground, names, rng)
     open_end = restless.decides or bool(doubts)
     verdict = _verdict(names, tests[0], gap, alpha, touched=bool(events), open_end=open_end)
     return JointDiscrepancy(
@@ -234,7 +236,7 @@ def _told(
     )
 
 
-def _doubts(ground: Ground, names: Names) -> tuple[str, ...]:
+def _doubts(ground: Ground, names: Names, rng: np.random.Generator) -> tuple[str, ...]:
     """Why names that fit may stand in for something else, a phrase each.
 
     What a model does not get right is much the same all through a cycle, however many independent samples of noise that
@@ -243,10 +245,11 @@ def _doubts(ground: Ground, names: Names) -> tuple[str, ...]:
     fitted, cycles = unknowns(names), len(np.unique(ground.rows.cycle))
     crowded = f"{fitted} numbers were fitted to {cycles} cycles, so that names may stand in for something else"
     alone = (f for f in names.found if not f.naming.alternatives)
+    noise = [noise_in_columns(ground, f.candidate, names.baseline, f.shape, rng) for f in names.found]
     return (
         *([crowded] if fitted > cycles else []),
         *(why for f in alone if (why := f.candidate.stands_in(ground.data, f.shape))),
-        *find_inconstant(ground, [(f.candidate.name, f.columns) for f in names.found]),
+        *find_inconstant(ground, [(f.candidate.name, f.columns) for f in names.found], noise),
     )
 
 
