@@ -132,6 +132,12 @@ def test_names_that_are_the_same_always_belong_to_the_set() -> None:
     assert named(noise=2.0, same_as={"effect": ("twin",)}).alternatives == ("twin",)
 
 
+def test_so_do_those_that_are_the_same_as_an_alternative() -> None:
+    same_as = {"near": ("twin", "effect"), "stranger": ("brother",)}
+    assert named(noise=8.0, same_as=same_as).alternatives == ("near", "twin")
+    assert named(noise=2.0, same_as=same_as).alternatives == ()
+
+
 def spring_or_offset(stiffness: float, offset: float) -> Naming:
     """A spring with a preload, in a log where an offset might be."""
     rng = np.random.default_rng(3)

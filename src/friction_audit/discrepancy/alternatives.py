@@ -98,7 +98,7 @@ def name_effects(
     within it (an offset in the preload of a spring) is never better: it belongs to the set where it alone gives most of
     the torque, for it may be there beside something smaller. One that holds the effect, and adds next to nothing to it,
     is no other name: a spring so weak that only its preload shows is an offset. Names that no motion of this kind
-    tells apart always belong to the set.
+    tells apart always belong to the set, be it from the effect or from an alternative.
 
     Args:
         products: Cross products of the data.
@@ -116,7 +116,8 @@ def name_effects(
         alike = [rival for rival in rivals if rival.correlation > ALIKE]
         by_chance = _by_chance(products, chosen.unit, len(alike))
         close = [r.name for r in alike if r.held or not (r.idle or r.beaten(by_chance))]
-        names = dict.fromkeys([*close, *(name for name in same_as.get(chosen.name, ()) if name not in taken)])
+        same = [name for one in (chosen.name, *close) for name in same_as.get(one, ()) if name not in taken]
+        names = dict.fromkeys([*close, *same])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
     return tuple(entries)
 
