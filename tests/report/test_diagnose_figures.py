@@ -20,12 +20,20 @@ from friction_audit.joint_log import Float
 from friction_audit.report.figures import save_figure
 from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES, DiagnosisFigure
 from friction_audit.report.figures.diagnose_effects import draw_effects
-from friction_audit.report.figures.diagnose_evidence import ALIKE, BEATEN, CHOSEN, draw_evidence, mark_of, nearest
+from friction_audit.report.figures.diagnose_evidence import (
+    ALIKE,
+    BEATEN,
+    CHOSEN,
+    ELSEWHERE,
+    draw_evidence,
+    mark_of,
+    nearest,
+)
 from friction_audit.report.figures.diagnose_ladder import closed_words, draw_ladder
 from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
 from friction_audit.report.figures.diagnose_own_axis import mean_along
 from friction_audit.report.figures.diagnose_residual import draw_residual, limits_for, rows_of
-from friction_audit.report.figures.diagnose_simulation import Piece, draw_simulation, lay_out, shown_cycles
+from friction_audit.report.figures.diagnose_simulation import Piece, draw_simulation, lay_out, limits_with, shown_cycles
 from friction_audit.report.figures.diagnose_verdicts import draw_verdicts, said_of
 from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
 from tests.report import diagnosis_by_hand as by_hand
@@ -226,6 +234,14 @@ def test_the_motion_is_drawn_where_it_was_simulated() -> None:
     assert len(draw_simulation(ALL, 3).axes) == 2
 
 
+def test_a_wild_sample_and_a_motion_that_runs_away_leave_the_panel() -> None:
+    shown = (np.array([0.0, np.nan, 2.0]), np.array([1.0]))
+    assert limits_with(shown, np.array([np.nan, 1.0]), 0.5) == pytest.approx((-0.08, 2.08))
+    assert limits_with(shown, np.array([2.5, 1.0]), 0.5) == pytest.approx((-0.1, 2.6))
+    assert limits_with(shown, np.array([-90.0, 90.0]), 0.5) == pytest.approx((-1.16, 3.16))
+    assert limits_with((np.zeros(3),), np.array([np.nan]), 0.5)[1] > 0.0
+
+
 def test_a_model_that_nothing_was_added_to_is_drawn_once() -> None:
     assert legend_of(draw_simulation(ALL, 3))[-1] == "declared model"
 
@@ -276,17 +292,52 @@ def test_the_ladder_is_as_long_as_the_gaps() -> None:
     assert axes.get_title(loc="left") == "joint 1: 97.6 ± 1.0 % closed\non 9 locked cycles"
 
 
+CONTACTS = effect_of(
+    replace(
+        NAMED.effects[0],
+        name="contact_event",
+        parameters={"contacts": by_hand.coefficient(2.0, 0.0)},
+        evidence=(Evidence(name="contact_event", delta_bic=0.0, correlation=1.0),),
+    )
+)
+TOUCHED = replace(
+    NAMED,
+    effects=(CONTACTS,),
+    ladder=(("declared model", 0.3), ("+ contact_event", 0.02), ("floor of the noise", 0.02)),
+    gap=by_hand.gap(0.02, 0.02, 0.02),
+)
+
+
+def test_contacts_are_left_out_and_no_model_has_them() -> None:
+    alone = of(TOUCHED)
+    assert legend_of(draw_simulation(alone, 1))[-2:] == ["declared model", "measured velocity"]
+    (axes,) = draw_residual(alone, 1).axes
+    assert axes.get_title(loc="left") == "joint 1: declared model, contacts left out"
+    ladder = words_in(draw_ladder(alone, 1))
+    assert "joint 1: nothing added on 9 locked cycles, contacts left out" in ladder
+    assert "+ contact_event" not in ladder
+    assert "no other candidate was held against it" in words_in(draw_evidence(alone, 1))
+
+
+def test_beside_contacts_the_grown_model_has_the_other_effects() -> None:
+    left = (by_hand.profile("speed", 0.0),)
+    both = of(replace(TOUCHED, effects=(CONTACTS, *NAMED.effects), gap=NAMED.gap, remaining=left))
+    assert "with stribeck" in legend_of(draw_simulation(both, 1))
+    assert len(draw_residual(both, 1).axes) == 2
+    assert "97.6 ± 1.0 % closed on 9 locked cycles, contacts left out" in words_in(draw_ladder(both, 1))
+
+
 def test_a_gap_that_was_never_open_is_not_closed() -> None:
     shut = Gap(before=0.02, after=0.02, floor=0.02, shrink=np.nan, shrink_se=np.nan, over_floor=1.0, cycles=4)
-    assert closed_words(shut, added=True) == "at the floor from the start\non 4 locked cycles"
-    assert closed_words(shut, added=False) == "nothing added\non 4 locked cycles"
+    assert closed_words(replace(NAMED, gap=shut)) == "at the floor from the start\non 4 locked cycles"
+    assert closed_words(replace(NONE, gap=shut)) == "nothing added\non 4 locked cycles"
 
 
 def test_rivals_that_cannot_be_told_apart_are_marked() -> None:
     (effect,) = AMBIGUOUS.effects
-    assert mark_of(effect, "torque_bias") is CHOSEN
-    assert mark_of(effect, "asymmetric_coulomb") is ALIKE
-    assert mark_of(effect, "warm_up") is BEATEN
+    names = {"torque_bias": 0.0, "asymmetric_coulomb": -3.0, "warm_up": 41.3, "stribeck": -239.0}
+    rivals = [Evidence(name=name, delta_bic=worse, correlation=0.5) for name, worse in names.items()]
+    assert [mark_of(effect, rival) for rival in rivals] == [CHOSEN, ALIKE, BEATEN, ELSEWHERE]
 
 
 def test_a_sheet_leaves_out_only_rivals_that_are_told_apart() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.result import Effect
-from friction_audit.report.figures.diagnose_own_axis import own_axis
+from friction_audit.report.figures.diagnose_own_axis import OwnAxis, own_axis, own_profile
 from tests.report.diagnosis_by_hand import STRIBECK, coefficient, traces
 
 TRACES = traces(4)
@@ -42,5 +42,25 @@ def test_waves_are_laid_over_each_other() -> None:
 def test_what_follows_other_joints_is_drawn_along_its_torque(one: Effect) -> None:
     own = own_axis(one, TRACES)
     assert own is not None
-    assert own.label == f"{one.name}, fitted [N m]"
+    assert own.label == f"Fitted torque of {one.name} [N m]"
     assert own.values is TORQUE
+
+
+def test_what_rings_is_drawn_along_its_torque() -> None:
+    rows = np.arange(4800)
+    motion = traces(1600)
+    along = motion.along | {"speed": rows % 400 / 400.0}
+    ringing = np.sin(0.77 * rows)
+    own = own_axis(replace(STRIBECK, torque=ringing), replace(motion, dq=np.ones(4800), along=along))
+    assert own is not None
+    assert own.values is ringing
+
+
+def test_means_along_an_own_axis_by_hand() -> None:
+    motion = replace(traces(8), dq=np.tile([1.0, 1.0, -1.0], 8))
+    own = OwnAxis("waves", np.repeat([0.0, 1.2], 12))
+    shown = own_profile(own, motion, np.where(own.values > 0.6, 3.0, 1.0))
+    assert shown.edges == pytest.approx(np.linspace(0.0, 1.2, 13))
+    assert shown.forwards[[0, -1]] == pytest.approx([1.0, 3.0])
+    assert np.isnan(shown.forwards[1:-1]).all()
+    assert np.isnan(shown.backwards).all()  # of four rows, fewer than a mean is told from

@@ -45,8 +45,8 @@ def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64],
     bins = np.clip(np.searchsorted(edges, curve.values, side="right") - 1, 0, len(edges) - 2)
     centre = np.array([_mean(curve.values[bins == k]) for k in range(len(edges) - 1)])
     up = dq > 0
-    forwards, forwards_se = _bin_means(residual, bins, cycle, up, len(centre))
-    backwards, backwards_se = _bin_means(residual, bins, cycle, ~up, len(centre))
+    forwards, forwards_se = bin_means(residual, bins, cycle, up, len(centre))
+    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, len(centre))
     return Profile(
         axis=curve.axis.name,
         label=curve.axis.label,
@@ -66,10 +66,21 @@ def _mean(values: Float) -> float:
     return float(values.mean()) if len(values) else float("nan")
 
 
-def _bin_means(
+def bin_means(
     residual: Float, bins: NDArray[np.int64], cycle: NDArray[np.int64], which: NDArray[np.bool_], count: int
 ) -> tuple[Float, Float]:
-    """Mean of each bin and its standard error, the means of the cycles taken as independent."""
+    """Mean of each bin and its standard error, the means of the cycles taken as independent.
+
+    Args:
+        residual: Shape (m,). [N m]
+        bins: Number of the bin of each row, shape (m,).
+        cycle: Number of the cycle of each row, shape (m,).
+        which: Rows that count, shape (m,).
+        count: Number of bins.
+
+    Returns:
+        Mean and standard error, NaN where a bin has hardly any row, shape (count,) each. [N m]
+    """
     mean, error = np.full(count, np.nan), np.full(count, np.nan)
     for k in range(count):
         at = which & (bins == k)

@@ -14,6 +14,7 @@ from friction_audit.discrepancy.naming import Found, Names
 from friction_audit.discrepancy.parameters import Parameters
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict, Vibration
+from friction_audit.discrepancy.shown_along import shows_along
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -58,7 +59,7 @@ def _effect(
         decide=motion_to_decide(f.candidate.name, f.naming.alternatives),
         parameters=parameters,
         p_value=f.p_value,
-        where=curve.where or "spread over the whole motion",
+        where=_where(ground, torque, curve, curves),
         axis=f.candidate.axis,
         gap_before_nm=before,
         gap_after_nm=after,
@@ -73,6 +74,13 @@ def _effect(
             ),
         ),
     )
+
+
+def _where(ground: Ground, torque: Float, curve: Profile, curves: Sequence[Curve]) -> str:
+    """Where the effect is, told only on an axis that it is a curve over."""
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    along = next(one.values for one in curves if one.axis.name == curve.axis)
+    return curve.where if curve.where and shows_along(torque, along, speed) else "spread over the whole motion"
 
 
 def contact_effects(ground: Ground, undisturbed: Undisturbed) -> tuple[Effect, ...]:

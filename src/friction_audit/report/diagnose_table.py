@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.friction.history import Coefficient
 from friction_audit.model.joint_model import ArmModel
@@ -26,9 +27,13 @@ MOST_NUMBERS = 6
 UNITS = {parameter.name: parameter.unit for term in TERMS for parameter in term.parameters}
 MEANINGS = {parameter.name: parameter.meaning for term in TERMS for parameter in term.parameters}
 FACTORS = {term.name: tuple(parameter.name for parameter in term.linear) for term in TERMS}
-SCALED = ("s", "rad")
+SIZES = {"backlash": "gap_rad"}
+"""Parameters that are an effect's size, where its factor is none."""
+SCALED = ("s", "rad", "rad/(N m)")
 """Units of which a thousandth is easier to read where a number is small."""
 SMALL = 0.02
+ENDS = (("_hz", " Hz"), ("_s", " s"), ("_rad", " rad"))
+"""Last words of names that are units."""
 UNTOLD = "not told by this log"
 """In the place of a number whose interval has no bounds."""
 
@@ -128,8 +133,9 @@ def _missing(effect: Effect) -> Iterator[str]:
 
 
 def _size(effect: Effect) -> str:
-    """Return the one factor of an effect; of several the rms of its torque, free of the rest of the model."""
-    factors = [name for name in FACTORS.get(effect.name, ()) if name in effect.parameters]
+    """Return the number that is an effect's size; of several factors the rms of its torque, free of all else."""
+    sizes = (SIZES[effect.name],) if effect.name in SIZES else FACTORS.get(effect.name, ())
+    factors = [name for name in sizes if name in effect.parameters]
     if len(factors) == 1:
         return format_quantity(effect.parameters[factors[0]], UNITS[factors[0]])
     return f"{format_torque(effect.partial_nm)} N m rms"
@@ -166,6 +172,8 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
 def _effect(effect: Effect, said: str) -> Iterator[str]:
     p_value = format_p_value(effect.p_value)
     gap = f"gap {format_torque(effect.gap_before_nm)} -> {format_torque(effect.gap_after_nm)} N m"
+    if effect.name == CONTACT.name:
+        gap += " as its rows are left out, as they are above and in all that follows"
     yield f"{effect.name}: {'; '.join(text for text in (effect_numbers(effect), gap, p_value) if text)}"
     if effect.where not in said:
         yield f"  where: {effect.where}"
@@ -191,8 +199,8 @@ def effect_numbers(effect: Effect) -> str:
 def _parameter(name: str, number: Coefficient) -> str:
     """Return a parameter in words; one of no term by its name alone, one that chooses a form by that form."""
     if name not in MEANINGS:
-        seconds = " s" if name.endswith("_s") else ""
-        return f"{name.removesuffix('_s').replace('_', ' ')} {number.value:.4g}{seconds}"
+        bare, unit = next(((name.removesuffix(end), unit) for end, unit in ENDS if name.endswith(end)), (name, ""))
+        return f"{bare.replace('_', ' ')} {number.value:.4g}{unit}"
     meaning = MEANINGS[name]
     if CHOICE.match(meaning):
         return _choice(meaning, round(number.value))

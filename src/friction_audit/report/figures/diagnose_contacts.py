@@ -41,11 +41,13 @@ class Touched(NamedTuple):
         t: Time, shape (k,). [s]
         left: Torque, shape (k,). [N m]
         contacts: Stretches of time.
+        corner_hz: Corner of the low-pass filter that the torque went through. [Hz]
     """
 
     t: Float
     left: Float
     contacts: tuple[Contact, ...]
+    corner_hz: float
 
 
 def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
@@ -69,6 +71,7 @@ def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
         t=data.t[:: rows.every],
         left=np.where(seen, left, np.nan),
         contacts=tuple(contact for contact in beside if _left_out(traces.t, contact)),
+        corner_hz=traces.corner_hz,
     )
 
 
@@ -105,8 +108,8 @@ def _largest(shown: Touched, contact: Contact) -> float:
 def _draw(shown: Touched, title: str, limits: tuple[float, float], axes: "Axes") -> "list[Artist]":
     label_panel(axes, title)
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    axes.plot(shown.t, shown.left, color=GROWN, lw=0.6)
-    handles: list[Artist] = []
+    label = f"measured less model, below {shown.corner_hz:.3g} Hz"
+    handles: list[Artist] = list(axes.plot(shown.t, shown.left, color=GROWN, lw=0.6, label=label))
     least = LEAST_WIDTH * (limits[1] - limits[0])
     for contact in shown.contacts:
         more = 0.5 * max(least - (contact.stop_s - contact.start_s), 0.0)

@@ -4,18 +4,15 @@ from functools import partial
 from textwrap import fill
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces
-from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
-from friction_audit.report.diagnose_table import MEANINGS, UNITS, format_quantity
+from friction_audit.report.diagnose_table import effect_numbers
 from friction_audit.report.figures.diagnose_contacts import contact_panels
 from friction_audit.report.figures.diagnose_look import DASHED, chosen_joints, draw_grid, joint_name, say_why
-from friction_audit.report.figures.diagnose_own_axis import OwnAxis, mean_along, own_axis
-from friction_audit.report.figures.diagnose_residual import draw_dots, draw_profile, limits_for, name_axis
+from friction_audit.report.figures.diagnose_own_axis import mean_along, own_axis, own_profile
+from friction_audit.report.figures.diagnose_residual import draw_profile, limits_for, name_axis
 from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel
 from friction_audit.report.figures.style import BORDER, MUTED, figure_style
 
@@ -28,9 +25,9 @@ if TYPE_CHECKING:
 
 PANEL_IN, SHEET_PANEL_IN, EMPTY_IN = 2.3, 1.55, 0.9
 ACROSS = 3
-CHARACTERS = 66
+CHARACTERS = 56
 """Of a line below a panel."""
-BELOW_PT = 25.0
+BELOW_PT = 28.0
 
 
 def draw_effects(found: Diagnosis, joint: int | None) -> "Figure":
@@ -67,15 +64,14 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
     shown = traces.measured - traces.after + effect.torque
     label_panel(axes, f"{joint_name(joint)}: {effect.name}")
     own = own_axis(effect, traces)
-    if own is not None:
-        handles = _draw_own(axes, traces, effect, own, shown)
-    else:
-        handles = draw_profile(axes, effect.curve, traces, shown)
-        handles += _draw_fitted(axes, traces, effect, traces.along[effect.curve.axis])
-        axes.set_ylim(*limits_for(shown, effect.curve))
-        name_axis(axes, effect.curve)
+    along = traces.along[effect.curve.axis] if own is None else own.values
+    curve = effect.curve if own is None else own_profile(own, traces, shown)
+    handles = draw_profile(axes, curve, along, traces.dq, shown)
+    handles += _draw_fitted(axes, traces, effect, along)
+    axes.set_ylim(*limits_for(shown, curve))
+    name_axis(axes, curve)
     if is_narrow(axes.get_figure(root=True)):
-        _tell(axes, fitted_words(effect))
+        _tell(axes, effect_numbers(effect))
     return handles
 
 
@@ -87,16 +83,6 @@ def _tell(axes: "Axes", sentence: str) -> None:
     )  # fmt: skip
 
 
-def _draw_own(axes: "Axes", traces: Traces, effect: Effect, own: OwnAxis, shown: Float) -> "list[Artist]":
-    """Draw an effect along the only quantity that shows it."""
-    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    draw_dots(axes, own.values, traces.dq, shown)
-    axes.set_xlim(float(own.values.min()), float(own.values.max()))
-    axes.set_ylim(*np.quantile(shown, (0.005, 0.995)))
-    axes.set_xlabel(own.label)
-    return _draw_fitted(axes, traces, effect, own.values)
-
-
 def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> "list[Artist]":
     """Draw the fitted torque along the axis, a line for each direction."""
     handles: list[Artist] = []
@@ -104,12 +90,3 @@ def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> 
         x, y = mean_along(along[which], effect.torque[which])
         handles += axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
     return handles
-
-
-def fitted_words(effect: Effect) -> str:
-    """Return the parameters of an effect with their intervals, in words."""
-    return ", ".join(_parameter(name, number) for name, number in effect.parameters.items())
-
-
-def _parameter(name: str, number: Coefficient) -> str:
-    return f"{MEANINGS.get(name, name)} {format_quantity(number, UNITS.get(name, ''))}"

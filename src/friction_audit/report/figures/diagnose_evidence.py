@@ -8,7 +8,14 @@ import numpy as np
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
-from friction_audit.report.figures.diagnose_look import GROWN, chosen_joints, draw_grid, joint_name, say_why
+from friction_audit.report.figures.diagnose_look import (
+    GROWN,
+    chosen_joints,
+    draw_grid,
+    joint_name,
+    say_instead,
+    say_why,
+)
 from friction_audit.report.figures.layout import add_legend, label_panel
 from friction_audit.report.figures.style import BORDER, FITTED, MUTED, figure_style
 
@@ -40,6 +47,8 @@ class Mark(NamedTuple):
 CHOSEN = Mark("o", GROWN, GROWN, "the effect named")
 ALIKE = Mark("o", FITTED, "white", "cannot be told apart")
 BEATEN = Mark("x", BORDER, BORDER, "told apart")
+ELSEWHERE = Mark("+", MUTED, MUTED, "explains something else")
+"""One that does as well or better, and whose torque is another one."""
 
 
 def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
@@ -49,7 +58,7 @@ def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
         heights: list[float] = []
         for one in (_nearest(one) if joint is None else one for one in chosen_joints(found, joint)):
             panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
-            heights += [TITLE_IN + NAME_IN * len(effect.evidence) for effect in one.effects] or [EMPTY_IN]
+            heights += [_height_in(effect) for effect in one.effects] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None)
         add_legend(figure, handles)
         figure.supxlabel("BIC above that of the effect named; r: correlation of their torques", fontsize=7.5)
@@ -67,17 +76,28 @@ def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alternatives)
 
 
+def _height_in(effect: Effect) -> float:
+    return TITLE_IN + NAME_IN * len(effect.evidence) if has_rivals(effect) else EMPTY_IN
+
+
+def has_rivals(effect: Effect) -> bool:
+    """Return whether another candidate was held against an effect; an event that comes once has none."""
+    return any(rival.name != effect.name for rival in effect.evidence)
+
+
 def _draw_nothing(joint: JointDiscrepancy, axes: "Axes") -> "list[Artist]":
     return say_why(axes, joint_name(joint), joint)
 
 
 def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list[Artist]":
     """Draw a line per candidate, the best on top; return the legend's entries."""
+    if not has_rivals(effect):
+        return say_instead(axes, f"{joint_name(joint)}: {effect.name}", "no other candidate was held against it")
     handles: list[Artist] = []
     axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
-    handles.append(axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label="strong evidence"))
+    handles.append(axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label=f"strong evidence ({STRONG:g})"))
     for place, rival in enumerate(effect.evidence):
-        mark = mark_of(effect, rival.name)
+        mark = mark_of(effect, rival)
         axes.hlines(place, 0.0, rival.delta_bic, color=MUTED, lw=0.5)
         handles += axes.plot(
             rival.delta_bic,
@@ -105,7 +125,7 @@ def _scale(axes: "Axes", effect: Effect) -> None:
     from matplotlib.ticker import FuncFormatter, SymmetricalLogLocator
 
     worse = np.array([rival.delta_bic for rival in effect.evidence])
-    axes.set_xlim(min(-2.0, 1.4 * float(worse.min())), 1.6 * max(float(worse.max()), LINEAR_TO))
+    axes.set_xlim(min(-2.0, 1.6 * float(worse.min())), 1.6 * max(float(worse.max()), LINEAR_TO))
     axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=LINEAR_TO))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
     axes.set_yticks(range(len(effect.evidence)), [rival.name for rival in effect.evidence])
@@ -113,8 +133,10 @@ def _scale(axes: "Axes", effect: Effect) -> None:
     axes.set_ylim(len(effect.evidence) - 0.5, -0.5)
 
 
-def mark_of(effect: Effect, name: str) -> Mark:
+def mark_of(effect: Effect, rival: Evidence) -> Mark:
     """Return how a candidate in the place of an effect is marked."""
-    if name == effect.name:
+    if rival.name == effect.name:
         return CHOSEN
-    return ALIKE if name in effect.alternatives else BEATEN
+    if rival.name in effect.alternatives:
+        return ALIKE
+    return ELSEWHERE if rival.delta_bic < STRONG else BEATEN

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
+from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile
 from friction_audit.errors import UsageError
 from friction_audit.report.figures.layout import is_narrow, label_panel, new_figure, say_in_panel
@@ -47,9 +48,24 @@ def joint_name(joint: JointDiscrepancy) -> str:
     return joint_title(joint.joint, joint.name)
 
 
+def added(joint: JointDiscrepancy) -> tuple[Effect, ...]:
+    """Return the effects that the grown model has; contacts are in no model, their rows are left out."""
+    return tuple(effect for effect in joint.effects if effect.name != CONTACT.name)
+
+
+def has_contacts(joint: JointDiscrepancy) -> bool:
+    """Return whether rows of contacts were left out."""
+    return len(added(joint)) < len(joint.effects)
+
+
+def declared_name(joint: JointDiscrepancy) -> str:
+    """Return what the declared model is called above a panel without the rows of contacts."""
+    return "declared model, contacts left out" if has_contacts(joint) else "declared model"
+
+
 def grown_name(joint: JointDiscrepancy) -> str:
     """Return what the grown model is called: by what was added."""
-    return "with " + " and ".join(effect.name for effect in joint.effects)
+    return "with " + " and ".join(effect.name for effect in added(joint))
 
 
 def names_of(effect: Effect) -> str:
@@ -102,9 +118,13 @@ def once(handles: "Sequence[Artist]") -> "list[Artist]":
 
 def say_why(axes: "Axes", title: str, joint: JointDiscrepancy) -> "list[Artist]":
     """Fill a panel with the verdict of a joint that has nothing to draw there."""
+    return say_instead(axes, title, f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}")
+
+
+def say_instead(axes: "Axes", title: str, sentence: str) -> "list[Artist]":
+    """Fill a panel that has nothing to draw with a sentence; it adds nothing to the legend."""
     label_panel(axes, title)
     axes.set_xticks([])
     axes.set_yticks([])
-    sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
     say_in_panel(axes, sentence, characters=52 if is_narrow(axes.get_figure(root=True)) else 36)
     return []

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from friction_audit.audit import Diagnosis
-from friction_audit.discrepancy.result import JointDiscrepancy, Profile, Traces
+from friction_audit.discrepancy.result import JointDiscrepancy, Profile
 from friction_audit.joint_log import Float
 from friction_audit.report.figures.diagnose_look import (
     BACKWARDS,
@@ -15,14 +15,16 @@ from friction_audit.report.figures.diagnose_look import (
     HEAD_IN,
     MOST_DOTS,
     STANDARD_ERRORS,
+    added,
     chosen_joints,
+    declared_name,
     grown_name,
     joint_name,
     once,
     profile_along,
     say_why,
 )
-from friction_audit.report.figures.diagnose_own_axis import OwnAxis, mean_along, own_axis
+from friction_audit.report.figures.diagnose_own_axis import OwnAxis, own_axis, own_profile
 from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel, new_figure
 from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, SHEET_IN, figure_style
 from friction_audit.report.figures.thinning import every_nth
@@ -42,8 +44,6 @@ NEAR = 1.5
 MARGIN = 0.04
 STRETCHED, WIDENING = ("speed", "displacement"), 30.0
 """Axes from zero on, and the last bin over the first from which a linear one would hide the first bins."""
-STRETCHES = 24
-"""Of an effect's own axis, with equally many rows each."""
 SMALLEST_NM = 0.001
 """Least height of a panel without any residual. [N m]"""
 
@@ -51,7 +51,7 @@ SMALLEST_NM = 0.001
 class Row(NamedTuple):
     """A row of the figure: a joint and what is shown of it, before and after; None where there is nothing.
 
-    Along an axis of an effect's own, if it has one, in the place of the profiles' axis.
+    Where an effect has an axis of its own, the profiles drawn are those along it.
     """
 
     joint: JointDiscrepancy
@@ -101,14 +101,14 @@ def _pairs(rows: Sequence[Row], *, sheet: bool) -> "tuple[Figure, list[list[Axes
 def rows_of(joint: JointDiscrepancy) -> list[Row]:
     """Return one row per axis on which a named effect shows itself, and one for what is left unexplained."""
     axes: dict[str, tuple[str, OwnAxis | None]] = {}
-    for effect in joint.effects:
+    for effect in added(joint):
         own = None if joint.traces is None else own_axis(effect, joint.traces)
         axes.setdefault(effect.curve.axis if own is None else own.label, (effect.curve.axis, own))
     rows = [
         Row(joint, profile_along(joint.profiles, axis), profile_along(joint.remaining, axis), own)
         for axis, own in axes.values()
     ]
-    if joint.verdict == "unexplained" and joint.effects and joint.remaining:
+    if joint.verdict == "unexplained" and added(joint) and joint.remaining:
         left = joint.remaining[0]
         rows.append(Row(joint, profile_along(joint.profiles, left.axis), left))
     return rows or [Row(joint, joint.profiles[0] if joint.profiles else None, None)]
@@ -125,39 +125,22 @@ def _draw_row(panels: "Sequence[Axes]", row: Row) -> "list[Artist]":
         axes.set_axis_off()
     if row.before is None or traces is None:
         return say_why(panels[0], joint_name(joint), joint)
-    if row.own is not None:
-        return _draw_own(panels, joint, traces, row.own)
     residuals = (traces.measured - traces.before, traces.measured - traces.after)
-    titles = (f"{joint_name(joint)}: declared model", grown_name(joint))
+    if row.own is not None:
+        before, after = (own_profile(row.own, traces, residual) for residual in residuals)
+        row = row._replace(before=before, after=after)
+    titles = (f"{joint_name(joint)}: {declared_name(joint)}", grown_name(joint))
     drawn = [(residual, one) for residual, one in zip(residuals, (row.before, row.after), strict=True) if one]
     limits = np.array([limits_for(residual, one) for residual, one in drawn])
     handles: list[Artist] = []
     for axes, profile, residual, title in zip(panels, (row.before, row.after), residuals, titles, strict=False):
         if profile is not None:
-            handles += draw_profile(axes, profile, traces, residual)
+            along = traces.along[profile.axis] if row.own is None else row.own.values
+            handles += draw_profile(axes, profile, along, traces.dq, residual)
             # What is left needs no place unless it is more than noise.
-            told = joint.verdict == "unexplained" or (profile is row.before and joint.effects)
+            told = joint.verdict == "unexplained" or (profile is row.before and added(joint))
             _label(axes, title, profile.where if told else "", profile)
             axes.set_ylim(limits[:, 0].min(), limits[:, 1].max())
-    return handles
-
-
-def _draw_own(panels: "Sequence[Axes]", joint: JointDiscrepancy, traces: Traces, own: OwnAxis) -> "list[Artist]":
-    """Draw what both models leave along an effect's own axis, with the mean in each direction."""
-    residuals = (traces.measured - traces.before, traces.measured - traces.after)
-    limits = np.quantile(np.concatenate(residuals), (OUTSIDE, 1.0 - OUTSIDE))
-    handles: list[Artist] = []
-    titles = (f"{joint_name(joint)}: declared model", grown_name(joint))
-    for axes, residual, title in zip(panels, residuals, titles, strict=False):
-        axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-        draw_dots(axes, own.values, traces.dq, residual)
-        for which, mark in ((traces.dq > 0, FORWARDS_MARK), (traces.dq <= 0, BACKWARDS_MARK)):
-            x, y = mean_along(own.values[which], residual[which], STRETCHES)
-            handles += axes.plot(x, y, color=mark.colour, label=f"{mark.name}: mean", zorder=3)
-        label_panel(axes, fill(title, NARROW), across=4)
-        axes.set_xlim(float(own.values.min()), float(own.values.max()))
-        axes.set_ylim(*limits)
-        axes.set_xlabel(own.label)
     return handles
 
 
@@ -185,17 +168,18 @@ def limits_for(rows: Float, profile: Profile) -> tuple[float, float]:
     return bottom - MARGIN * (top - bottom), top + MARGIN * (top - bottom)
 
 
-def draw_profile(axes: "Axes", profile: Profile, traces: Traces, residual: Float) -> "list[Artist]":
+def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, residual: Float) -> "list[Artist]":
     """Draw single rows as dots and the means of the bins with their errors, each direction; return legend entries.
 
     Args:
         axes: The panel.
         profile: Means of the bins.
-        traces: The rows of the joint.
+        along: The quantity of the axis, of every row, shape (m,).
+        dq: Velocity of every row, shape (m,). [rad/s]
         residual: What is drawn of every row, shape (m,). [N m]
     """
     axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    draw_dots(axes, traces.along[profile.axis], traces.dq, residual)
+    _draw_dots(axes, along, dq, residual)
     return [
         _draw_means(axes, profile, profile.forwards, profile.forwards_se, FORWARDS_MARK),
         _draw_means(axes, profile, profile.backwards, profile.backwards_se, BACKWARDS_MARK),
@@ -214,7 +198,7 @@ def name_axis(axes: "Axes", profile: Profile) -> None:
         axes.set_xlim(0.0, float(profile.edges[-1]))
 
 
-def draw_dots(axes: "Axes", along: Float, dq: Float, residual: Float) -> None:
+def _draw_dots(axes: "Axes", along: Float, dq: Float, residual: Float) -> None:
     """Draw single rows, thinned, in the colour of their direction."""
     for which, colour in ((dq > 0, FORWARDS), (dq <= 0, BACKWARDS)):
         kept = every_nth(int(which.sum()), MOST_DOTS)

@@ -15,6 +15,7 @@ from friction_audit.report.figures.diagnose_look import (
     DECLARED,
     GROWN,
     HEAD_IN,
+    added,
     chosen_joints,
     grown_name,
     joint_name,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
 
 SHOWN = 4
 """Locked cycles in a panel."""
@@ -38,6 +40,11 @@ GAP = 0.04
 LONGEST_STEP = 1.5
 """Rows that lie farther apart than so many usual steps have others between them that were left out."""
 POINTS = 4000
+FARTHEST_RAW, FARTHEST_DECLARED = 0.5, 1.5
+"""Times the range of the other curves that raw torque, and the motion of a declared model that runs away, may stretch
+a panel; there they are cut."""
+MARGIN, SMALLEST = 0.04, 0.001
+"""Share of a panel's height above and below all curves, and its least height. [N m or rad/s]"""
 FILTERED_LABEL = "measured, below"
 TORQUE, RESIDUAL, MOTION = "Torque [N m]", "Measured less\nmodel [N m]", "Velocity [rad/s]"
 
@@ -149,17 +156,40 @@ def _draw_torque(axes: "Axes", found: Diagnosis, joint: JointDiscrepancy, pieces
     handles = axes.plot(*raw, color=RAW, lw=0.5, label="measured, raw", zorder=1)
     shown = lay_out(pieces, traces.t, traces.measured)
     handles += axes.plot(*shown, color=FILTERED, lw=1.0, label=f"{FILTERED_LABEL} {traces.corner_hz:.3g} Hz", zorder=2)
-    return [*handles, *_draw_models(axes, joint, pieces, traces.t, (traces.before, traces.after))]
+    models = _draw_models(axes, joint, pieces, traces.t, (traces.before, traces.after))
+    axes.set_ylim(*limits_with((shown[1], *(_heights(line) for line in models)), raw[1], FARTHEST_RAW))
+    return [*handles, *models]
+
+
+def _heights(line: "Line2D") -> Float:
+    return np.asarray(line.get_ydata(), np.float64)
+
+
+def limits_with(shown: Sequence[Float], other: Float, farthest: float) -> tuple[float, float]:
+    """Return limits that hold all curves but one, and of that one what is near, with a margin.
+
+    Args:
+        shown: Curves that are seen whole, NaN where they are interrupted, with a number at least.
+        other: The one that may leave the panel: a single wild sample must not make all else a line.
+        farthest: Times the range of the others that it may reach beyond them.
+    """
+    heights = np.concatenate(shown)
+    low, high = float(np.nanmin(heights)), float(np.nanmax(heights))
+    reach = farthest * (high - low)
+    bottom = max(float(np.nanmin(other, initial=low)), low - reach)
+    top = min(float(np.nanmax(other, initial=high)), high + reach)
+    margin = MARGIN * max(top - bottom, SMALLEST)
+    return bottom - margin, top + margin
 
 
 def _draw_models(
     axes: "Axes", joint: JointDiscrepancy, pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float]
-) -> "list[Artist]":
+) -> "list[Line2D]":
     """Draw a curve of the declared model and, where effects were added, of the grown one."""
     before, after = curves
     x, y = lay_out(pieces, t, before)
     handles = axes.plot(x, y, color=DECLARED, lw=0.8, ls=DASHED, label="declared model", zorder=3)
-    if joint.effects:
+    if added(joint):
         x, y = lay_out(pieces, t, after)
         handles += axes.plot(x, y, color=GROWN, lw=0.8, label=grown_name(joint), zorder=4)
     return list(handles)
@@ -178,7 +208,9 @@ def _draw_motion(
     """Draw the velocity as measured and as both models move under the measured torque; return the legend's entry."""
     shown = lay_out(pieces, motion.t, motion.measured)
     handles = axes.plot(*shown, color=BORDER, lw=1.0, label="measured velocity", zorder=2)
-    _draw_models(axes, joint, pieces, motion.t, (motion.declared, motion.grown))
+    declared, *grown = _draw_models(axes, joint, pieces, motion.t, (motion.declared, motion.grown))
+    whole = (shown[1], *(_heights(line) for line in grown))
+    axes.set_ylim(*limits_with(whole, _heights(declared), FARTHEST_DECLARED))
     return list(handles)
 
 
@@ -209,7 +241,7 @@ def _named(handles: "list[Artist]", joints: Sequence[JointDiscrepancy]) -> "list
     """Call the grown models of several joints by one name, once, and so their filters."""
     if len(joints) == 1:
         return handles
-    names = {grown_name(one) for one in joints if one.effects}
+    names = {grown_name(one) for one in joints if added(one)}
     for handle in handles:
         if handle.get_label() in names:
             handle.set_label("with the effects named")
