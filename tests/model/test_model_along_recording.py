@@ -154,7 +154,9 @@ def test_a_spring_that_stiffens_twists_twice_as_far_at_first() -> None:
     rigid = simulate(joint_with(), t, drive)
     ahead = np.sign(drive) * np.interp(np.abs(drive), [0.0, 0.2, 0.9], [0.0, 0.8e-3, 2.2e-3])
     seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
-    found = simulate_along(joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.2))), seen, drive, whole(t))
+    found = simulate_along(
+        joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.2, 0.0, 1.0))), seen, drive, whole(t)
+    )
     assert found == pytest.approx(seen.dq, abs=2e-3)
 
 

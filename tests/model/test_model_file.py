@@ -231,3 +231,27 @@ def lowest(term: Term) -> FittedTerm:
 
 def highest(term: Term) -> FittedTerm:
     return FittedTerm(term.name, tuple(min(parameter.upper, 1e3) for parameter in term.parameters))
+
+
+@pytest.mark.parametrize(
+    ("values", "whole"),
+    [
+        (
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 900.0, "soft_nm": 0.1},
+            ("joint_elasticity", (1e-3, 900.0, 0.1, 0.05, 1.0)),
+        ),
+        ({"backlash_share": 1.0, "gap_rad": 1e-3, "contact_hz": 40.0}, ("backlash", (1.0, 1e-3, 40.0, 0.2, 1.0))),
+    ],
+)
+def test_a_file_without_newer_numbers_means_what_it_meant(
+    tmp_path: Path, values: dict[str, float], whole: tuple[str, tuple[float, ...]]
+) -> None:
+    name, numbers = whole
+    path = tmp_path / "model.toml"
+    lines = "".join(f"{key} = {value!r}\n" for key, value in values.items())
+    path.write_text(f"{HEAD}{JOINT_TEXT}[joint.terms.{name}]\n{lines}")
+    (joint,) = load_model(path).joints
+    assert joint is not None
+    assert joint.values(name) == numbers
+    save_model(load_model(path), path, overwrite=True)
+    assert "far_share" not in path.read_text()

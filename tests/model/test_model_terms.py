@@ -70,8 +70,10 @@ def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Moti
 
 
 def test_names_and_parameters_are_unique() -> None:
-    names = [parameter.name for term in TERMS for parameter in term.parameters]
-    assert len(set(names)) == len(names)
+    every = [parameter for term in TERMS for parameter in term.parameters]
+    assert len({parameter.name for parameter in every}) == len(set(every))
+    factors = [parameter.name for term in TERMS for parameter in term.linear]
+    assert len(set(factors)) == len(factors)
     assert len({term.name for term in TERMS}) == len(TERMS)
 
 

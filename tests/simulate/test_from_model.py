@@ -24,7 +24,7 @@ IDEAL = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=20.0)
 def model_of(terms: Mapping[str, Mapping[str, float]], inertia_kg_m2: float = 0.25) -> JointModel:
     """A joint with Coulomb and viscous friction and terms by the names of their parameters; others are zero."""
     fitted = [
-        FittedTerm(name, tuple(values.get(parameter.name, 0.0) for parameter in term_of(name).parameters))
+        FittedTerm(name, tuple(values.get(parameter.name, parameter.default) for parameter in term_of(name).parameters))
         for name, values in terms.items()
     ]
     simple = tuple(FittedTerm(name, values) for name, values in SIMPLE.items())
@@ -140,11 +140,31 @@ def test_the_numbers_of_joints_must_agree() -> None:
             "stiffens little by little",
         ),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
+        (
+            "joint_elasticity",
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "far_share": 0.8},
+            "all inertia is behind its spring",
+        ),
+        (
+            "backlash",
+            {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "far_share": 0.6},
+            "all inertia is behind its play",
+        ),
     ],
 )
 def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str, float], reason: str) -> None:
     with pytest.raises(UsageError, match=rf"the model's joint 1: {name}: the simulator has no equal of it: .*{reason}"):
         with_model(IDEAL, arm_of(model_of({name: values})))
+
+
+def test_damping_is_the_same_whichever_side_is_held() -> None:
+    """D = 2 r sqrt(K B) of the model, 2 r' sqrt(K B B_o / (B + B_o)) of the simulator."""
+    spring = {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "damping_ratio": 0.06}
+    play = {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "flank_damping_ratio": 0.3}
+    (hidden,) = with_model(IDEAL, arm_of(model_of({"joint_elasticity": spring, "backlash": play}, 0.25))).hidden
+    more = np.sqrt(1.0 + 0.25 / IDEAL.operator.inertia_kg_m2)
+    assert hidden.joint_elasticity.damping_ratio == pytest.approx(0.06 * more)
+    assert hidden.backlash.contact_damping_ratio == pytest.approx(0.3 * more)
 
 
 def test_what_is_beyond_the_simulator_is_refused() -> None:

@@ -112,7 +112,7 @@ def columns_of(term: Term) -> Callable[[JointData, Baseline, Shape], Float]:
     """The columns of a candidate that is a term of a model, shapes by the names of the term's parameters."""
 
     def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
-        return term.regressor(data.motion(baseline.torque), _values(term, shape))
+        return term.regressor(data.motion(baseline.torque), values_of(term, shape))
 
     return columns
 
@@ -121,12 +121,12 @@ def columns_together(term: Term) -> Callable[[JointData, Baseline, Sequence[Shap
     """The same for many shapes, of a term that builds them together."""
 
     def columns(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
-        values = [_values(term, shape) for shape in shapes]
+        values = [values_of(term, shape) for shape in shapes]
         yield from term.regressors(data.motion(baseline.torque), values)
 
     return columns
 
 
-def _values(term: Term, shape: Shape) -> tuple[float, ...]:
-    """The numbers of a shape in the order of the term; one that it may lack is 0."""
-    return tuple(shape.get(p.name, 0.0) if p.optional else shape[p.name] for p in term.shape)
+def values_of(term: Term, shape: Shape) -> tuple[float, ...]:
+    """The numbers of a shape in the order of the term; one that it may lack has its default."""
+    return tuple(shape.get(p.name, p.default) if p.optional else shape[p.name] for p in term.shape)

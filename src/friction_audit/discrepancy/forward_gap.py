@@ -17,7 +17,8 @@ from friction_audit.discrepancy.result import JointDiscrepancy, SimulationGap
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.along_recording import simulate_along
-from friction_audit.model.joint_model import JointModel, Provenance
+from friction_audit.model.joint_model import FittedTerm, JointModel, Provenance
+from friction_audit.model.terms.far_share import FAR_SHARE
 
 SHORTEST = 3
 """Samples of a cycle that is worth simulating."""
@@ -82,8 +83,9 @@ def simulate_cycles(
     if not len(pieces) or any(_weightless(model, data, drive) for model in models):
         return None
     motion = replace(data.motion(), way=None)  # what is simulated has its own direction
-    before = simulate_along(models[0], motion, drive, pieces)
-    after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces)
+    load = None if data.load is None else data.load - known_inertia_kg_m2 * data.ddq
+    before = simulate_along(models[0], motion, drive, pieces, load)
+    after = before if models[1] == models[0] else simulate_along(models[1], motion, drive, pieces, load)
     if before is None or after is None:
         return None
     inside = np.isfinite(before)
@@ -99,7 +101,22 @@ def simulate_cycles(
 
 
 def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
-    return replace(model, inertia_kg_m2=model.inertia_kg_m2 + inertia_kg_m2)
+    """The model with more inertia, that of links, which a gear drives."""
+    if inertia_kg_m2 == 0.0:
+        return model
+    whole = model.inertia_kg_m2 + inertia_kg_m2
+    terms = tuple(_driving(term, model.inertia_kg_m2 / whole) for term in model.terms)
+    return replace(model, inertia_kg_m2=whole, terms=terms)
+
+
+def _driving(term: FittedTerm, own: float) -> FittedTerm:
+    """A term behind which is more inertia, where it has any behind it; its own is this share of all there is now."""
+    names = [parameter.name for parameter in term.term.parameters]
+    if FAR_SHARE.name not in names:
+        return term
+    at = names.index(FAR_SHARE.name)
+    before = (1.0 - term.values[at]) * own
+    return replace(term, values=(*term.values[:at], min(max(1.0 - before, 0.0), 1.0), *term.values[at + 1 :]))
 
 
 def _weightless(model: JointModel, data: JointData, drive: Float) -> bool:

@@ -14,8 +14,6 @@ from friction_audit.model.terms import TERMS
 
 METHOD = "diagnose"
 FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
-ABSENT = Coefficient(value=0.0, low=0.0, high=0.0)
-"""Of a factor that the form of the term at hand does not have."""
 
 
 class Grown(NamedTuple):
@@ -72,7 +70,7 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     terms += [] if declared is None else [term for term in declared.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in joint.effects}
     terms += [
-        FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name, ABSENT), p) for p in term.parameters))
+        FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
         for term in TERMS
         if term.name in found
     ]
@@ -85,8 +83,13 @@ def _allowed(number: Coefficient) -> float:
     return max(number.value, 0.0) if number.high >= 0.0 else number.value
 
 
-def _bounded(number: Coefficient, parameter: Parameter) -> float:
-    """A number of an effect; its lower bound where it comes out below and its interval holds that bound."""
+def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
+    """A number of an effect; its lower bound where it comes out below and its interval holds that bound.
+
+    The default of one that the form of the term at hand does not have.
+    """
+    if number is None:
+        return parameter.default
     return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
 
 

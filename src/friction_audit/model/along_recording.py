@@ -5,12 +5,14 @@ past of the motion is asked for its torque along the motion found so far, and th
 longer changes; a term with which it never settles cannot be simulated.
 
 What sits between the torque sensor and the side on which friction acts does not change that side's motion under a
-measured torque; it changes what is measured. A delay of the torque is undone in the drive. A spring puts the measured
-side ahead by torque times compliance. Within a play the torque is zero and does not tell where the measured side is:
-that is taken from the recording, the other side at rest until a flank takes it along.
+measured torque, unless part of the inertia is before it; it changes what is measured. A delay of the torque is undone
+in the drive. Where part of the inertia is on the measured side of a spring or a play, both sides are moved
+(``two_sides``). Where none is, a spring puts the measured side ahead by torque times compliance, a little late by its
+damping. Within a play the torque is then zero and does not tell where the measured side is: that is taken from the
+recording, behind which the other side is followed.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +24,9 @@ from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
 from friction_audit.model.move import run_pieces
 from friction_audit.model.tables import Tables, certain, tabulate
-from friction_audit.model.term import Motion
+from friction_audit.model.term import Forward, Motion
+from friction_audit.model.transmission import HIGHEST_HZ, Transmission
+from friction_audit.model.two_sides import Link, can_follow, follow, link_of, move_two_sides
 
 SWEEPS = 12
 SETTLED = 1e-3
@@ -38,19 +42,50 @@ BETWEEN = ("delay", "spring", "play")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Reading:
-    """How the measured side differs from the side on which friction acts; shape (n,) each.
+class _Recording:
+    """A recording of the measured side, n samples.
 
     Attributes:
-        drive: Torque that drives the side of friction, at its time. [N m]
-        ahead: By how much the measured side is ahead. [rad]
+        motion: The motion.
+        drive: Torque at its time, shape (n,). [N m]
+        load: Load on the gear that is not in it, shape (n,). [N m]
+        pieces: First and last sample of each piece, shape (p, 2).
     """
 
+    motion: Motion
     drive: Float
-    ahead: Float
+    load: Float
+    pieces: NDArray[np.int64]
+
+    @property
+    def step_s(self) -> float:
+        """Spacing of the samples. [s]"""
+        return float(self.motion.t[1] - self.motion.t[0])
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Samples of the pieces, shape (n,)."""
+        inside = np.zeros(len(self.drive), bool)
+        for first, last in self.pieces:
+            inside[first : last + 1] = True
+        return inside
 
 
-def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDArray[np.int64]) -> Float | None:
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Moved:
+    """Position [rad] and velocity [rad/s] of the side of friction, velocity of the measured side; shape (n,) each."""
+
+    q: Float
+    dq: Float
+    measured_dq: Float
+
+
+_Move = Callable[[Tables], _Moved]
+
+
+def simulate_along(
+    model: JointModel, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
+) -> Float | None:
     """Simulate a joint under a recorded torque.
 
     Args:
@@ -58,45 +93,74 @@ def simulate_along(model: JointModel, motion: Motion, drive: Float, pieces: NDAr
         motion: The recording, on an even grid, n samples.
         drive: Torque F_m + u as recorded, shape (n,). [N m]
         pieces: First and last sample of each piece, shape (p, 2).
+        load: Load on the gear that is not in the drive; that of the motion where None, shape (n,). [N m]
 
     Returns:
         Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
         grows beyond all bounds.
     """
-    reading = _read_through(model, motion, drive)
-    step = float(motion.t[1] - motion.t[0])
-    inner = _inner(motion, reading, step)
+    between = {term.term.forward: term for term in model.terms if term.term.forward in BETWEEN}
+    if "delay" in between:
+        drive = _undelayed(between["delay"], motion, drive)
+    load = motion.load if load is None else load
+    recording = _Recording(
+        motion=motion, drive=drive, load=np.zeros(len(drive)) if load is None else load, pieces=pieces
+    )
     acting = [term for term in model.terms if term.term.forward not in BETWEEN]
-    tables, past = tabulate(model.inertia_kg_m2, acting, replace(inner, rest=model.rest(inner)))
+    tables, past = tabulate(model.inertia_kg_m2, acting, replace(motion, rest=model.rest(motion)))
     if tables.inertia_kg_m2 <= LEAST_INERTIA * abs(model.inertia_kg_m2):
         return None
-    bent = tables.bristles.states_along(inner.q)
-    found = _settle(model, tables, past, inner, reading.drive, pieces, bent, step)
-    return None if found is None else np.asarray(found + np.gradient(reading.ahead, step))
+    transmission = _transmission(model, motion, between)
+    near = 0.0 if transmission is None else (1.0 - transmission.far_share) * model.inertia_kg_m2
+    link = None if transmission is None else link_of(transmission, near, tables.inertia_kg_m2 - near)
+    if link is not None and can_follow(link, tables, recording.step_s):
+        move = _both_sides(recording, link)
+    else:
+        move = _one_side(recording, _ahead(recording, link, tables))
+    return _settle(model, tables, past, recording, move)
 
 
 def _settle(
-    model: JointModel,
-    tables: Tables,
-    past: Sequence[FittedTerm],
-    recorded: Motion,
-    drive: Float,
-    pieces: NDArray[np.int64],
-    bent: Float,
-    step: float,
+    model: JointModel, tables: Tables, past: Sequence[FittedTerm], recording: _Recording, move: _Move
 ) -> Float | None:
-    """Sweep until the motion and the torque of terms with a past fit each other; return the velocity."""
+    """Sweep until motion and torque of terms with a past fit each other; return the velocity of the measured side."""
+    recorded, inside = recording.motion, recording.inside
     motion, last = recorded, recorded.dq
-    inside = _inside(pieces, len(drive))
     for _ in range(SWEEPS):
-        found = run_pieces(step, drive, recorded.q, recorded.dq, pieces, bent, _with_past(tables, past, model, motion))
-        velocity = found[1]
+        found = move(_with_past(tables, past, model, motion))
+        velocity = found.dq
         if not (np.abs(velocity[inside]) <= RUNAWAY * np.max(np.abs(recorded.dq))).all():
             return None
         if not past or _rms(velocity[inside] - last[inside]) <= SETTLED * _rms(recorded.dq[inside]):
-            return np.asarray(velocity)
-        motion, last = _spliced(recorded, found, inside, pieces, step), velocity
+            return np.where(inside, found.measured_dq, np.nan)
+        motion, last = _spliced(recording, found), velocity
     return None
+
+
+def _both_sides(recording: _Recording, link: Link) -> _Move:
+    """Move the measured side, which has inertia, and that of friction."""
+
+    def move(tables: Tables) -> _Moved:
+        near = (recording.motion.q, recording.motion.dq)
+        far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
+        rows = move_two_sides(recording.drive, recording.load, near, recording.step_s, recording.pieces, link, far)
+        return _Moved(q=rows[2], dq=rows[3], measured_dq=rows[1])
+
+    return move
+
+
+def _one_side(recording: _Recording, ahead: Float) -> _Move:
+    """Move the side of friction, of which the measured one is ahead, shape (n,)."""
+    motion, step = recording.motion, recording.step_s
+    rate = np.gradient(ahead, step)
+    q, dq = motion.q - ahead, motion.dq - rate
+
+    def move(tables: Tables) -> _Moved:
+        bent = tables.bristles.states_along(q)
+        found = run_pieces(step, recording.drive, q, dq, recording.pieces, bent, tables)
+        return _Moved(q=found[0], dq=found[1], measured_dq=found[1] + rate)
+
+    return move
 
 
 def _with_past(tables: Tables, past: Sequence[FittedTerm], model: JointModel, motion: Motion) -> Tables:
@@ -121,47 +185,61 @@ def _ways(torque: Float, way: Float, t: Float) -> Float:
     return np.stack([level, -level] if turns else [torque, torque])
 
 
-def _spliced(
-    recorded: Motion, found: Float, inside: NDArray[np.bool_], pieces: NDArray[np.int64], step: float
-) -> Motion:
+def _spliced(recording: _Recording, found: _Moved) -> Motion:
     """Put simulated pieces into a recording."""
+    recorded, inside = recording.motion, recording.inside
     ddq = recorded.ddq.copy()
-    for first, last in pieces:
-        ddq[first : last + 1] = np.gradient(found[1, first : last + 1], step)
-    q, dq = np.where(inside, found[0], recorded.q), np.where(inside, found[1], recorded.dq)
+    for first, last in recording.pieces:
+        ddq[first : last + 1] = np.gradient(found.dq[first : last + 1], recording.step_s)
+    q, dq = np.where(inside, found.q, recorded.q), np.where(inside, found.dq, recorded.dq)
     return replace(recorded, q=q, dq=dq, ddq=ddq)
-
-
-def _inside(pieces: NDArray[np.int64], samples: int) -> NDArray[np.bool_]:
-    inside = np.zeros(samples, bool)
-    for first, last in pieces:
-        inside[first : last + 1] = True
-    return inside
 
 
 def _rms(signal: Float) -> float:
     return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
 
 
-def _read_through(model: JointModel, motion: Motion, drive: Float) -> _Reading:
-    """Undo what is between the sensor and the side of friction."""
-    between = {term.term.forward: term for term in model.terms if term.term.forward in BETWEEN}
-    if "delay" in between:
-        drive = _undelayed(between["delay"], motion, drive)
-    ahead = np.zeros(len(drive))
-    if "spring" in between:
-        ahead = ahead + _twist(between["spring"], drive)
-    if "play" in between:
-        ahead = ahead + _within(np.ascontiguousarray(motion.q), 0.5 * _parameter(between["play"], "_rad"))
-    return _Reading(drive=drive, ahead=ahead)
+def _transmission(model: JointModel, motion: Motion, between: Mapping[Forward, FittedTerm]) -> Transmission | None:
+    """The spring, the play, or both in a row, the spring in the place of the flanks; None without either."""
+    spring, play = between.get("spring"), between.get("play")
+    compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")
+    share = min(_optional(term, "far_share", 1.0) for term in (spring, play))
+    gap = 0.0 if play is None else _parameter(play, "_rad")
+    if spring is not None and compliance > 0.0:
+        return Transmission(
+            stiffness_nm_per_rad=1.0 / compliance,
+            damping_ratio=_optional(spring, "damping_ratio", 0.0),
+            gap_rad=gap,
+            soft_nm=_optional(spring, SOFT, 0.0),
+            far_share=share,
+        )
+    if play is None:
+        return None
+    hertz = min(_optional(play, "_hz", HIGHEST_HZ), HIGHEST_HZ)
+    ringing = share * model.inertia_kg_m2 * (2.0 * np.pi * hertz) ** 2
+    return Transmission(
+        stiffness_nm_per_rad=max(ringing, _rms(model.rest(motion)) / gap),
+        damping_ratio=_optional(play, "damping_ratio", 1.0),
+        gap_rad=gap,
+        far_share=share,
+    )
 
 
-def _twist(term: FittedTerm, drive: Float) -> Float:
-    """By how far a spring is twisted: in proportion, and twice as far up to the torque at which it stiffens. [rad]"""
-    soft = _parameter(term, SOFT) if any(p.name.endswith(SOFT) for p in term.term.parameters) else 0.0
-    size = np.abs(drive)
-    twist = _parameter(term, "_rad_per_nm") * np.minimum(2.0 * size, size + soft)
-    return np.asarray(np.sign(drive) * twist)
+def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
+    """By how far the measured side, without inertia, is ahead of that of friction. [rad], shape (n,)
+
+    Of a play it is what the dead zone takes: how far flanks give way is not told by a position with noise on it.
+    """
+    motion, drive = recording.motion, recording.drive
+    if link is None:
+        return np.zeros(len(drive))
+    if link.half_rad > 0.0:
+        theta = follow(motion.q, motion.dq, recording.load, recording.step_s, link, far)[:, 0]
+        return np.clip(motion.q - theta, -link.half_rad, link.half_rad)
+    torque = drive + recording.load
+    size = np.abs(torque)
+    twist = np.sign(torque) * np.minimum(2.0 * size, size + link.soft_nm) / link.stiffness_nm_per_rad
+    return _lagging(twist, link.damping_nms_per_rad / link.stiffness_nm_per_rad, recording.step_s)
 
 
 def _undelayed(term: FittedTerm, motion: Motion, drive: Float) -> Float:
@@ -192,23 +270,21 @@ def _parameter(term: FittedTerm, ending: str) -> float:
     return values[0]
 
 
+def _optional(term: FittedTerm | None, ending: str, default: float) -> float:
+    """Return the one parameter of a term whose name has an ending; a default where there is none, or no term."""
+    if term is None or not any(parameter.name.endswith(ending) for parameter in term.term.parameters):
+        return default
+    return _parameter(term, ending)
+
+
 @compiled()
-def _within(q: Float, half: float) -> Float:
-    """By how much the measured side is ahead of a side that friction holds until a flank takes it along."""
-    ahead = np.zeros(len(q))
-    for i in range(1, len(q)):
-        ahead[i] = min(half, max(-half, ahead[i - 1] + q[i] - q[i - 1]))
-    return ahead
-
-
-def _inner(motion: Motion, reading: _Reading, step: float) -> Motion:
-    """The recorded motion of the side on which friction acts."""
-    if not reading.ahead.any():
-        return motion
-    ahead_dq = np.gradient(reading.ahead, step)
-    return replace(
-        motion,
-        q=motion.q - reading.ahead,
-        dq=motion.dq - ahead_dq,
-        ddq=motion.ddq - np.gradient(ahead_dq, step),
-    )
+def _lagging(signal: Float, time_s: float, step_s: float) -> Float:
+    """A signal that follows another one, exactly where that is linear between samples."""
+    if time_s <= 0.0:
+        return signal
+    keep = np.exp(-step_s / time_s)
+    bend = 1.0 - (1.0 - keep) * time_s / step_s
+    out = signal.copy()
+    for i in range(1, len(signal)):
+        out[i] = keep * out[i - 1] + (1.0 - keep) * signal[i - 1] + bend * (signal[i] - signal[i - 1])
+    return out

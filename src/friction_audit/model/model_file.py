@@ -70,7 +70,7 @@ def _joint_lines(joint: JointModel) -> Iterator[str]:
     for term in joint.terms:
         yield from ("", f"[joint.terms.{term.name}]  # {term.term.label}")
         for parameter, value in zip(term.term.parameters, term.values, strict=True):
-            if value != 0.0 or not parameter.optional:
+            if value != parameter.default or not parameter.optional:
                 yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
 
 
@@ -170,4 +170,4 @@ def _term(name: str, values: Mapping[str, Any]) -> FittedTerm:
     """Return a term, its values in the order of its parameters."""
     term = next(term for term in TERMS if term.name == name)
     # What may be missing was asked before: only optional numbers are.
-    return FittedTerm(name, tuple(float(values.get(parameter.name, 0.0)) for parameter in term.parameters))
+    return FittedTerm(name, tuple(float(values.get(p.name, p.default)) for p in term.parameters))

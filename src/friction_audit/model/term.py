@@ -76,13 +76,15 @@ class Parameter:
     """A number of a term.
 
     Attributes:
-        name: Its name with the unit behind it, e.g. ``coulomb_nm``; unique over all terms.
+        name: Its name with the unit behind it, e.g. ``coulomb_nm``; unique over all terms, but for a number of a shape
+            that means the same in several, as ``far_share``.
         unit: The unit, as people write it.
         meaning: One line.
         lower: Smallest value that makes sense.
         upper: Largest value that makes sense.
         whole: True for a choice by number, between which there is nothing.
-        optional: True for a number that a file of a model may lack, where it is 0.
+        optional: True for a number that a file of a model may lack.
+        default: What an optional number is where it is lacking.
     """
 
     name: str
@@ -92,6 +94,7 @@ class Parameter:
     upper: float = inf
     whole: bool = False
     optional: bool = False
+    default: float = 0.0
 
     def allows(self, value: float) -> bool:
         """Return True for a finite value within the bounds."""
@@ -126,6 +129,10 @@ class Term:
               parameter whose name ends on ``_rad_per_nm``; twice as far up to the one that ends on ``soft_nm``.
             - ``play``: the measured side moves within a play, of the full width of the parameter whose name ends on
               ``_rad``, before it takes the side of friction with it.
+
+            Of a spring and of a play ``far_share`` is the part of the inertia on the side of friction; the rest moves
+            with the measured side. The parameter that ends on ``damping_ratio`` damps the ringing of the former on the
+            latter, on flanks at the frequency that ends on ``_hz``.
     """
 
     name: str

@@ -62,12 +62,15 @@ class Transmission:
         damping_ratio: Damping ratio of the far side on the spring.
         gap_rad: Full width of the play. [rad]
         soft_nm: Torque up to which the spring is half as stiff, as makers of strain-wave gears state it. [N m]
+        far_share: Part of the inertia that is behind it; the rest is on the measured side, as a rotor's, and moves with
+            it. All friction is behind it.
     """
 
     stiffness_nm_per_rad: float
     damping_ratio: float
     gap_rad: float = 0.0
     soft_nm: float = 0.0
+    far_share: float = 1.0
 
 
 def far_side(motion: Motion) -> FarSide:
@@ -87,7 +90,7 @@ def far_side(motion: Motion) -> FarSide:
 
 
 def part_of(far: FarSide, share: float) -> FarSide:
-    """Return the far side with this share of the inertia, where the rest is on the measured side, as a rotor's."""
+    """Return the far side with this share of the inertia."""
     return replace(far, inertia_kg_m2=share * far.inertia_kg_m2)
 
 
@@ -111,12 +114,15 @@ def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Fl
 
 
 def added_torques(motion: Motion, far: FarSide, links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many transmissions: the place of each, in any order, and what it adds, shape (n,). [N m]"""
+    """Yield the same for many transmissions: the place of each, in any order, and what it adds, shape (n,). [N m]
+
+    A far side without inertia is as heavy as it must be for its ringing to be followed.
+    """
     if far.inertia_kg_m2 == 0.0:
         yield from ((place, np.zeros(len(motion.t))) for place in range(len(links)))
         return
     coulomb, viscous = far.coulomb_nm * motion.direction, far.viscous_nms_per_rad * motion.dq
-    heavy = [slow_enough(far, link.stiffness_nm_per_rad) for link in links]
+    heavy = [slow_enough(part_of(far, link.far_share), link.stiffness_nm_per_rad) for link in links]
     for place, torque in _all_transmitted(motion, heavy, links):
         added = np.subtract(torque, heavy[place].inertia_kg_m2 * motion.ddq, out=torque)
         added -= coulomb
@@ -165,7 +171,7 @@ def _all_transmitted(
         ]
         play = links[places[0]].gap_rad > 0.0
         far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
-        torque = _follow(q, dq, load, step, _between_samples(step, steps), far_sides, flexible, play)
+        torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, play)
         yield from ((k, torque[lane]) for lane, k in enumerate(dict.fromkeys(places)))
 
 
@@ -183,7 +189,7 @@ def _side_by_side(kinds: Sequence[tuple[int, bool]]) -> Iterator[tuple[int, list
             yield steps, some + some[-1:] * (LANES - len(some) if len(some) > 1 else 0)
 
 
-def _between_samples(step: float, steps: int) -> Float:
+def between_samples(step: float, steps: int) -> Float:
     """Weights of the rise and of both slopes in Hermite's cubic and its slope, amid every step, shape (steps, 6)."""
     x = (np.arange(steps) + 0.5) / steps
     rest = 1.0 - x
@@ -211,7 +217,7 @@ def _follow(
     # About the last sample and about the next one, from half a sample before to half a sample after.
     about = np.zeros((2, many))
     for j in range(many):
-        theta[j] = q[0] - _twist(load[0], links[:, j])
+        theta[j] = q[0] - twisted(load[0], stiffness[j], half[j], soft[j])
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
@@ -226,7 +232,7 @@ def _follow(
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
                     twist = place - behind
                     engaged = twist - min(max(twist, -half[j]), half[j])
-                    push = _push(stiffness[j] * engaged, soft[j])
+                    push = pushed(stiffness[j] * engaged, soft[j])
                     # Neither spring nor damping within the play and where flanks would pull.
                     apart = engaged * (push + damping[j] * (speed - before)) <= 0.0
                     push, drag = 0.0 if apart else push, 0.0 if apart else damping[j]
@@ -239,7 +245,7 @@ def _follow(
             else:
                 for j in range(many):
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
-                    push = _push(stiffness[j] * (place - behind), soft[j])
+                    push = pushed(stiffness[j] * (place - behind), soft[j])
                     free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
                     omega[j] = free - min(max(free, -held[j]), held[j])
                     theta[j] = behind + 0.5 * h * omega[j]
@@ -253,7 +259,7 @@ def _follow(
 
 
 @compiled()
-def _push(straight: float, soft: float) -> float:
+def pushed(straight: float, soft: float) -> float:
     """Return the torque of a spring that is half as stiff up to a torque, from that of the stiff one."""
     return straight - min(max(0.5 * straight, -soft), soft)
 
@@ -267,9 +273,8 @@ def _pace(far: Float, drag: Float, h: float) -> tuple[Float, Float, Float]:
 
 
 @compiled()
-def _twist(load: float, link: Float) -> float:
+def twisted(load: float, stiffness: float, half: float, soft: float) -> float:
     """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
-    stiffness, half, soft = link[0], link[2], link[3]
     if load == 0.0:
         return 0.0
     size = abs(load)

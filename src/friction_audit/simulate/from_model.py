@@ -6,7 +6,7 @@ by name, for a log made by another formula would not be one of the model's.
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import atan2, hypot, pi
+from math import atan2, hypot, inf, pi, sqrt
 from typing import Any, TypeVar
 
 from friction_audit.errors import UsageError
@@ -37,12 +37,14 @@ class Setting:
         start_rad: Where the joint is at the start; the simulator counts some positions from there. [rad]
         driven: True if the joint moves by itself.
         duration_s: Length of the recording. [s]
+        outer_kg_m2: Inertia on the measured side; infinite where it is not one number, as of an arm. [kg m^2]
     """
 
     joint: JointParameters
     start_rad: float
     driven: bool
     duration_s: float
+    outer_kg_m2: float = inf
 
 
 class NoEqualError(Exception):
@@ -79,6 +81,7 @@ def with_model(settings: Settings, model: ArmModel) -> Settings:
                 start_rad=starts[k],
                 driven=bool(getattr(settings, "driven", False)),
                 duration_s=settings.duration_s,
+                outer_kg_m2=inf if hasattr(settings, "pose_rad") else settings.operator.inertia_kg_m2,
             )
             groups = _groups(joint, setting, f"the model's joint {k + 1}")
             hidden[k] = replace(hidden[k], **groups)
@@ -241,16 +244,31 @@ def _torque_crosstalk(values: Values, _setting: Setting) -> Told:
     return "torque_crosstalk", {"share": 0.5 * (before + after), "form": "both"}
 
 
-def _joint_elasticity(values: Values, _setting: Setting) -> Told:
+def _joint_elasticity(values: Values, setting: Setting) -> Told:
     _require(values["soft_nm"] <= SMALL_NM, "its spring stiffens little by little, not at one torque")
-    return "joint_elasticity", {"compliance_rad_per_nm": values["compliance_rad_per_nm"], "form": "linear"}
+    _require(values["far_share"] >= 1.0 - ALIKE, "all inertia is behind its spring")
+    return "joint_elasticity", {
+        "compliance_rad_per_nm": values["compliance_rad_per_nm"],
+        "damping_ratio": _of_both_sides(values["damping_ratio"], setting),
+        "form": "linear",
+    }
 
 
 def _backlash(values: Values, setting: Setting) -> Told:
-    share, gap, contact_hz = values.values()
+    share, gap, contact_hz, damping_ratio, far_share = values.values()
     _require(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are behind its play")
+    _require(far_share >= 1.0 - ALIKE, "all inertia is behind its play")
     stiffness = setting.joint.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2
-    return "backlash", {"gap_rad": gap, "contact_compliance_rad_per_nm": 1.0 / stiffness}
+    return "backlash", {
+        "gap_rad": gap,
+        "contact_compliance_rad_per_nm": 1.0 / stiffness,
+        "contact_damping_ratio": _of_both_sides(damping_ratio, setting),
+    }
+
+
+def _of_both_sides(damping_ratio: float, setting: Setting) -> float:
+    """The damping ratio with both sides free that is this one with the measured side held."""
+    return damping_ratio * sqrt(1.0 + setting.joint.inertia_kg_m2 / setting.outer_kg_m2)
 
 
 def _inertia_error(values: Values, _setting: Setting) -> Told:

@@ -10,8 +10,7 @@ from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
 from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, along_motions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
-from friction_audit.model.term import Motion
-from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM, added_by_plays
+from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
@@ -61,13 +60,7 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many plays."""
-    yield from along_motions(data, baseline, shapes, _plays)
-
-
-def _plays(motion: Motion, shapes: Sequence[Shape], share: float) -> Iterator[tuple[int, Float]]:
-    damping = "flank_damping_ratio"
-    plays = [(one["gap_rad"], one["contact_hz"], one.get(damping, CONTACT_DAMPING_RATIO)) for one in shapes]
-    yield from added_by_plays(motion, plays, share)
+    yield from along_motions(data, baseline, shapes, TERM)
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:

@@ -11,8 +11,7 @@ from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ,
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
-from friction_audit.model.term import Motion
-from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM, per_compliance
+from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM
 from friction_audit.model.transmission import HIGHEST_HZ, far_side
 
 RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 60), np.geomspace(50.0, HIGHEST_HZ, 5))
@@ -91,12 +90,7 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many springs."""
-    yield from along_motions(data, baseline, shapes, _springs)
-
-
-def _springs(motion: Motion, shapes: Sequence[Shape], share: float) -> Iterator[tuple[int, Float]]:
-    springs = [(one["spring_nm_per_rad"], one["soft_nm"], one.get("damping_ratio", DAMPING_RATIO)) for one in shapes]
-    yield from per_compliance(motion, springs, share)
+    yield from along_motions(data, baseline, shapes, TERM)
 
 
 def _stiffnesses(data: JointData) -> Float:

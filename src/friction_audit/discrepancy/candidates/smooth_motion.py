@@ -1,15 +1,15 @@
 """Motion of a joint without what is hardly more than noise: what rings on it would ring with the noise too."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Shape
+from friction_audit.discrepancy.candidate import Baseline, Shape, values_of
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.joint_log import Float
-from friction_audit.model.term import Motion
+from friction_audit.model.term import Motion, Term
 
 MOTION_BELOW_HZ = 18.0
 """What rings faster amplifies the noise of the position, ten times and more, and what people and motors mean to do is
@@ -47,20 +47,20 @@ def along_motions(
     data: JointData,
     baseline: Baseline,
     shapes: Sequence[Shape],
-    added: Callable[[Motion, Sequence[Shape], float], Iterator[tuple[int, Float]]],
+    term: Term,
 ) -> Iterator[tuple[int, Float]]:
     """Columns of many shapes, all of them along one motion at a time: as measured, or below the frequency they name.
 
     Args:
         data: The joint.
         baseline: The declared model as fitted.
-        shapes: Those with ``motion_below_hz`` go along a smooth motion; those with ``far_share`` have that share of the
-            inertia behind them, all others all of it.
-        added: Pairs of the place in the list and the columns, of shapes along one motion, before one share.
+        shapes: Those with ``motion_below_hz`` go along a smooth motion.
+        term: What builds them.
     """
-    places: dict[tuple[float | None, float], list[int]] = {}
+    places: dict[float | None, list[int]] = {}
     for place, shape in enumerate(shapes):
-        places.setdefault((shape.get("motion_below_hz"), shape.get("far_share", 1.0)), []).append(place)
-    for (below_hz, share), alike in places.items():
-        for k, column in added(smooth_motion(data, baseline, below_hz), [shapes[place] for place in alike], share):
+        places.setdefault(shape.get("motion_below_hz"), []).append(place)
+    for below_hz, alike in places.items():
+        values = [values_of(term, shapes[place]) for place in alike]
+        for k, column in term.regressors(smooth_motion(data, baseline, below_hz), values):
             yield alike[k], column

@@ -9,6 +9,7 @@ from math import pi, sqrt
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.terms.far_share import FAR_SHARE
 from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torques, far_side, part_of, simple_torque
 
 CONTACT_DAMPING_RATIO = 0.2
@@ -16,36 +17,36 @@ CONTACT_DAMPING_RATIO = 0.2
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
-    """Return what play in front of all inertia and friction adds to the torque, as a column."""
+    """Return what play in front of the far side adds to the torque, as a column."""
     ((_, column),) = bases(motion, [shape])
     return column
 
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
-    yield from added_by_plays(motion, [(gap, contact_hz, CONTACT_DAMPING_RATIO) for gap, contact_hz in shapes])
-
-
-def added_by_plays(
-    motion: Motion, plays: Sequence[tuple[float, float, float]], share: float = 1.0
-) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many plays, each with the ringing [Hz] and the damping ratio of a flank that touches.
-
-    Behind them is this share of the inertia, and all friction.
-    """
-    far, torque = part_of(far_side(motion), share), simple_torque(motion)
+    far, torque = far_side(motion), simple_torque(motion)
     usual = sqrt(torque @ torque / len(torque))
-    flanks = [
-        Transmission(
-            # Flanks that gave way by more than the play would be a spring, and that has its own name.
-            stiffness_nm_per_rad=max(far.inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual / gap),
-            damping_ratio=damping_ratio,
-            gap_rad=gap,
-        )
-        for gap, contact_hz, damping_ratio in plays
-    ]
+    flanks = [flank(part_of(far, shape[-1]).inertia_kg_m2, usual, shape) for shape in shapes]
     for place, added in added_torques(motion, far, flanks):
         yield place, added[:, None]
+
+
+def flank(inertia_kg_m2: float, usual_nm: float, shape: Sequence[float]) -> Transmission:
+    """Return the transmission of a play.
+
+    Args:
+        inertia_kg_m2: Inertia behind it.
+        usual_nm: Root mean square of the torque that it transmits.
+        shape: Values of the term's shape.
+    """
+    gap, contact_hz, damping_ratio, share = shape
+    return Transmission(
+        # Flanks that gave way by more than the play would be a spring, and that has its own name.
+        stiffness_nm_per_rad=max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap),
+        damping_ratio=damping_ratio,
+        gap_rad=gap,
+        far_share=share,
+    )
 
 
 TERM = Term(
@@ -63,6 +64,16 @@ TERM = Term(
     shape=(
         Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=1e-7, upper=1.0),
         Parameter(name="contact_hz", unit="Hz", meaning="ringing on a flank that touches", lower=1.0, upper=1e3),
+        Parameter(
+            name="flank_damping_ratio",
+            unit="1",
+            meaning="damping ratio of that ringing",
+            lower=0.0,
+            upper=2.0,
+            optional=True,
+            default=CONTACT_DAMPING_RATIO,
+        ),
+        FAR_SHARE,
     ),
     basis=basis,
     bases=bases,

@@ -8,7 +8,8 @@ from collections.abc import Iterator, Sequence
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.transmission import Transmission, added_torques, far_side, part_of
+from friction_audit.model.terms.far_share import FAR_SHARE
+from friction_audit.model.transmission import Transmission, added_torques, far_side
 
 DAMPING_RATIO = 0.05
 """Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
@@ -22,21 +23,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
-    yield from per_compliance(motion, [(stiffness, soft, DAMPING_RATIO) for stiffness, soft in shapes])
-
-
-def per_compliance(
-    motion: Motion, springs: Sequence[tuple[float, float, float]], share: float = 1.0
-) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many springs: stiffness [N m/rad], soft torque [N m] and damping ratio of each.
-
-    Behind them is this share of the inertia, and all friction.
-    """
     links = [
-        Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft)
-        for stiffness, soft, damping_ratio in springs
+        Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
+        for stiffness, soft, damping_ratio, share in shapes
     ]
-    for place, added in added_torques(motion, part_of(far_side(motion), share), links):
+    for place, added in added_torques(motion, far_side(motion), links):
         yield place, links[place].stiffness_nm_per_rad * added[:, None]
 
 
@@ -55,6 +46,16 @@ TERM = Term(
             upper=1e6,
         ),
         Parameter(name="soft_nm", unit="N m", meaning="torque up to which it is half as stiff", lower=0.0, upper=1e3),
+        Parameter(
+            name="damping_ratio",
+            unit="1",
+            meaning="damping ratio of the ringing, the measured side held",
+            lower=0.0,
+            upper=2.0,
+            optional=True,
+            default=DAMPING_RATIO,
+        ),
+        FAR_SHARE,
     ),
     basis=basis,
     bases=bases,
