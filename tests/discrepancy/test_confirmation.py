@@ -89,6 +89,7 @@ def test_locked_cycles_prove_or_all_pay(
         gain=one[1],
         size=one[2],
         evidence=one[3],
+        least_evidence=one[3],
         gain_of_all=one[4],
         factors=(np.ones(1),),
         tolerated=(np.ones(1),),
@@ -178,3 +179,11 @@ def test_noise_is_confirmed_no_more_often_than_allowed() -> None:
 def test_rms_gain_by_hand() -> None:
     assert rms_gain(4.0, 1.0) == pytest.approx(0.5)
     assert rms_gain(0.0, 0.0) == 0.0
+
+
+def test_least_evidence_counts_as_few_samples_as_the_longest_memory_allows() -> None:
+    ground = ground_of(0.01 * np.cos(3 * CLEAN.data.q))
+    proof = confirm(ground, [WAVE], np.random.default_rng(0))
+    shorter = ground.memory(WAVE) / ground.longest_memory(WAVE)
+    assert shorter <= 1.0
+    assert proof.least_evidence == pytest.approx(shorter * proof.evidence)

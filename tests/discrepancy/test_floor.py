@@ -1,9 +1,12 @@
 """The floor is the noise, whatever smooth curve the model lacks."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
-from friction_audit.discrepancy.floor import noise_floor
+from friction_audit.discrepancy.floor import beside_wanted_curves, noise_floor
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from tests.discrepancy.moved_joint import moved_joint
@@ -40,3 +43,16 @@ def test_what_no_curve_learns_it_takes_for_noise_until_an_effect_explains_it() -
     wave = ground.rows.of(np.sin(40 * ground.data.q)[:, None])
     assert noise_floor(ground, ground.curves) > 0.05
     assert noise_floor(ground, ground.curves, wave) == pytest.approx(0.02, rel=0.05)
+
+
+def test_slow_noise_is_left_as_it_is_and_what_something_missing_bends_is_taken_off() -> None:
+    bare = moved_joint(duration_s=40.0)
+    noise = lfilter([0.2], [1.0, -0.98], np.random.default_rng(0).standard_normal(len(bare.t)))
+    slow, bent = (
+        make_ground(replace(bare, torque=bare.torque + 0.02 * noise + size * np.cos(2 * bare.q)), None, 0)
+        for size in (0.0, 0.2)
+    )
+    left = rms(slow.residual())
+    assert rms(beside_wanted_curves(slow)) == pytest.approx(left, rel=0.01)
+    assert rms(bent.residual()) > 2.0 * left
+    assert rms(beside_wanted_curves(bent)) < 1.2 * left

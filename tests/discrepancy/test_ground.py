@@ -71,6 +71,17 @@ def test_an_effect_that_is_missing_does_not_lengthen_the_memory() -> None:
     assert slow.memory() < 2 * NOISY.memory()
 
 
+def test_curves_shorten_the_memory_of_slow_noise_and_the_longest_one_is_without_them() -> None:
+    white = np.random.default_rng(3).standard_normal(len(NOISY.data.t))
+    noise = lfilter([1.0], [1.0, -0.98], white)
+    ground = make_ground(replace(NOISY.data, torque=moved_joint().torque + 0.02 * noise / noise.std()), None, 0)
+    known = (1 + 0.98) / (1 - 0.98) / 4
+    assert ground.memory() < 0.9 * ground.longest_memory()
+    assert ground.longest_memory() == pytest.approx(known, rel=0.35)
+    wave = ground.rows.of(np.cos(3 * ground.data.q)[:, None])
+    assert ground.longest_memory(wave) == pytest.approx(ground.longest_memory(), rel=0.1)
+
+
 def test_the_corner_comes_down_where_inertia_is_noisy() -> None:
     assert NOISY.rows.corner_hz == CORNER_HZ
     rng = np.random.default_rng(4)

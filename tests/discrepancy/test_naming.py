@@ -52,6 +52,24 @@ def test_two_effects_are_named_the_strongest_first_and_the_declared_model_is_fit
     assert names.baseline.inertia_kg_m2 == pytest.approx(TRUTH["inertia_kg_m2"], rel=0.01)
 
 
+@pytest.mark.parametrize(("rejected", "named"), [(True, True), (False, False)])
+def test_what_the_test_over_cycles_does_not_see_must_be_plain_by_itself(
+    rejected: bool, named: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ground = ground_of(bump)
+    library = build_library(TOYS, ground.data, ground.baseline(), ground.rows)
+    monkeypatch.setattr(Ground, "longest_memory", lambda _self, *_effects: 1e4)
+    found = find_names(ground, TOYS, library, 0.05, np.random.default_rng(0), rejected=rejected).found
+    assert bool(found) is named
+
+
+def test_what_is_plain_needs_no_test_over_cycles() -> None:
+    ground = ground_of(bump)
+    library = build_library(TOYS, ground.data, ground.baseline(), ground.rows)
+    (found,) = find_names(ground, TOYS, library, 0.05, np.random.default_rng(0), rejected=False).found
+    assert found.candidate is BUMP
+
+
 def test_noise_has_no_name() -> None:
     assert names_of(ground_of(None)).found == ()
 

@@ -37,6 +37,7 @@ class Confirmed:
         gain: Share of the root mean square that the effect takes away, shape (k,).
         size: Root mean square of its torque free of all else, shape (k,). [N m]
         evidence: n_eff ln(RSS without / RSS with) over all cycles, shape (k,).
+        least_evidence: The same with as few independent samples as the memory of all that is left allows, shape (k,).
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
         tolerated: The same, as near to those of the working cycles as chance may have moved them, k arrays.
@@ -51,6 +52,7 @@ class Confirmed:
     gain: Float
     size: Float
     evidence: Float
+    least_evidence: Float
     gain_of_all: Float
     factors: tuple[Float, ...]
     tolerated: tuple[Float, ...]
@@ -108,6 +110,7 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
     size = np.sqrt(np.maximum(before - after, 0.0) / locked.sum())
     with_all, least = _left(ground, every, *effects), np.finfo(float).tiny
     without = np.array([_left(ground, every, *effects[:k], *effects[k + 1 :]) for k in range(len(effects))])
+    told_by_all = np.log(np.maximum(without, least) / max(with_all, least))
     doubt, factor = p.copy(), np.concatenate(again)
     worth = len(ground.y) / ground.memory(*effects)
     for k in range(len(effects)):
@@ -122,7 +125,8 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         p_value=holm(p),
         gain=np.array([rms_gain(one, after) for one in before]),
         size=size,
-        evidence=worth * np.log(np.maximum(without, least) / max(with_all, least)),
+        evidence=worth * told_by_all,
+        least_evidence=len(ground.y) / ground.longest_memory(*effects) * told_by_all,
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
         tolerated=_tolerated(ground, effects, worth),

@@ -169,8 +169,9 @@ def _named(
     searched = search_library(ground, library)
     # What happens in a few cycles only, as a late step or a slow drift, may be plain and yet not significant with
     # random signs per cycle.
-    if library.entries and (first.p_value <= settings.alpha or searched[1].chosen):
-        names = find_names(ground, candidates, library, settings.alpha, rng, searched)
+    rejected = first.p_value <= settings.alpha
+    if library.entries and (rejected or searched[1].chosen):
+        names = find_names(ground, candidates, library, settings.alpha, rng, searched, rejected=rejected)
     return first, names
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.wanted_curves import wanted_curves
 from friction_audit.joint_log import Float
 
 RIDGE = 1e-3
@@ -27,12 +28,14 @@ def noise_floor(ground: Ground, curves: Sequence[Curve], *effects: Float) -> flo
     return min(float(np.sqrt(np.mean(residual[ground.locked] ** 2))) for residual in left)
 
 
-def beside_all_curves(ground: Ground, *effects: Float) -> Float:
-    """What the model and the curves over all axes together leave of all rows, fitted to all of them, shape (m,). [N m]
+def beside_wanted_curves(ground: Ground, *effects: Float) -> Float:
+    """What the model and the curves that something missing has bent leave of all rows, fitted to all, (m,). [N m]
 
-    To be looked at for what follows no quantity of the motion.
+    To be looked at for what follows no quantity of the motion. All curves together would take most of that too.
     """
-    columns = np.hstack([ground.base, *effects, *(curve.group.shapes[0] for curve in ground.curves)])
+    model = np.hstack([ground.base, *effects])
+    curves = [curve.group for curve in ground.curves]
+    columns = np.hstack([model, wanted_curves(ground.y, model, curves, ground.run)])
     (left,) = _left(ground, columns, np.ones_like(ground.working), [list(range(columns.shape[1]))])
     return left
 

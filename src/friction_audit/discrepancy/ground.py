@@ -113,6 +113,14 @@ class Ground:
         """
         return self._memory(*effects) if effects else self._memory_alone
 
+    def longest_memory(self, *effects: Float) -> float:
+        """The same of what a model alone leaves: longer where anything else is missing, but never too short. [rows]
+
+        Curves over all axes at once take much of slow noise with them.
+        """
+        run, own = self.run[self.working], [effect[self.working] for effect in effects]
+        return integral_time(self._beside[0].left(np.hstack([np.zeros((len(run), 0)), *own])), run)
+
     @cached_property
     def _memory_alone(self) -> float:
         return self._memory()

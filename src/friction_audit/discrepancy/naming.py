@@ -83,6 +83,8 @@ def find_names(
     alpha: float,
     rng: np.random.Generator,
     searched: Searched | None = None,
+    *,
+    rejected: bool = True,
 ) -> Names:
     """Search, refine what was found and what comes near it, search again with these shapes, and accept.
 
@@ -96,6 +98,7 @@ def find_names(
         alpha: Family-wise error on the locked cycles.
         rng: Source of randomness.
         searched: What a search of this library found, None where there was none.
+        rejected: Whether the test of whether anything is missing says so; if not, a name must be plain by itself.
     """
     library, (products, outcome, n_eff) = _plainly(ground, library, searched or search_library(ground, library))
     baseline = ground.baseline(*_columns(library, outcome))
@@ -114,7 +117,7 @@ def find_names(
     price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
     price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
     simpler = {name: f for name, (f, _) in within.items()}
-    accepted = _accept(ground, found, simpler, price, alpha, rng)
+    accepted = _accept(ground, found, simpler, price, alpha, rng, rejected=rejected)
     return Names(found=_named_anew(accepted, outcome, ranking, same), library=library, baseline=baseline)
 
 
@@ -362,10 +365,13 @@ def _accept(
     price: Mapping[str, float],
     alpha: float,
     rng: np.random.Generator,
+    *,
+    rejected: bool,
 ) -> tuple[Found, ...]:
     """Drop, the weakest first, what does not hold on the locked cycles, cannot be or is small beside the others.
 
-    An effect gives way to an alternative that it holds within it or that has fewer numbers.
+    An effect gives way to an alternative that it holds within it or that has fewer numbers. Where the test over cycles
+    does not see it, rows alone speak for it: then they are worth no more than the longest memory allows.
     """
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
@@ -375,8 +381,9 @@ def _accept(
         ]
         if (driver := driving(ground, [f.columns for f in found])) is not None:
             possible[driver] = False
-        shown = proof.shown(np.array([price[f.candidate.name] for f in found]))
-        fails = ~(proof.proven(alpha) | shown) | proof.misleads | ~np.array(possible)
+        prices = np.array([price[f.candidate.name] for f in found])
+        fails = ~(proof.proven(alpha) | proof.shown(prices)) | proof.misleads | ~np.array(possible)
+        fails |= (proof.least_evidence <= prices) & (not rejected)
         fails |= proof.size < LEAST_SHARE * np.array([_largest_beside(f, found, proof.size) for f in found])
         if not fails.any():
             return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.discrepancy.floor import beside_all_curves
+from friction_audit.discrepancy.floor import beside_wanted_curves
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.line import Line, find_line
@@ -41,9 +41,9 @@ class Restless:
 def find_restless(
     ground: Ground, effects: list[Float], fine: list[Float], over: float, rings: Callable[[Vibration], bool]
 ) -> Restless:
-    """Look at what the model, and every curve beside it, leaves.
+    """Look at what the model, and the curves that it lacks, leave.
 
-    A line is looked for beside all curves, for whatever repeats with the motion has lines too.
+    A line is looked for beside these curves, for whatever repeats with the motion has lines too.
 
     Args:
         ground: The joint.
@@ -55,7 +55,7 @@ def find_restless(
     left = ground.residual(*effects)
     size = float(np.sqrt(np.mean(left**2)))
     least = size * float(np.sqrt(1.0 - 1.0 / over**2))
-    bare = beside_all_curves(ground, *effects)
+    bare = beside_wanted_curves(ground, *effects)
     hum = find_line(bare, ground.rows.t, LOWEST_HZ, min(HIGHEST_HZ, ground.rows.corner_hz), least)
     speed, path = (of[:: ground.rows.every][ground.rows.used] for of in (ground.data.dq, _path(ground.data)))
     turning = find_line(bare, path, *ROUNDS_PER_RAD, least, np.abs(speed))
