@@ -73,6 +73,12 @@ class Candidate:
         moment: Name of the number of its shape that is a moment, which a locked cycle may hide; empty without one.
         exact: Whether its formula cannot be wrong, as that of a constant cannot.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
+        fading: Name of the number of its shape that is a time constant; empty without one.
+        other_law: ``other_law(data, baseline, shape, factors)``: its columns by another law that it may follow as well,
+            for factors about as large; None without one.
+        noisy: Name of the number of its shape that noise of the motion moves; empty without one.
+        along_noise: Names of the numbers, above zero, that noise moves with it.
+        assumed: Names of numbers that a shape may lack, where they are as usual; intervals take them for unknown too.
     """
 
     name: str
@@ -93,6 +99,11 @@ class Candidate:
     moment: str = ""
     exact: bool = False
     blur: Callable[[Baseline, Shape], float] = _sharp
+    fading: str = ""
+    other_law: Callable[[JointData, Baseline, Shape, Float], Float] | None = None
+    noisy: str = ""
+    along_noise: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None
 
@@ -102,6 +113,11 @@ class Candidate:
             yield from self.together(data, baseline, shapes)
         else:
             yield from ((place, self.columns(data, baseline, shape)) for place, shape in enumerate(shapes))
+
+    def whole(self, shape: Shape) -> dict[str, float]:
+        """A shape with what it lacks, as assumed."""
+        lacking = () if self.term is None else self.term.shape
+        return {**shape, **{p.name: p.default for p in lacking if p.name in self.assumed and p.name not in shape}}
 
     def tried(self, data: JointData) -> tuple[Shape, ...]:
         """All shapes to try on a joint."""

@@ -1,7 +1,7 @@
 """Values and intervals of the grown model's numbers, from all cycles, shapes included.
 
 A shape's interval is that of one step of Gauss and Newton: the derivative of the effect's torque with respect to the
-shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged it is profiled instead.
+shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged, or a time constant, it is profiled instead.
 The values stay those with which the torque was computed: a step along a shape that the log hardly tells would give
 factors that belong to no shape.
 """
@@ -15,8 +15,10 @@ from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found
+from friction_audit.discrepancy.noise_reach import reach_of_noise
 from friction_audit.discrepancy.profile_likelihood import profile_number
 from friction_audit.discrepancy.profile_moment import moment_interval
+from friction_audit.discrepancy.profile_time import time_interval
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -83,8 +85,8 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
         named = zip(_factor_names(f), every[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
         values = {name: coefficient for name, coefficient, there in named if there}
         free = every[after : after + shapes]
-        values |= {name: _around(f.shape[name], step) for name, step in zip(f.shape, free, strict=True)}
-        effects.append(_reaching_both(values) | numbers)
+        values |= {name: _around(f.shape[name], step) for name, step in zip(f.shape, free, strict=False)}
+        effects.append(_through_noise(_reaching_both(values), f, found, ground, baseline) | numbers)
         at, after = at + width, after + shapes
     return Parameters(declared=declared, effects=tuple(effects))
 
@@ -112,7 +114,8 @@ def _sizes(found: Found) -> Float:
     """Each number of a shape that cannot be below zero; infinite for one that can, shape (k,)."""
     term = found.candidate.term
     above = () if term is None else tuple(p.name for p in term.shape if p.lower >= 0.0)
-    return np.array([abs(value) if name in above else np.inf for name, value in found.shape.items()], np.float64)
+    shape = found.candidate.whole(found.shape)
+    return np.array([abs(value) if name in above else np.inf for name, value in shape.items()], np.float64)
 
 
 def _rms(columns: Float) -> Float:
@@ -132,6 +135,9 @@ def _with_profiles(
         if f.candidate.moment:
             interval = moment_interval(f.candidate, f.shape, ground, baseline, others)
             profiled.append({f.candidate.moment: interval})
+            continue
+        if f.candidate.fading:
+            profiled.append({f.candidate.fading: time_interval(f, ground, baseline, others)})
             continue
         if not name:
             profiled.append({})
@@ -160,6 +166,23 @@ def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:
     return told
 
 
+def _through_noise(
+    values: dict[str, Coefficient], found: Found, every: Sequence[Found], ground: Ground, baseline: Baseline
+) -> dict[str, Coefficient]:
+    """The numbers of an effect, those that noise of the motion moves with intervals that reach as far."""
+    name = found.candidate.noisy
+    if not name or values[name].low == -np.inf:
+        return values
+    others = np.hstack([ground.base, *(one.columns for one in every if one is not found)])
+    reach = reach_of_noise(found, ground, baseline, others)
+    twice = {factor: power for factor, shape, power in READ_TWICE if shape == name and factor in values}
+    return {
+        **values,
+        name: reach.widen(values[name]),
+        **{factor: reach.widen(values[factor], power) for factor, power in twice.items()},
+    }
+
+
 def _factor_names(found: Found) -> list[str]:
     term = found.candidate.term
     if term is not None:
@@ -168,12 +191,13 @@ def _factor_names(found: Found) -> list[str]:
 
 
 def _slopes(ground: Ground, found: Found, baseline: Baseline, factors: Float) -> Float:
-    """Derivative of an effect's torque with respect to each number of its shape, shape (m, k)."""
+    """Derivative of an effect's torque with respect to each number of its shape, assumed ones last, shape (m, k)."""
     columns = [np.zeros((len(ground.y), 0))]
-    for name, value in found.shape.items():
+    shape = found.candidate.whole(found.shape)
+    for name, value in shape.items():
         step = STEP * max(abs(value), STEP)
         up, down = (
-            ground.rows.of(found.candidate.columns(ground.data, baseline, {**found.shape, name: value + side * step}))
+            ground.rows.of(found.candidate.columns(ground.data, baseline, {**shape, name: value + side * step}))
             for side in (1, -1)
         )
         columns.append(((up - down) @ factors / (2 * step))[:, None])

@@ -128,4 +128,7 @@ CANDIDATE = Candidate(
     axis="acceleration",
     term=TERM,
     leans_on_model=True,
+    noisy="spring_nm_per_rad",
+    along_noise=("damping_ratio",),
+    assumed=("damping_ratio", "far_share"),
 )

@@ -16,8 +16,14 @@ FOREVER = 1e4
 UNFELT_PER_K = 1e-6
 DECAYS = (0.3, 1.5, 5.0)
 """How far friction fades over the range of the temperature, as exponents."""
+LEAST_STEEP, MOST_STEEP = 1e-3, 3.0
+"""Logarithm of the friction of a cold joint over that of a warm one: below, both laws are one; twenty times as much is
+more than a joint has that is moved."""
 LEAST_K = 0.5
 """Range of a temperature that is worth a look."""
+
+
+_BY_TIME = columns_of(TERM)
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
@@ -43,14 +49,30 @@ def admissible(factors: Float, _shape: Shape) -> bool:
     return bool(np.any(factors > 0))
 
 
+def by_viscosity(data: JointData, baseline: Baseline, shape: Shape, factors: Float) -> Float:
+    """Friction that falls exponentially with a temperature that rises with the time, as a lubricant's does.
+
+    With f the excess of the cold joint over the friction F of the warm one, ln(1 + f / F) falls exponentially with the
+    time, and no longer f, as it does where friction is linear in the temperature (O. Reynolds, Philosophical
+    Transactions 177 (1886) 157).
+    """
+    exponential = _BY_TIME(data, baseline, shape)
+    warm = np.maximum([baseline.coulomb_nm, baseline.viscous_nms_per_rad], np.finfo(float).tiny)
+    steep = np.clip(np.log1p(np.maximum(factors, 0.0) / warm), LEAST_STEEP, MOST_STEEP)
+    cold = np.exp(-(data.t - data.t[0]) / shape["warm_up_time_s"])[:, None]
+    return np.asarray(exponential * np.expm1(steep * cold) / (np.maximum(cold, np.finfo(float).tiny) * np.expm1(steep)))
+
+
 CANDIDATE = Candidate(
     name=TERM.name,
     label=TERM.label,
     shapes=shapes,
-    columns=columns_of(TERM),
+    columns=_BY_TIME,
     column_units=("nm", "nms_per_rad"),
     untestable=untestable,
     admissible=admissible,
     axis="time",
     term=TERM,
+    fading="warm_up_time_s",
+    other_law=by_viscosity,
 )
