@@ -14,6 +14,8 @@ MOTION = two_sines()
 STEP_S = MOTION.step_s
 CLEAR = np.ones(len(MOTION.t), bool)
 NOTHING = np.zeros(len(MOTION.t))
+TURNS = np.flatnonzero(np.diff(np.sign(MOTION.dq)) != 0)
+TURNING = np.min(np.abs(np.arange(len(MOTION.t))[:, None] - TURNS), axis=1) <= round(0.025 / STEP_S)
 
 
 def slow_noise(memory_s: float, seed: int = 3) -> Float:
@@ -30,7 +32,11 @@ def box(start_s: float, length_s: float, size: float) -> Float:
 
 
 def found(left: Float, known: Float = NOTHING, data: JointData = MOTION) -> tuple[Push, ...]:
-    return find_pushes(data, left, CLEAR, known)
+    return find_pushes(data, left, known, CLEAR, ~CLEAR)
+
+
+def found_about_turns(left: Float) -> tuple[Push, ...]:
+    return find_pushes(MOTION, left, NOTHING, ~TURNING, TURNING)
 
 
 @pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])
@@ -87,7 +93,7 @@ def test_what_is_far_smaller_than_what_was_taken_off_there_may_be_its_formula() 
 
 
 def test_nothing_is_looked_for_where_little_is_clear() -> None:
-    assert find_pushes(MOTION, slow_noise(0.1) + box(30.0, 0.2, 5.0), MOTION.t < 1.0, NOTHING) == ()
+    assert find_pushes(MOTION, slow_noise(0.1) + box(30.0, 0.2, 5.0), NOTHING, MOTION.t < 1.0, ~CLEAR) == ()
 
 
 def test_a_model_that_lacks_more_the_faster_the_joint_is_accelerated_holds_none() -> None:
@@ -95,3 +101,34 @@ def test_a_model_that_lacks_more_the_faster_the_joint_is_accelerated_holds_none(
     data = replace(MOTION, ddq=burst)
     assert found(slow_noise(0.002) * burst) != ()
     assert found(slow_noise(0.002) * burst, data=data) == ()
+
+
+@pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])
+def test_noise_at_reversals_holds_none(memory_s: float) -> None:
+    assert found_about_turns(slow_noise(memory_s)) == ()
+
+
+@pytest.mark.parametrize("late_s", [-0.2, -0.1, 0.0])
+def test_a_push_that_turns_the_joint_is_seen(late_s: float) -> None:
+    at = float(MOTION.t[TURNS[20]])
+    (one,) = found_about_turns(slow_noise(0.02) + box(at + late_s, 0.2, 4.0))
+    assert one.start_s < at + late_s + 0.1 < one.stop_s
+    assert one.size > 0.0
+
+
+def test_errors_at_reversals_are_none_however_large_unless_one_is_far_larger() -> None:
+    sizes = np.random.default_rng(0).normal(scale=4.0, size=len(TURNS))
+    errors = np.sum([box(float(MOTION.t[k]), 0.1, size) for k, size in zip(TURNS, sizes, strict=True)], axis=0)
+    assert found_about_turns(slow_noise(0.02) + errors) == ()
+    at = float(MOTION.t[TURNS[20]])
+    pushes = found_about_turns(slow_noise(0.02) + errors + box(at, 0.1, 50.0))
+    assert pushes
+    assert all(abs(push.start_s - at) < 0.5 for push in pushes)
+
+
+def test_a_smaller_push_during_alike_motion_is_not_its_repetition() -> None:
+    w = 2.0 * np.pi / 20.0
+    q, dq, ddq = np.sin(w * MOTION.t), w * np.cos(w * MOTION.t), -(w**2) * np.sin(w * MOTION.t)
+    sine = replace(MOTION, q=q, dq=dq, ddq=ddq, cycle=((MOTION.t + 5.0) // 10.0).astype(np.int64))
+    pushes = found(slow_noise(0.02) + box(20.0, 0.2, 8.0) + box(40.0, 0.2, 5.0), data=sine)
+    assert sorted({round(one.start_s) for one in pushes}) == [20, 40]

@@ -4,7 +4,8 @@ Noise that remembers long is large and slow, and a mean over a window tells litt
 within tens of milliseconds, where such a noise is small. What is left of a torque is divided by the spectrum of its
 noise and correlated with pushes of several lengths: no other linear statistic sees them better (Turin 1960). The
 largest is taken out and the rest asked again, for the flank of one push is not another. What comes again with the
-motion is none, nor is a single wild sample.
+motion is none, nor is a single wild sample. A push may turn the joint, stop it or set it in motion: there a model errs
+in ways of its own, and a push must be far larger than what other reversals and rests of the log show.
 
 References:
     G. L. Turin, An introduction to matched filters, IRE Transactions on Information Theory 6 (1960) 311.
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.recurrence import Passes, passes_of
+from friction_audit.discrepancy.turns import Turns, nearest_turn
 from friction_audit.joint_log import Float
 
 Samples = NDArray[np.bool_]
@@ -32,7 +34,12 @@ LENGTHS_S = (0.1, 0.14, 0.2, 0.28, 0.4, 0.56, 0.8)
 BY_CHANCE = 0.01
 """Probability that noise alone holds one."""
 ABOUT_S = 0.05
-"""Before and behind a push the direction of motion must be clear: at a reversal any error of friction is sudden."""
+"""Before and behind a push the direction of motion must be clear, or it is one at a reversal."""
+LEAST_TIMES, FARTHER = 3.0, 1.5
+"""At a reversal or a rest a push must be so many times what nine of ten of them show at most, and must stand out so
+many times as far as elsewhere: what a model gets wrong there is different each time, and no noise."""
+LEAST_CLEAR = 0.5
+"""Share of a push in which the joint clearly moves: at rest friction holds whatever pushes."""
 LEAST_FILLED = 0.5
 """Share of a segment of the spectrum that must be clear."""
 LEAST_KIND_S, LEAST_PUSHES = 3.0, 16
@@ -83,6 +90,7 @@ class _Matched:
         response: The filter, by frequency, shape (f,).
         norm: Root of the push's energy over the noise's spectrum.
         clear: Where the push and a little about it are clear, shape (n,).
+        turns: Where the push or a little about it holds a reversal or a rest, and most of it is clear, shape (n,).
         kinds: Number of the pushes during which the joint was as fast, and of those in which it was accelerated as
             much, shape (n,) each.
     """
@@ -92,19 +100,20 @@ class _Matched:
     response: Spectrum
     norm: float
     clear: Samples
+    turns: Samples
     kinds: tuple[NDArray[np.int64], ...]
 
-    def of(self, signal: Float, length: int) -> Float:
-        """Size of a push about each sample, in standard deviations of the noise's spectrum, shape (n,).
+    def of(self, spectrum: Spectrum, length: int) -> Float:
+        """Size of a push about each sample, in standard deviations of the noise's spectrum, shape (length,).
 
         Args:
-            signal: Shape (n,).
+            spectrum: Transform of a signal.
             length: Of the transform, a part of the filter's own.
         """
-        from scipy.fft import irfft, rfft
+        from scipy.fft import irfft
 
         response = self.response[:: 2 * (len(self.response) - 1) // length]
-        return np.asarray(irfft(rfft(signal, length) * response, length)[: len(signal)] / self.norm)
+        return np.asarray(irfft(spectrum * response, length) / self.norm)
 
     def usual(self, size: Float) -> Float:
         """What pushes of each kind in fact are, infinite where none is looked for, shape (n,)."""
@@ -119,33 +128,46 @@ class _Matched:
         return sigma
 
 
-def find_pushes(data: JointData, left: Float, clear: Samples, known: Float) -> tuple[Push, ...]:
+def find_pushes(data: JointData, left: Float, known: Float, clear: Samples, turning: Samples) -> tuple[Push, ...]:
     """Find pushes in what is left of a torque, the largest first, at most ``MOST``.
 
     Args:
         data: The joint, n samples: what is left grows with its acceleration, or comes again with its motion.
         left: What is left, shape (n,). [N m]
-        clear: Samples that count, shape (n,); a straight line leads over the others.
         known: Torque that was taken off, shape (n,): what is far smaller than it may be what its formula lacks. [N m]
+        clear: Samples in which the direction of motion is clear, shape (n,).
+        turning: Samples about reversals and rests, in which only what friction cannot be is left, shape (n,). They
+            count for a push that reaches into them; for any other a straight line leads over them, as over the rest.
     """
+    from scipy.fft import rfft
+
     if clear.sum() * data.step_s < SEGMENT_S:
         return ()
-    every, place = max(int(1.0 / (RATE_HZ * data.step_s) + 1e-9), 1), np.arange(len(left))
-    rest = _thinned(np.interp(place, place[clear], left[clear]), every)
+    every = max(int(1.0 / (RATE_HZ * data.step_s) + 1e-9), 1)
+    rest, over_turns = (_thinned(_bridged(left, counts), every) for counts in (clear, clear | turning))
     hardness = (-np.abs(data.dq[::every]), _thinned(np.abs(data.ddq), every))
     step_s = data.step_s * every
     length = _length(len(rest), step_s)
-    matched = _filters(rest, clear[::every], hardness, step_s, length)
-    sizes = np.stack([one.of(rest, length) for one in matched])
+    matched = _filters(rest, clear[::every], turning[::every], hardness, step_s, length)
+    plain, over, off = (rfft(one, length) for one in (rest, over_turns, _thinned(known, every)))
+    sizes = np.stack(
+        [np.where(m.turns, m.of(over, length)[: len(rest)], m.of(plain, length)[: len(rest)]) for m in matched]
+    )
     sigma = np.stack([one.usual(size) for one, size in zip(matched, sizes, strict=True)])
-    least = _least(clear[::every], step_s, len(matched))
-    found = _pursued(sizes, sigma.copy(), matched, least, passes_of(data, every), step_s)
-    taken_off, near = _thinned(known, every), round(AFTER_WILD_S / step_s)
+    turns = Turns(number=nearest_turn(turning[::every]), seen=np.stack([one.turns for one in matched]))
+    least = _least((clear | turning)[::every], step_s, len(matched))
+    near = round(AFTER_WILD_S / step_s)
     return tuple(
         push
-        for push, k, at in found
-        if abs(push.size) > LEAST_SHARE * _largest(matched[k].of(taken_off, length) / sigma[k, at], at, near)
+        for push, k, at, unit in _pursued(sizes, sigma, turns, matched, least, passes_of(data, every), step_s)
+        if abs(push.size) > LEAST_SHARE * _largest(matched[k].of(off, length) / unit, at, near)
     )
+
+
+def _bridged(signal: Float, counts: Samples) -> Float:
+    """A signal with straight lines over the samples that do not count."""
+    place = np.arange(len(signal))
+    return np.interp(place, place[counts], signal[counts])
 
 
 def _largest(size: Float, at: int, near: int) -> float:
@@ -168,38 +190,60 @@ def _thinned(signal: Float, every: int) -> Float:
 
 
 def _pursued(
-    sizes: Float, sigma: Float, matched: list[_Matched], least: float, passes: Passes, step_s: float
-) -> Iterator[tuple[Push, int, int]]:
-    """One push after the other, with the number of its filter and its sample.
+    sizes: Float, sigma: Float, turns: Turns, matched: list[_Matched], least: float, passes: Passes, step_s: float
+) -> Iterator[tuple[Push, int, int, float]]:
+    """One push after the other, with the number of its filter, its sample, and what is usual there.
 
-    Sizes and their standard deviations, shape (filters, n), are changed on the way.
+    Sizes, shape (filters, n), are changed on the way; ``sigma``, of the same shape, is what is usual where neither a
+    reversal nor a rest is near, infinite where one is.
     """
-    first = sizes / sigma
     apart, reach = round(AFTER_WILD_S / step_s), round(REACH_S / step_s)
+    touched = np.zeros(turns.number[-1] + 1, bool)
+    inside, barred = np.zeros((2, sizes.shape[1]), bool)
+    unit = _with_turns(sigma, sizes, turns, touched, least)
+    first = sizes / unit
     for _ in range(MOST):
-        there = np.abs(sizes) / sigma
+        there = np.where(barred, 0.0, np.abs(sizes) / unit)
         best, at = (int(k) for k in np.unravel_index(np.argmax(there), there.shape))
         if there[best, at] < least:
             break
-        found, size = matched[best], float(sizes[best, at] / sigma[best, at])
+        found, size, usual = matched[best], float(sizes[best, at] / unit[best, at]), float(unit[best, at])
         _take_out(sizes, matched, best, at, reach)
-        again = passes.like(at)
+        again = [place for place in passes.like(at) if not inside[place]]
         if not found.pushes or _recurs(first[best] * np.sign(size), abs(size), again, apart, least):
             for place in (at, *again):
-                sigma[:, max(place - apart, 0) : place + apart + 1] = np.inf
+                barred[max(place - apart, 0) : place + apart + 1] = True
             continue
-        start = at - len(found.push) // 2
-        yield Push(start_s=start * step_s, stop_s=(start + len(found.push)) * step_s, size=size), best, at
+        start, stop = at - len(found.push) // 2, at - len(found.push) // 2 + len(found.push)
+        about = slice(max(start - apart, 0), stop + apart)
+        inside[about] = True
+        if not touched[turns.number[about]].all():
+            touched[turns.number[about]] = True
+            unit = _with_turns(sigma, sizes, turns, touched, least)
+        yield Push(start_s=start * step_s, stop_s=stop * step_s, size=size), best, at, usual
+
+
+def _with_turns(sigma: Float, sizes: Float, turns: Turns, touched: Samples, least: float) -> Float:
+    """What is usual, shape (filters, n), at reversals and rests too, of which those count that no push has touched."""
+    at_turns = LEAST_TIMES / least * turns.usual(sizes, touched)
+    asked = turns.seen & ~touched[turns.number]
+    for k in np.flatnonzero(np.isfinite(at_turns)):
+        usual = max(float(np.min(sigma[k])), _sigma(np.abs(sizes[k, asked[k]])))
+        at_turns[k] = max(at_turns[k], FARTHER * usual)
+    return np.where(turns.seen, at_turns[:, None], sigma)
 
 
 def _take_out(sizes: Float, matched: list[_Matched], best: int, at: int, reach: int) -> None:
     """Take a push, fitted after its own filter, out of what all filters give about it."""
+    from scipy.fft import rfft
+
     push, torque = matched[best].push, np.zeros(2 * reach)
     start = reach - len(push) // 2
     torque[start : start + len(push)] = sizes[best, at] / matched[best].norm * push
     first, last = max(at - reach, 0), min(at + reach, sizes.shape[1])
+    spectrum = rfft(torque)
     for size, one in zip(sizes, matched, strict=True):
-        size[first:last] -= one.of(torque, 2 * reach)[first - at + reach : last - at + reach]
+        size[first:last] -= one.of(spectrum, 2 * reach)[first - at + reach : last - at + reach]
 
 
 def _recurs(size: Float, own: float, again: list[int], near: int, least: float) -> bool:
@@ -218,10 +262,12 @@ def _least(clear: Samples, step_s: float, filters: int) -> float:
     return float(-ndtri(0.5 * BY_CHANCE / tried))
 
 
-def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: float, length: int) -> list[_Matched]:
+def _filters(
+    rest: Float, clear: Samples, turning: Samples, hardness: tuple[Float, ...], step_s: float, length: int
+) -> list[_Matched]:
     """Half a sine and a step of each length; what is no push: a wild sample, and hats."""
     from scipy.fft import rfft, rfftfreq
-    from scipy.ndimage import minimum_filter1d
+    from scipy.ndimage import minimum_filter1d, uniform_filter1d
 
     frequency = rfftfreq(length, step_s)
     weight = np.where(frequency < CORNER_HZ, 1.0 / _noise(rest, clear, step_s)(frequency), 0.0)
@@ -231,7 +277,10 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
         about = np.zeros(length)
         about[(np.arange(len(push)) - len(push) // 2) % length] = push
         spectrum = rfft(about)
-        whole = minimum_filter1d(clear, len(push) + 2 * round(ABOUT_S / step_s) + 1, mode="constant")
+        about_it = len(push) + 2 * round(ABOUT_S / step_s) + 1
+        whole = minimum_filter1d(clear, about_it, mode="constant")
+        turns = minimum_filter1d(clear | turning, about_it, mode="constant") & ~whole
+        turns &= uniform_filter1d(clear.astype(float), len(push), mode="constant") >= LEAST_CLEAR
         matched.append(
             _Matched(
                 push=push,
@@ -239,6 +288,7 @@ def _filters(rest: Float, clear: Samples, hardness: tuple[Float, ...], step_s: f
                 response=np.conj(spectrum) * weight,
                 norm=float(np.sqrt(2.0 * np.sum(np.abs(spectrum) ** 2 * weight) / length)),
                 clear=np.asarray(whole, bool),
+                turns=np.asarray(turns, bool),
                 kinds=tuple(_kinds(one, whole, len(push), step_s) for one in hardness),
             )
         )

@@ -8,7 +8,7 @@ import pytest
 from friction_audit.discrepancy.candidates.contact_event import CANDIDATE, find_contacts
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.discrepancy.candidates.joint_data_by_hand import baseline, two_sines
+from tests.discrepancy.candidates.joint_data_by_hand import baseline, joint_data, two_sines
 
 MOTION = two_sines()
 PLAIN = baseline(MOTION).torque
@@ -62,10 +62,41 @@ def test_friction_of_another_law_at_a_slow_reversal_is_no_contact(speed: float) 
 
 
 def test_friction_that_has_changed_turns_with_the_direction_and_is_no_contact() -> None:
-    late = MOTION.t > MOTION.t[-1] - 5.0
+    late = np.abs(MOTION.t - MOTION.t[-1] + 5.0) < 2.5
     assert find_contacts(with_torque(0.15 * late)) != ()
     assert find_contacts(with_torque(0.15 * late * np.sign(MOTION.dq))) == ()
 
 
 def test_a_joint_at_rest_has_none() -> None:
     assert find_contacts(replace(MOTION, moving=np.zeros(len(MOTION.t), bool))) == ()
+
+
+def turn(number: int) -> float:
+    return float(MOTION.t[np.flatnonzero(np.diff(np.sign(MOTION.dq)) != 0)[number]])
+
+
+@pytest.mark.parametrize("late", [-0.25, -0.15, -0.05])
+def test_a_touch_that_turns_the_joint_is_one(late: float) -> None:
+    (found,) = find_contacts(with_torque(push(turn(20) + late, 0.3, -0.4)))
+    assert found.start_s < turn(20) + late + 0.15 < found.stop_s
+
+
+def stop_and_go() -> JointData:
+    """Half sines of 1 s, to and fro, rests of 0.5 s between them, in which friction holds whatever drives."""
+    t = np.arange(0.0, 90.0, 0.005)
+    phase, side = t % 1.5, np.where((t // 1.5) % 2 == 0, 1.0, -1.0)
+    dq = np.where(phase < 1.0, side * np.sin(np.pi * phase), 0.0)
+    ddq = np.where(phase < 1.0, side * np.pi * np.cos(np.pi * phase), 0.0)
+    data = joint_data(np.cumsum(dq) * 0.005, dq, ddq)
+    rng = np.random.default_rng(2)
+    held = np.repeat(rng.uniform(-0.3, 0.3, 60), 300)
+    friction = np.where(dq != 0.0, 0.3 * np.sign(dq) + 0.07 * dq, held)
+    return replace(data, torque=0.3 * ddq + friction + rng.normal(scale=0.02, size=len(t)))
+
+
+def test_what_friction_can_hold_at_rest_is_no_touch_and_more_is_one() -> None:
+    data = stop_and_go()
+    assert find_contacts(data) == ()
+    late = (data.t > 31.2) & (data.t < 31.6)  # the joint stops at 31.0 s and goes on at 31.5 s
+    (found,) = find_contacts(replace(data, torque=data.torque + 1.5 * late))
+    assert found.start_s < 31.5 < found.stop_s

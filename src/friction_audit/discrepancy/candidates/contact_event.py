@@ -37,6 +37,8 @@ MOST_CYCLES = 0.6
 MOST_TIME = 0.2
 """Share of the time that contacts may take."""
 LONGEST_S = 10.0
+MOST_FRICTION = 0.95
+"""Quantile of what the joint rubs with, which holds it at rest and turns at a reversal."""
 KNOTS = 5
 """Points of the curve through one contact, nothing at its ends."""
 SPEEDS = 24
@@ -65,7 +67,7 @@ def find_contacts(data: JointData, explained: Float | None = None) -> tuple[Cont
     """
     if not data.used.any():
         return ()
-    clear = data.used & ~_widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
+    clear = data.used & ~_near_rest(data)
     if not clear.any():
         return ()
     known = np.zeros(len(data.t)) if explained is None else explained
@@ -75,8 +77,10 @@ def find_contacts(data: JointData, explained: Float | None = None) -> tuple[Cont
 
 def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float, known: Float) -> tuple[Contact, ...]:
     """Stretches that stand out of a friction's columns, shape (n, p), and of what is known, shape (n,)."""
-    left = _left(replace(data, torque=data.torque - known), clear, friction)
-    pushes = find_pushes(data, left, clear, known)
+    turning = data.valid & _near_rest(data)
+    left = _left(replace(data, torque=data.torque - known), clear, turning, friction)
+    pushes = find_pushes(data, left, known, clear, turning)
+    left = np.where(clear, left, 0.0)
     changed = [c for c in _stretches(data.t, clear, pushes, TURNING_S) if _turns(data, left, c)]
     found = tuple(
         contact
@@ -114,17 +118,42 @@ def _samples(length_s: float, data: JointData) -> int:
     return round(length_s / data.step_s)
 
 
-def _left(data: JointData, clear: NDArray[np.bool_], friction: Float) -> Float:
-    """Torque that inertia, friction, gravity and a constant leave, 0 where the direction is not clear."""
-    columns = np.column_stack([data.ddq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t)), friction])
+def _near_rest(data: JointData) -> NDArray[np.bool_]:
+    """Samples about a reversal or a rest, in which friction may have either sign."""
+    return _widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
+
+
+def _left(data: JointData, clear: NDArray[np.bool_], turning: NDArray[np.bool_], friction: Float) -> Float:
+    """Torque that inertia, friction, gravity and a constant leave, 0 where that is not known.
+
+    At a reversal or a rest friction is whatever is nearest to a straight line through what is left before and after
+    it, as far as it can be: it holds with no more than it rubs with.
+    """
+    others = np.column_stack([data.ddq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))])
+    columns = np.column_stack([others, friction])
     columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), np.finfo(float).tiny)
-    kept = clear
+    kept, factors = clear, np.zeros(columns.shape[1])
     left = data.torque
     for _ in range(3):  # what stands out must not bend the fit
         used, torque = columns[kept], data.torque[kept]
-        left = data.torque - columns @ np.linalg.lstsq(used.T @ used, used.T @ torque)[0]
+        factors = np.linalg.lstsq(used.T @ used, used.T @ torque)[0]
+        left = data.torque - columns @ factors
         kept = clear & (np.abs(left) < OUTLYING * np.median(np.abs(left[clear])))
-    return np.where(clear, left, 0.0)
+    rubbed = columns[:, others.shape[1] :] @ factors[others.shape[1] :]
+    most = float(np.quantile(np.abs(rubbed[clear]), MOST_FRICTION))
+    line = _level(data, left, clear)
+    beyond = left + rubbed - line
+    held = line + beyond - np.clip(beyond, -most, most)
+    return np.where(clear, left, np.where(turning, held, 0.0))
+
+
+def _level(data: JointData, left: Float, clear: NDArray[np.bool_]) -> Float:
+    """Straight lines over what is not clear, from and to what is, a mean each: one sample is noise."""
+    from scipy.ndimage import uniform_filter1d
+
+    samples = _samples(TURN_S, data)
+    sums, filled = (uniform_filter1d(one, max(samples, 1)) for one in (np.where(clear, left, 0.0), clear.astype(float)))
+    return np.interp(data.t, data.t[clear], sums[clear] / filled[clear])
 
 
 def _plain(data: JointData) -> Float:
