@@ -331,7 +331,10 @@ TEXTS = {
     "utf-16": ("time,q_1,dq_1,tau_J_1\n0,0,0,0\n".encode("utf-16"), r"text in UTF-16; expected a table in UTF-8"),
     "old line ends": (b"time,q_1,dq_1,tau_J_1\r0,0,0,0\r", r"carriage return alone"),
     "no header": (b"0,0,0,0\n1,0,0,0\n", r"no header: line 1 holds 4 numbers.*--map t=#1"),
-    "only a header": (b"time,q_1,dq_1,tau_J_1\n", r"0 samples; the table has a header \(4 columns\) and no rows"),
+    "only a header": (
+        b"time,q_1,dq_1,tau_J_1\n",
+        r"0 samples; the table has a header \(4 columns\) and no rows.*record the arm",
+    ),
     "word": (b"time,q_1,dq_1,tau_J_1\n0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
     "narrow line": (b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1,0\n2,0,0,0\n", r"line 3 has 2 fields; expected 4"),
     "no time": (b"time,q_1,dq_1,tau_J_1\nnan,0,0,0\nnan,0,0,0\n", r"time holds no number in all 2 rows"),

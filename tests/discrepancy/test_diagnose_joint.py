@@ -122,8 +122,15 @@ def test_few_cycles_are_not_testable() -> None:
     found = diagnose_joint(subject(bump, duration_s=4.0), TOYS, DiagnosisSettings())
     assert found.verdict == "not_testable"
     assert f"at least {FEWEST_CYCLES} are needed: move the joint back and forth" in found.message
+    assert "--thresholds auto" in found.message
     assert (found.declared, found.traces, found.gap) == ({}, None, None)
     assert found.from_energy is ENERGY
+
+
+def test_what_the_energy_method_lacks_is_what_a_diagnosis_lacks() -> None:
+    slow = replace(subject(bump, duration_s=4.0), lacking="moved too slowly; move it faster")
+    found = diagnose_joint(slow, TOYS, DiagnosisSettings())
+    assert found.message.endswith(f"at least {FEWEST_CYCLES} are needed: moved too slowly; move it faster")
 
 
 def test_a_fault_of_the_data_comes_before_every_name() -> None:

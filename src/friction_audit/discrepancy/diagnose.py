@@ -49,6 +49,7 @@ def diagnose(
             from_energy=_from_energy(friction, data.joint),
             model=None if settings.model is None else settings.model.joints[interaction.joint_numbers[data.joint] - 1],
             known_inertia_kg_m2=float(inertias[interaction.joint_numbers[data.joint] - 1]),
+            lacking=friction.joints[data.joint].reason,
         )
         for data in prepared
     ]

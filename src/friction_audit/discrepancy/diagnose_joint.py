@@ -51,6 +51,7 @@ from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel
 
 FEWEST_CYCLES = 6
+MORE_MOTION = "move the joint back and forth, or count slower strokes with --thresholds auto"
 FEWEST_CLUSTERS = 12
 """Independent parts of the working cycles, below which nothing can be tested."""
 CLUSTERS_PER_COLUMN = 3
@@ -75,6 +76,7 @@ class Subject:
         from_energy: What the energy method says of it.
         model: Its declared model, None for the simple one.
         known_inertia_kg_m2: Inertia whose torque a rigid-body model took out of the log.
+        lacking: Why the energy method has no estimate, with the motion that would help; empty where it has one.
     """
 
     data: JointData
@@ -84,6 +86,7 @@ class Subject:
     from_energy: dict[str, Coefficient]
     model: JointModel | None = None
     known_inertia_kg_m2: float = 0.0
+    lacking: str = ""
 
 
 def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiscrepancy:
@@ -102,7 +105,7 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
         return _unanswered(
             subject,
             "not_testable",
-            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: move the joint back and forth",
+            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {subject.lacking or MORE_MOTION}",
         )
     ground = make_ground(subject.data, subject.model, settings.seed)
     clusters = len(np.unique(ground.clusters(ground.working).number))

@@ -137,12 +137,13 @@ UNITS = {
 
 def _span(axis: str, low: float, high: float, from_start: bool, to_end: bool) -> str:
     unit = UNITS[axis]
+    below, above = ("before", "after") if axis == "time" else ("below", "above")
     if from_start and to_end:
-        return f"over the whole range of {axis}"
+        return "over the whole log" if axis == "time" else f"over the whole range of {axis}"
     if from_start:
-        return f"below {high:.3g} {unit}"
+        return f"{below} {high:.3g} {unit}"
     if to_end:
-        return f"above {low:.3g} {unit}"
+        return f"{above} {low:.3g} {unit}"
     return f"from {low:.3g} to {high:.3g} {unit}"
 
 

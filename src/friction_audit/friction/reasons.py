@@ -41,7 +41,7 @@ def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings
     shortage = f"only {_count(kept)} usable, at least {fewest} are needed"
     if len(left_out) > kept:
         return f"{shortage}; {len(left_out)} more were found and left out: {ADVICE[_most_common(left_out)]}"
-    return f"{shortage}; record more strokes back and forth"
+    return f"{shortage}; record more strokes back and forth, or count slower ones with --thresholds auto"
 
 
 def one_speed(cycles: EnergyCycles) -> str:
@@ -83,7 +83,7 @@ def _no_cycle(cycles: EnergyCycles, column: int) -> str:
         )
     return (
         f"no complete energy cycle: {speed} peaks at {fastest:.2g} {unit} but never came back below {termination:.2g} "
-        f"{unit}; pause between strokes, or choose other --thresholds"
+        f"{unit}; pause between strokes, or choose other --thresholds, as auto"
     )
 
 

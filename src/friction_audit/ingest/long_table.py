@@ -109,7 +109,7 @@ def pivot_long(
     texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
-        raise InputError(f"{path}: 0 samples; the table has a header and no rows")
+        raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
     rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], time)
     channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in values}
     for channel, column in values.items():

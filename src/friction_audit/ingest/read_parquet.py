@@ -129,7 +129,7 @@ def _read_wide(
 ) -> Recording:
     rows = file.metadata.num_rows
     if rows == 0:
-        raise InputError(f"{path}: 0 samples; the table has columns and no rows")
+        raise InputError(f"{path}: 0 samples; the table has columns and no rows; record the arm while it moves")
     channels: dict[str, Float] = {c: np.empty((rows, len(own)), order="F") for c, own in columns.channels.items()}
     aims = [
         (cells[cell], channels[c][:, joint]) for c, own in columns.channels.items() for joint, cell in enumerate(own)

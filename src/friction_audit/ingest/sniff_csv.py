@@ -97,7 +97,10 @@ def sniff_csv(path: Path) -> Dialect:
     names = split_line(texts[first - 1 if has_header else start].lstrip("#"), separator)
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
-        raise InputError(f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows")
+        raise InputError(
+            f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm while it "
+            "moves"
+        )
     decimal = "," if separator == ";" and any("," in field for row in rows for field in row) else "."
     return Dialect(
         separator=separator,

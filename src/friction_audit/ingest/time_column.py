@@ -97,7 +97,7 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
         InputError: If the unit is not stated and the steps do not tell it.
     """
     if len(raw) == 0:
-        raise InputError(f"{path}: 0 samples; the table has a header and no rows")
+        raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
     if not np.isfinite(raw).any():
         raise InputError(
             f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"

@@ -61,7 +61,7 @@ def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
             heights += [_height_in(effect) for effect in one.effects] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None)
         add_legend(figure, handles)
-        figure.supxlabel("BIC above that of the effect named; r: correlation of their torques", fontsize=7.5)
+        figure.supxlabel("BIC above that of the effect named; r: correlation", fontsize=7.5)
         return figure
 
 
