@@ -1,7 +1,8 @@
 """Whether a log holds the motion that separates a hidden effect from its rivals, whatever the noise happens to be.
 
-The torque that the effect adds, on ideal sensors, free of the declared model and of the best shape of a rival, is what
-tells the truth from that rival. Over the noise it is the noncentrality with which the sharpest test knows them apart:
+The torque that the effect adds, on ideal sensors and in the rows of real ones, free of the declared model and of the
+best shape of a rival, is what tells the truth from that rival. Over the noise it is the noncentrality with which the
+sharpest test knows them apart:
 
     lambda = n_eff |what the rival leaves|^2 / (m sigma^2),    m rows, worth n_eff
 
@@ -103,9 +104,8 @@ def separate(case: Case, scales: tuple[float, ...] | None = None) -> Separation 
     if scales is None:
         return None
     (truth,) = case.effects
-    noisy = _ground(case, (0.0,))
-    corner = noisy.rows.corner_hz
-    hidden, clean = _ground(case, scales, corner), _ground(case, (0.0,), corner)
+    clean, noisy = _ideal(case, (0.0,))
+    hidden, _ = _ideal(case, scales)
     library = _library(hidden, truth)
     own = [entry for entry in library.entries if entry.candidate.name == truth]
     if not own:
@@ -113,17 +113,12 @@ def separate(case: Case, scales: tuple[float, ...] | None = None) -> Separation 
     floor = _square(clean.residual())
     worth = len(hidden.y) / noisy.memory() / _square(noisy.residual())
     whole = _square(hidden.residual()) - floor
-    rivals = []
-    for entry in library.entries:
-        if entry.candidate.name != truth:
-            left = min(max(_least(hidden, entry) - floor, 0.0), whole)
-            rivals.append(
-                Rival(
-                    name=entry.candidate.name,
-                    correlation=float(np.sqrt(1.0 - left / whole)),
-                    noncentrality=worth * left,
-                )
-            )
+    others = [entry for entry in library.entries if entry.candidate.name != truth]
+    left = np.clip([_least(hidden, entry) - floor for entry in others], 0.0, whole)
+    rivals = (
+        Rival(name=entry.candidate.name, correlation=float(np.sqrt(1.0 - rest / whole)), noncentrality=worth * rest)
+        for entry, rest in zip(others, left.tolist(), strict=True)
+    )
     return Separation(rivals=tuple(rivals), numbers=_numbers(hidden, *own))
 
 
@@ -131,12 +126,22 @@ def _square(signal: Float) -> float:
     return float(np.mean(signal**2))
 
 
-def _ground(case: Case, scales: tuple[float, ...], corner_hz: float | None = None) -> Ground:
-    """All rows of the joint, of noisy sensors, or of ideal ones below a corner."""
-    log = simulate(settings_of(case, scales, ideal=corner_hz is not None), case.seed).log
+def _ideal(case: Case, scales: tuple[float, ...]) -> tuple[Ground, Ground]:
+    """The joint on ideal sensors, in the rows and below the corner that noisy ones allow, and on those; all cycles.
+
+    Where an encoder's noise hides which way the joint moves, as next to a reversal, nobody sees anything.
+    """
     joint, model = case.number - 1, model_of(case)
-    ground = make_ground(prepared(log)[joint], None if model is None else model.joints[joint], 0, corner_hz)
-    return replace(ground, working=np.ones_like(ground.working))
+    stated = None if model is None else model.joints[joint]
+    noisy, ideal = (
+        prepared(simulate(settings_of(case, scales, ideal=ideal), case.seed).log)[joint] for ideal in (False, True)
+    )
+    seen = make_ground(noisy, stated, 0)
+    at = np.clip(np.rint((ideal.t - noisy.t[0]) / noisy.step_s).astype(int), 0, len(noisy.t) - 1)
+    ideal = replace(ideal, moving=noisy.moving[at], dead_speed_rad_s=noisy.dead_speed_rad_s)
+    grounds = (make_ground(ideal, stated, 0, seen.rows.corner_hz), seen)
+    first, second = (replace(ground, working=np.ones_like(ground.working)) for ground in grounds)
+    return first, second
 
 
 def _library(ground: Ground, truth: str) -> Library:
