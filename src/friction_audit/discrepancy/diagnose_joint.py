@@ -102,10 +102,11 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: 
         return _unanswered(subject, "data_fault", "; ".join(finding.message for finding in wrong))
     cycles = len(np.unique(make_rows(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
+        lacking = subject.lacking or MORE_MOTION
         return _unanswered(
             subject,
             "not_testable",
-            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {subject.lacking or MORE_MOTION}",
+            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {lacking}",
         )
     ground = make_ground(subject.data, subject.model, settings.seed)
     clusters = len(np.unique(ground.clusters(ground.working).number))
