@@ -53,7 +53,7 @@ def test_a_model_of_another_arm_is_refused(run: Run, file: Path) -> None:
 
 
 def test_a_term_without_an_equal_is_refused(run: Run, tmp_path: Path) -> None:
-    drift = JointModel(inertia_kg_m2=0.25, terms=(FittedTerm("torque_drift", (0.1, 0.0, 0.0, 0.0)),))
+    drift = JointModel(inertia_kg_m2=0.25, terms=(FittedTerm("torque_drift", (0.1, 0.0, 0.0, 0.0, 1.0)),))
     save_model(ArmModel(names=("joint1",), joints=(drift,)), tmp_path / "drift.toml")
     answer = run("simulate", "joint", "-o", "run.parquet", "--model", "drift.toml")
     assert answer.code == 2

@@ -53,7 +53,7 @@ VALUES: dict[str, tuple[float, ...]] = {
     "joint_limit_stop": (0.5, 0.5, 0.1, 0.1, 0.4, -0.1, 1.5),
     "gravity_error": (0.3, 0.1, *([0.0] * 15)),
     "friction_step": (0.15, 0.02, 20.0, 0.0),
-    "torque_drift": (0.1, 0.05, 0.02, 0.01),
+    "torque_drift": (0.1, 0.05, 0.02, 0.01, 0.0),
     "warm_up": (0.1, 0.02, 30.0, 0.0),
 }
 """Numbers of a term that can run in the loop, by its name."""

@@ -14,11 +14,16 @@ from friction_audit.model.term import Motion, Parameter, Term
 WAVES = 4
 
 
-def basis(motion: Motion, _shape: Sequence[float]) -> Float:
-    """Return sin((i - 1/2) pi x) for i = 1..4 as columns, x the share of the recording that is over."""
+def basis(motion: Motion, shape: Sequence[float]) -> Float:
+    """Return sin((i - 1/2) pi x) for i = 1..4 as columns, x the share of the recording that is over.
+
+    Those of waves that are faster than the slowest few, which the shape counts, are zero.
+    """
     length = motion.t[-1] - motion.t[0]
     share = (motion.t - motion.t[0]) / (length if length > 0.0 else 1.0)
-    return np.asarray(np.sin(np.pi * share[:, None] * (np.arange(WAVES) + 0.5)))
+    waves = np.sin(np.pi * share[:, None] * (np.arange(WAVES) + 0.5))
+    waves[:, round(shape[0]) or WAVES :] = 0.0
+    return np.asarray(waves)
 
 
 TERM = Term(
@@ -27,6 +32,18 @@ TERM = Term(
     linear=tuple(
         Parameter(name=f"drift_{i}_nm", unit="N m", meaning=f"wave of {i - 0.5:g} half turns over the recording")
         for i in range(1, WAVES + 1)
+    ),
+    shape=(
+        # Files of earlier versions have all waves and do not say so.
+        Parameter(
+            name="drift_waves",
+            unit="1",
+            meaning="0 all waves, 1 the slowest wave alone, else number of the slowest waves",
+            lower=0.0,
+            upper=WAVES,
+            whole=True,
+            optional=True,
+        ),
     ),
     basis=basis,
 )
