@@ -1,0 +1,163 @@
+"""How much of each of two effects a log holds: what a detector would see that knew the torque of both.
+
+python -m benchmarks.hidden_effects.limits PAIRS.csv... [--output LIMITS.csv]
+
+The files are those of ``run`` with pairs. An effect's torque is what it alone adds on ideal sensors. It is seen where
+n_eff ln(RSS without it / RSS with it), beside the declared model and the other effect's torque and over all cycles of
+the very log that was diagnosed, is above what the best of all names of the catalogue brings by chance in one log of a
+hundred. Where an effect changes how the joint moves, its torque is that of another motion, and the number is too small.
+"""
+
+import argparse
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.special import chdtri
+
+from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_of
+from benchmarks.hidden_effects.run import SIZES, scaled
+from benchmarks.hidden_effects.strength import prepared, scales_for
+from benchmarks.hidden_effects.table import CLEAR, Row, held, sets_of, share, table
+from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.discrepancy.declared import declare, least_squares
+from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.rows import Rows, make_rows
+from friction_audit.discrepancy.search import BY_CHANCE
+from friction_audit.joint_log import Float
+from friction_audit.simulate.dispatch import simulate
+
+PRICE = float(chdtri(1, BY_CHANCE / len(CANDIDATES)))
+"""Of an effect whose torque is known but for its factor."""
+SAME_START_S = 0.05
+"""A start from a standstill in one log and in another are the same one if they are no farther from each other."""
+FIELDS = ("truth", "seed", "effect", "partial", "n_eff", "holds", "in_the_answer", "untestable")
+
+
+def limits_of(row: Row) -> Iterator[dict[str, object]]:
+    """What the log of a row holds of each of its effects."""
+    seed, names = int(row["seed"]), tuple(row["truth"].split("+"))
+    case = draw_case(seed, names, SIZES[seed % len(SIZES)])
+    scales = scales_for(case)
+    if scales is None:
+        return
+    case = scaled(case, scales)
+    every = (1.0,) * len(names)
+    model, joint = model_of(case), case.number - 1
+    data = prepared(simulate(settings_of(case, every), seed).log)[joint]
+    ground = make_ground(data, None if model is None else model.joints[joint], seed)
+    torques = [_torque_alone(case, k, ground) for k in range(len(names))]
+    told = set().union(*sets_of(row))
+    for k, name in enumerate(names):
+        candidate = next(one for one in CANDIDATES if one.name == name)
+        yield {
+            "truth": row["truth"], "seed": seed, "effect": name, "partial": case.partial,
+            "n_eff": round(_worth(ground, torques), 0),
+            "holds": round(held_by(ground, torques, k), 1),
+            "in_the_answer": name in told,
+            "untestable": candidate.untestable(data, ground.baseline()) is not None,
+        }  # fmt: skip
+
+
+def held_by(ground: Ground, torques: Sequence[Float], which: int) -> float:
+    """n_eff ln(RSS without one torque / RSS with it), all beside the declared model and over all cycles."""
+    without = [*torques[:which], *torques[which + 1 :]]
+    return _worth(ground, torques) * float(np.log(_left(ground, without) / _left(ground, torques)))
+
+
+def _worth(ground: Ground, torques: Sequence[Float]) -> float:
+    return len(ground.y) / ground.memory(np.column_stack(torques))
+
+
+def _left(ground: Ground, torques: Sequence[Float]) -> float:
+    columns = np.column_stack([ground.base, *torques])
+    return float(np.sum((ground.y - columns @ least_squares(columns, ground.y)) ** 2))
+
+
+def _torque_alone(case: Case, which: int, ground: Ground) -> Float:
+    """What one effect alone adds on ideal sensors, free of the declared model, on the rows of a ground, shape (m,)."""
+    scales = tuple(1.0 if k == which else 0.0 for k in range(len(case.effects)))
+    model, joint = model_of(case), case.number - 1
+    data = prepared(simulate(settings_of(case, scales, ideal=True), case.seed).log)[joint]
+    rows = make_rows(data, ground.rows.corner_hz)
+    declared = declare(data, rows, None if model is None else model.joints[joint])
+    torque = np.zeros(len(ground.y))
+    here, there = same_moments(ground.rows, rows)
+    torque[here] = (declared.y - declared.columns @ least_squares(declared.columns, declared.y))[there]
+    return torque
+
+
+def same_moments(rows: Rows, others: Rows) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Which rows of two logs are the same moment, and the same start from a standstill: places in both, shape (k,)."""
+    here, there = [], []
+    for starts, apart in ((False, rows.step_s / 2.0), (True, SAME_START_S)):
+        one, other = np.flatnonzero(_starts(rows) == starts), np.flatnonzero(_starts(others) == starts)
+        if not len(one) or not len(other):
+            continue
+        after = np.clip(np.searchsorted(others.t[other], rows.t[one]), 1, max(len(other) - 1, 1))
+        both = np.stack([other[np.minimum(after, len(other) - 1)], other[after - 1]])
+        nearest = both[np.abs(others.t[both] - rows.t[one]).argmin(axis=0), np.arange(len(one))]
+        near = np.abs(others.t[nearest] - rows.t[one]) < apart
+        here.append(one[near])
+        there.append(nearest[near])
+    return np.concatenate(here), np.concatenate(there)
+
+
+def _starts(rows: Rows) -> NDArray[np.bool_]:
+    """Which rows are starts from a standstill, shape (m,)."""
+    starts = np.zeros(len(rows.used), bool)
+    starts[rows.breakaway_row] = True
+    return starts[rows.used]
+
+
+def summary(pairs: Sequence[Row], limits: Sequence[Row]) -> str:
+    """A table of effects and of pairs, from a strength of 0.3 on, by what their logs hold."""
+    clear = [row for row in limits if float(row["partial"]) >= CLEAR]
+    shown = [row for row in clear if row["untestable"] == "False"]
+    low, high = [float(row["holds"]) < PRICE for row in shown], [float(row["holds"]) >= 2.0 * PRICE for row in shown]
+    parts = [
+        ("effects that the log cannot show, as the answer says", [row for row in clear if row not in shown]),
+        ("effects, less than the price", [r for r, less in zip(shown, low, strict=True) if less]),
+        (
+            "effects, up to twice the price",
+            [r for r, less, more in zip(shown, low, high, strict=True) if not less and not more],
+        ),
+        ("effects, more", [r for r, more in zip(shown, high, strict=True) if more]),
+    ]
+    lines = [(label, str(len(part)), share(r["in_the_answer"] == "True" for r in part)) for label, part in parts]
+    both = [row for row in pairs if _both_seen(row, limits)]
+    lines.append(("pairs, both at least the price", str(len(both)), share(map(held, both))))
+    return table(("what the log holds", "number", "in the answer [%]"), lines)
+
+
+def _both_seen(row: Row, limits: Sequence[Row]) -> bool:
+    """Whether the log of a pair can show both and holds the price of each."""
+    own = [one for one in limits if (one["truth"], one["seed"]) == (row["truth"], row["seed"])]
+    clear = bool(own) and float(own[0]["partial"]) >= CLEAR
+    return clear and all(one["untestable"] == "False" and float(one["holds"]) >= PRICE for one in own)
+
+
+def main() -> None:
+    """Run all logs of some files that the output does not hold, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("files", type=Path, nargs="+")
+    parser.add_argument("--output", type=Path, default=Path("hidden_effects_limits.csv"))
+    asked = parser.parse_args()
+    pairs = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
+    started = asked.output.exists()
+    done = {(row["truth"], row["seed"]) for row in csv.DictReader(asked.output.open())} if started else set()
+    with asked.output.open("a", newline="") as file:
+        writer = csv.DictWriter(file, FIELDS)
+        if not started:
+            writer.writeheader()
+        for row in pairs:
+            if (row["truth"], row["seed"]) not in done and float(row["partial"]) >= CLEAR:
+                writer.writerows(limits_of(row))
+                file.flush()
+    print(summary(pairs, list(csv.DictReader(asked.output.open()))))
+
+
+if __name__ == "__main__":
+    main()
