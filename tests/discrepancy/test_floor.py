@@ -56,3 +56,8 @@ def test_slow_noise_is_left_as_it_is_and_what_something_missing_bends_is_taken_o
     assert rms(beside_wanted_curves(slow)) == pytest.approx(left, rel=0.01)
     assert rms(bent.residual()) > 2.0 * left
     assert rms(beside_wanted_curves(bent)) < 1.2 * left
+
+
+def test_nothing_of_the_declared_model_is_left_beside_bent_curves() -> None:
+    exact = make_ground(moved_joint(duration_s=40.0), None, 0)
+    assert beside_wanted_curves(exact) == pytest.approx(0.0, abs=1e-9)
