@@ -54,4 +54,5 @@ def test_a_ripple_is_told_from_everything_where_it_is_strong(ripples: tuple[Sepa
 
 def test_what_tells_it_grows_with_its_square(ripples: tuple[Separation, Separation]) -> None:
     strong, weak = (max(one.rivals, key=lambda rival: rival.noncentrality) for one in ripples)
-    assert strong.noncentrality / weak.noncentrality == pytest.approx(4.0, rel=0.05)  # the hand moves a little otherwise
+    # The hand moves a little otherwise.
+    assert strong.noncentrality / weak.noncentrality == pytest.approx(4.0, rel=0.05)
