@@ -1,4 +1,4 @@
-"""What holds for all tests: their order, one thread each, patience on a busy machine, one headless browser."""
+"""What holds for all tests: how thorough they are, their order, one thread each, patience, one headless browser."""
 
 import os
 from collections.abc import Iterator
@@ -14,18 +14,39 @@ if TYPE_CHECKING:
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
-LONG = ("test_architecture.py", "test_docs.py")
-"""Files of the tests that take longest."""
+WITHOUT_LOOPS = ("test_architecture.py", "test_site.py", "test_site_in_browser.py", "test_page_in_browser.py")
+"""Files of long tests that compile no loops of the program."""
+WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
+"""Files of long tests that compile most of them."""
 
-settings.register_profile("patient", deadline=None)
-settings.load_profile("patient")
+settings.register_profile("fast", deadline=None, max_examples=30)
+settings.register_profile("thorough", deadline=None, max_examples=300)
 # As the program itself does: with a worker per core, threads inside a product would only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes long, so that no worker is left alone with it at the end."""
-    items.sort(key=lambda item: item.path.name not in LONG)
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--thorough", action="store_true", help="run the tests marked thorough too, with more examples")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    settings.load_profile("thorough" if config.getoption("thorough") else "fast")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out what is thorough, unless it is asked for; begin with what takes long.
+
+    Of two workers, one begins with the first half of the tests and one with the second, and each takes from the end of
+    the other's when it has done its own. In a clean copy, one compiles the loops while the other does what needs none.
+    """
+    if not config.getoption("thorough"):
+        config.hook.pytest_deselected(items=[item for item in items if item.get_closest_marker("thorough")])
+        items[:] = [item for item in items if not item.get_closest_marker("thorough")]
+    first = [item for item in items if item.path.name in WITHOUT_LOOPS]
+    middle = [item for item in items if item.path.name in WITH_LOOPS]
+    others = [item for item in items if item.path.name not in (*WITHOUT_LOOPS, *WITH_LOOPS)]
+    half = max(len(items) // 2 - len(first), 0)
+    items[:] = [*first, *others[:half], *middle, *others[half:]]
 
 
 @pytest.fixture(scope="session")

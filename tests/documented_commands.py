@@ -20,6 +20,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from friction_audit.cli import main
+from tests.in_this_process import in_this_process
 
 ROOT = Path(__file__).parents[1]
 PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md")))
@@ -40,13 +41,16 @@ PROGRAM = """
 friction-audit() {
     printf '%s\\0' "$@" > "$DOOR/words" && mv "$DOOR/words" "$DOOR/asked"
     local code
-    read -r code < "$DOOR/answered"
+    until read -r code < "$DOOR/answered"; do :; done
     cat "$DOOR/out"
     cat "$DOOR/err" >&2
     return "$code"
 }
 """
-"""The program as a shell's function: it asks the process of the tests."""
+"""The program as a shell's function: it asks the process of the tests.
+
+A pipe whose last answer is still being closed gives nothing; then it is opened again.
+"""
 PAUSE_S = 0.005
 
 _BLOCK = re.compile(r"^```(?P<language>console|sh|python|json)\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -104,6 +108,7 @@ class Terminal:
         with (
             contextlib.chdir(self.folder),
             _columns(),
+            in_this_process(),
             contextlib.redirect_stdout(out),
             contextlib.redirect_stderr(err),
         ):

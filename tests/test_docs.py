@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from friction_audit.audit import AuditSettings, estimate_log
+from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from friction_audit.export import WRITERS
@@ -27,6 +28,11 @@ from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, e
 DOCS = ROOT / "docs"
 COEFFICIENTS = ("coulomb", "viscous")
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+LONG = (DOCS / "paper.md", DOCS / "recording.md")
+"""Pages that simulate for long what other tests hold too: figures of the paper, logs of several lengths."""
+SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
+EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
+"""Pages whose one command ``test_docs_effects.py`` runs."""
 
 
 def cells(page: Path) -> list[list[str]]:
@@ -35,7 +41,7 @@ def cells(page: Path) -> list[list[str]]:
     return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
 
 
-@ON_PAGES
+@pytest.mark.parametrize("page", SHOWN, ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) -> None:
     terminal = Terminal(tmp_path)
     for body in blocks(page.read_text(), "console"):
@@ -45,7 +51,7 @@ def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) 
             assert same(example.output, shown), f"$ {example.command}\n{shown}"
 
 
-@ON_PAGES
+@pytest.mark.parametrize("page", [p for p in PAGES if p not in EFFECTS], ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_on_imagined_logs_run(page: Path, tmp_path: Path) -> None:
     terminal = Terminal(tmp_path)
     for command in (line for body in blocks(page.read_text(), "sh") for line in commands(body)):

@@ -8,6 +8,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from collections.abc import Iterator
 from contextlib import closing
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from friction_audit.export import write_log
 from friction_audit.report.figures.batch import BATCH_FIGURES
 from friction_audit.simulate import BenchSettings, simulate
 from tests.cli.conftest import Run
+from tests.in_this_process import in_this_process
 
 DAYS, STEP = 8, 5
 PATIENCE_S = 120.0
@@ -48,6 +50,13 @@ def rig(written: Path, run: Run, tmp_path: Path) -> Path:
     return Path("rig")
 
 
+@pytest.fixture
+def here() -> Iterator[None]:
+    """Start no processes for the logs and the figures."""
+    with in_this_process():
+        yield
+
+
 def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "--json", "-q", "--workers", "2")
@@ -72,6 +81,7 @@ def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
     assert run("batch-report", rig, "--json", "-q").document()["known"] == DAYS + 1
 
 
+@pytest.mark.usefixtures("here")
 def test_limits_come_before_failures(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "--fail-on", "coulomb=15%", "-q")
@@ -81,6 +91,7 @@ def test_limits_come_before_failures(rig: Path, run: Run) -> None:
     assert run("batch-report", rig, "--fail-on", "coulomb=60%", "-q").code == 6
 
 
+@pytest.mark.usefixtures("here")
 def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run) -> None:
     assert run("batch-report", rig, "-q").code == 0
     before = Path("friction-drift/batch.json").read_bytes()
@@ -96,6 +107,7 @@ def test_results_of_other_settings_are_not_replaced_unasked(rig: Path, run: Run)
     assert "7 sessions of 1 arm: 0 computed, 7 known" in other.out
 
 
+@pytest.mark.usefixtures("here")
 def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "-q").code == 0
     answer = run("batch-report", rig / "2026-03-01.npz", "--rebuild")
@@ -109,6 +121,7 @@ def test_rebuild_keeps_the_old_ledger(rig: Path, run: Run) -> None:
     assert run("batch-report", rig / "2026-03-01.npz", "--rebuild", "-q").code == 0
 
 
+@pytest.mark.usefixtures("here")
 def test_a_manifest_tells_what_logs_do_not(rig: Path, run: Run) -> None:
     Path("manifest.csv").write_text("path,robot,start,note\nrig/2026-03-02.npz,R7,2025-01-01,found again\n")
     document = run("batch-report", "--manifest", "manifest.csv", "--json", "-q").document()
@@ -133,6 +146,7 @@ TABLE = [
 ]
 
 
+@pytest.mark.usefixtures("here")
 @pytest.mark.parametrize(("words", "code", "text"), TABLE, ids=[row[0] for row in TABLE])
 def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()

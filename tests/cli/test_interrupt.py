@@ -4,7 +4,6 @@ import subprocess
 import sys
 from pathlib import Path
 
-LOG = Path(__file__).parents[2] / "sample_logs" / "hand_guided.parquet"
 STOPPED = 130
 """Exit code of a program that was interrupted, as shells expect it."""
 STOPPED_AT_THE_DRAFT = """
@@ -25,9 +24,9 @@ main(sys.argv[1:])
 """The program, which gets Ctrl-C when a page is written and not yet in its place."""
 
 
-def test_a_report_that_is_stopped_while_it_is_written_is_not_there(tmp_path: Path) -> None:
+def test_a_report_that_is_stopped_while_it_is_written_is_not_there(logs: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    command = ["report", str(LOG), "--joints", "1", "-o", str(out), "-q"]
+    command = ["report", str(logs / "moved1.csv"), "-o", str(out), "-q"]
     done = subprocess.run(
         [sys.executable, "-c", STOPPED_AT_THE_DRAFT, *command], capture_output=True, text=True, check=False
     )

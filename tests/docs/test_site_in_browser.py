@@ -1,5 +1,6 @@
 """The site in a browser, opened as files: quiet, readable at any width, in the dark, and searchable."""
 
+from itertools import cycle, product
 from pathlib import Path
 
 import pytest
@@ -17,11 +18,18 @@ PAGES = (
     "sample_logs",
 )
 SCHEMES = ("light", "dark")
+WINDOWS = ((360, "dark"), (1280, "light"), (1280, "dark"))
+FAST = [(name, *window) for name, window in zip(PAGES, cycle(WINDOWS[:2]))]
+"""Each page in a window, with every rule."""
+THOROUGH = [
+    pytest.param(name, *window, marks=pytest.mark.thorough)
+    for name, window in product(PAGES, WINDOWS)
+    if (name, *window) not in FAST
+]
 COLOURS = ["color-contrast", "link-in-text-block"]
 
 
-@pytest.mark.parametrize(("width", "scheme"), [(360, "dark"), (1280, "light"), (1280, "dark")])
-@pytest.mark.parametrize("name", PAGES)
+@pytest.mark.parametrize(("name", "width", "scheme"), [*FAST, *THOROUGH])
 def test_a_page_is_quiet_holds_its_width_and_has_no_barrier(visit: Visit, name: str, width: int, scheme: str) -> None:
     visited = visit(name, width=width, scheme=scheme)
     assert visited.evaluate("document.documentElement.scrollWidth - window.innerWidth") <= 0

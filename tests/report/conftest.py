@@ -143,7 +143,7 @@ def joint_friction(column: int, name: str, cycles: EnergyCycles, rng: np.random.
     )
 
 
-def build_estimate(joints: int = 7, *, count: int = 16, rate: float = 500.0, damaged: bool = False) -> Estimate:
+def build_estimate(joints: int = 7, *, count: int = 16, rate: float = 200.0, damaged: bool = False) -> Estimate:
     """Return a result of ``joints`` joints and ``count`` strokes each; with seven of them, joint 3 stands still."""
     rng = np.random.default_rng(7)
     motions = [strokes(count, rate, rng) for _ in range(joints)]

@@ -27,11 +27,16 @@ def late_curve() -> ArmDrift:
     return replace(arm, sessions=tuple(sessions), joints=(still, *arm.joints[1:]))
 
 
-ARMS = (by_hand.arm(), by_hand.arm(3, 1), late_curve(), by_hand.hostile().arms[0])
+ARMS = (
+    pytest.param(by_hand.arm(), id="plain"),
+    pytest.param(by_hand.arm(3, 1), id="one joint"),
+    pytest.param(late_curve(), id="late curve"),
+    pytest.param(by_hand.hostile().arms[0], id="hostile", marks=pytest.mark.thorough),
+)
 
 
 @pytest.mark.parametrize("kind", BATCH_FIGURES, ids=lambda kind: kind.name)
-@pytest.mark.parametrize("arm", ARMS, ids=("plain", "one joint", "late curve", "hostile"))
+@pytest.mark.parametrize("arm", ARMS)
 def test_the_figure_is_the_same(arm: ArmDrift, kind: BatchFigure) -> None:
     bare = as_drawn(arm, kind.name)
     assert describe(bare, kind.name) == describe(arm, kind.name)

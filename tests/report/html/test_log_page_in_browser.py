@@ -17,7 +17,13 @@ from tests.report.html.paper import check_paper, check_window
 from tests.report.html.test_log_page import hostile_page, page, report
 
 NARROWEST_FIGURE = 300
-CASES = ("plain", "hostile", "one joint", "forty joints", "no cycles")
+THOROUGH = pytest.mark.thorough
+CASES = (
+    "hostile",
+    "forty joints",
+    *(pytest.param(case, marks=THOROUGH) for case in ("plain", "one joint", "no cycles")),
+)
+"""The worst, and those that are harmless beside them."""
 SCHEMES = ("light", "dark")
 
 
@@ -87,7 +93,9 @@ def test_forty_joints_have_a_verdict_each_and_figures_on_several_sheets(open_pag
     assert opened.page.locator("figure svg").count() == 5
 
 
-@pytest.mark.parametrize(("case", "scheme"), [("plain", "light"), ("hostile", "dark"), ("no cycles", "dark")])
+@pytest.mark.parametrize(
+    ("case", "scheme"), [("plain", "light"), ("hostile", "dark"), pytest.param("no cycles", "dark", marks=THOROUGH)]
+)
 def test_no_barrier_is_found(open_page: Open, case: str, scheme: str) -> None:
     axe = pytest.importorskip("axe_playwright_python", reason="axe-playwright-python is not installed")
     opened = open_page(page_of(case), scheme=scheme)

@@ -1,0 +1,26 @@
+"""The work of a batch done by the process of the tests: the same work, without the start of processes."""
+
+from collections.abc import Callable, Generator, Iterable, Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from friction_audit.batch.executor import Asked, Done
+from friction_audit.batch.local_executor import LocalExecutor
+
+
+def _run(
+    executor: LocalExecutor, work: Callable[[Asked], Done], tasks: Iterable[Asked]
+) -> Generator[tuple[Asked, Done]]:
+    """Yield what came of each task."""
+    assert executor.workers > 0
+    for task in tasks:
+        yield task, work(task)
+
+
+@contextmanager
+def in_this_process() -> Iterator[None]:
+    """Let batches start no processes; what they are for is tested in ``tests/batch`` and once for the command."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(LocalExecutor, "run", _run)
+        yield
