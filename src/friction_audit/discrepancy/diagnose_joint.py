@@ -35,6 +35,7 @@ from friction_audit.discrepancy.naming import (
     worth,
 )
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
+from friction_audit.discrepancy.outdone import find_outdone
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.restless import find_restless
@@ -251,8 +252,10 @@ def _doubts(ground: Ground, names: Names, rng: np.random.Generator) -> tuple[str
     crowded = f"{fitted} numbers were fitted to {cycles} cycles, so that names may stand in for something else"
     alone = (f for f in names.found if not f.naming.alternatives)
     noise = [noise_in_columns(ground, f.candidate, names.baseline, f.shape, rng) for f in names.found]
+    outdone = find_outdone(ground, [f.columns for f in names.found], fitted)
     return (
         *([crowded] if fitted > cycles else []),
+        *([outdone] if outdone else []),
         *(why for f in alone if (why := f.candidate.stands_in(ground.data, f.shape))),
         *find_inconstant(ground, [(f.candidate.name, f.columns) for f in names.found], noise),
     )

@@ -1,0 +1,52 @@
+"""Names beside which a curve explains more than they do are not what is missing."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy.ground import make_ground
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.outdone import _speaks, find_outdone
+from friction_audit.joint_log import Float
+from tests.discrepancy.moved_joint import moved_joint
+
+
+def thick(data: JointData) -> Float:
+    return np.asarray(np.sign(data.dq) * np.abs(data.ddq))
+
+
+def square(data: JointData) -> Float:
+    return np.asarray(data.dq * np.abs(data.dq))
+
+
+def told(missing: Callable[[JointData], Float], *named: Callable[[JointData], Float]) -> str:
+    ground = make_ground(moved_joint(missing, noise_nm=0.02, duration_s=40.0), None, 0)
+    return find_outdone(ground, [ground.rows.of(one(ground.data)[:, None]) for one in named], len(named))
+
+
+def test_what_names_its_mechanism_is_not_outdone() -> None:
+    assert told(lambda data: 0.02 * thick(data), thick) == ""
+    assert told(lambda data: 0.03 * square(data), square) == ""
+
+
+def test_what_takes_a_part_is_outdone_by_a_curve_over_the_right_quantity() -> None:
+    def half(data: JointData) -> Float:
+        return np.asarray(thick(data) * (data.q > 0.3))
+
+    assert told(lambda data: 0.02 * thick(data), half).startswith("a curve over acceleration explains more")
+
+
+def test_what_is_left_beside_a_larger_effect_does_not_outdo_it() -> None:
+    assert told(lambda data: 0.01 * thick(data) + 0.2 * square(data), square) == ""
+
+
+def test_without_names_nothing_is_outdone() -> None:
+    assert told(lambda data: 0.02 * thick(data)) == ""
+
+
+@pytest.mark.parametrize(
+    ("gain", "numbers", "known"), [(5.0, 12, 0.0), (12.0, 12, 0.0), (12 * np.e, 12, 12 * (np.e - 2))]
+)
+def test_what_speaks_by_hand(gain: float, numbers: int, known: float) -> None:
+    assert _speaks(gain, numbers) == pytest.approx(known)
