@@ -16,7 +16,7 @@ AT_ONCE_RAD = 1e-5
 SPAN_SHARES = np.geomspace(3e-4, 0.03, 6)
 """Longer ones as shares of the span of the motion."""
 FEWEST_BREAKAWAYS = 6
-"""As many as the cycles that a diagnosis takes: whether they are enough is for the price of entry and the locked cycles."""
+"""As many as the cycles that a diagnosis takes; whether they are enough, price of entry and locked cycles say."""
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
