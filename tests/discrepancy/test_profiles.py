@@ -58,6 +58,7 @@ def test_units_are_those_of_the_axis() -> None:
     assert " rad after a reversal, " in profile(0.1 * (VALUES < 0.3) + NOISE, "displacement").where
     assert profile(0.1 * (VALUES < 0.3) + NOISE, "time").where.startswith("before 0.2")
     assert profile(0.1 * (VALUES > 0.9) + NOISE, "time").where.startswith("after 0.")
+    assert "range of a neighbour's acceleration, " in profile(0.1 * DQ + NOISE, "neighbour").where
     assert profile(0.1 * DQ + NOISE, "time").where.startswith("over the whole log, ")
     assert " s, " in profile(0.1 * (VALUES < 0.3) + NOISE, "time").where
 

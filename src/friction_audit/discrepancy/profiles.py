@@ -135,11 +135,15 @@ UNITS = {
 }
 
 
+WORDS = {"displacement": "displacement since a reversal", "neighbour": "a neighbour's acceleration"}
+"""Axes that are called otherwise in a sentence."""
+
+
 def _span(axis: str, low: float, high: float, from_start: bool, to_end: bool) -> str:
     unit = UNITS[axis]
     below, above = ("before", "after") if axis == "time" else ("below", "above")
     if from_start and to_end:
-        return "over the whole log" if axis == "time" else f"over the whole range of {axis}"
+        return "over the whole log" if axis == "time" else f"over the whole range of {WORDS.get(axis, axis)}"
     if from_start:
         return f"{below} {high:.3g} {unit}"
     if to_end:

@@ -115,6 +115,12 @@ def test_no_word_becomes_markup(place: str, word: str) -> None:
     assert html.count("<script") == 1
 
 
+def test_a_column_of_phrases_keeps_room_for_them() -> None:
+    table = Table(caption="What", titles=("joint", "where"), rows=[(Cell(text="1"), Cell(text="spread", words=True))])
+    html = render_page(Page(title="a", lead="b", sections=(Section(anchor="a", title="c", parts=(table,)),)))
+    assert '<td class="words">spread</td>' in html
+
+
 def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
     steady = replace(by_hand.arm(4, 1, robot="steady"), drift=False)

@@ -206,7 +206,8 @@ LOG_FIGURES = (
         name="effects",
         section=MISSING,
         title="The effects named",
-        caption="Each effect as the log shows it, with its interval, and the fitted effect over it.",
+        caption="Each effect as the log shows it, with its interval, and the fitted effect over it; what no one "
+        "quantity shows is drawn over its own fitted torque, so that on the diagonal all that it says is in the log.",
         draw=lambda report: draw_effects(_given(report.diagnosis), None),
         has=_has_effects,
         tell=_tell_verdict,

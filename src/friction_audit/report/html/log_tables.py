@@ -286,7 +286,7 @@ def _effect_row(joint: JointDiscrepancy, effect: Effect) -> tuple[Cell, ...]:
             key=effect.gap_before_nm - effect.gap_after_nm,
         ),
         Cell(text=format_p_value(effect.p_value).removeprefix("p ").removeprefix("= ") or NOTHING, key=effect.p_value),
-        Cell(text=effect.where),
+        Cell(text=effect.where, words=True),
         Cell(text=effect_numbers(effect) or NOTHING),
     )
 

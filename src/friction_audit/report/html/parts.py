@@ -23,12 +23,14 @@ class Cell:
         key: What it is sorted by: a number, or the text if None; NaN comes last.
         tone: For a verdict.
         code: Whether it is the name of a file or the like, which may break anywhere.
+        words: Whether it is a phrase, for which a column must leave room, or it is a tower of single words.
     """
 
     text: str
     key: float | None = None
     tone: Tone = ""
     code: bool = False
+    words: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
