@@ -28,11 +28,13 @@ from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, e
 DOCS = ROOT / "docs"
 COEFFICIENTS = ("coulomb", "viscous")
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-LONG = (DOCS / "paper.md", DOCS / "recording.md")
-"""Pages that simulate for long what other tests hold too: figures of the paper, logs of several lengths."""
-SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
+LONG = (DOCS / "paper.md", DOCS / "recording.md", DOCS / "commands" / "report.md", DOCS / "tables.md")
+"""Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, reports as in
+``index.md``, tables of results."""
 EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
 """Pages whose one command ``test_docs_effects.py`` runs."""
+SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
+IMAGINED = [one for one, page in zip(SHOWN, PAGES, strict=True) if page not in EFFECTS]
 
 
 def cells(page: Path) -> list[list[str]]:
@@ -51,7 +53,7 @@ def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) 
             assert same(example.output, shown), f"$ {example.command}\n{shown}"
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if p not in EFFECTS], ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", IMAGINED, ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_on_imagined_logs_run(page: Path, tmp_path: Path) -> None:
     terminal = Terminal(tmp_path)
     for command in (line for body in blocks(page.read_text(), "sh") for line in commands(body)):

@@ -8,7 +8,7 @@ from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.compare import METHODS, SCENES, draw
 from tests.cli.conftest import Run
 
-SHORT = ("--seeds", "2", "--duration", "20", "--methods", "none,oracle", "-q")
+SHORT = ("--seeds", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 
 
 def test_names_are_those_of_the_package() -> None:
@@ -32,7 +32,7 @@ def test_document(run: Run) -> None:
     answer = run("compare", *SHORT, "--json", "--effect", "stribeck", "--set", "operator.inertia_kg_m2=0.2", "--ideal")
     document = answer.document()
     assert document["schema"] == "friction-audit/compare/1"
-    assert (document["arm"], document["seeds"], document["duration_s"]) == ("joint", [0, 1], 20.0)
+    assert (document["arm"], document["seeds"], document["duration_s"]) == ("joint", [0, 1], 12.0)
     assert [row["method"] for row in document["methods"]] == ["none", "oracle"]
     assert document["settings"]["operator"]["inertia_kg_m2"] == 0.2
     assert {effect["name"] for effect in document["effects"]} == {"stribeck", "joint_elasticity"}
