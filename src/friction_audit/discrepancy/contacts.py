@@ -17,7 +17,7 @@ from friction_audit.discrepancy.candidates.contact_event import (
     find_contacts,
     overlap,
 )
-from friction_audit.discrepancy.declared import least_squares
+from friction_audit.discrepancy.declared import FRICTION, INERTIA, least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, keep_rows, without
 from friction_audit.discrepancy.naming import Names, search_library, with_moments_of_all_cycles
@@ -55,7 +55,7 @@ def leave_out_contacts(ground: Ground, library: Library) -> Undisturbed:
     _, outcome, _ = search_library(every, library)
     taken = [(library.entry(one.name), one.shape) for one in outcome.chosen if one.name != CANDIDATE.name]
     contacts = contacts_of(tried[0])
-    if taken:
+    if taken or _of_a_file(ground):
         # Fitted with all rows: else the one moment at which a stop is deep would be a contact.
         baseline = ground.baseline()
         fine = [entry.candidate.columns(ground.data, baseline, entry.shapes[shape]) for entry, shape in taken]
@@ -86,10 +86,20 @@ def without_contacts(ground: Ground, library: Library, contacts: tuple[Contact, 
 
 
 def _beside(ground: Ground, effects: Sequence[Float], fine: Sequence[Float]) -> tuple[Contact, ...]:
-    """Contacts beside effects: columns on the rows, shape (m, p) each, and on the fine grid, shape (n, p) each."""
+    """Contacts beside effects: columns on the rows, shape (m, p) each, and on the fine grid, shape (n, p) each.
+
+    What a model file declares beside inertia and friction is there as well.
+    """
     columns = np.hstack([ground.base, *effects])
-    factors = least_squares(columns[ground.working], ground.y[ground.working])[ground.base.shape[1] :]
-    return find_contacts(ground.data, np.hstack(fine) @ factors if len(factors) else np.zeros(len(ground.data.t)))
+    factors = least_squares(columns[ground.working], ground.y[ground.working])
+    own = _of_a_file(ground)
+    known = np.hstack([ground.declared.fine[:, own], *fine])
+    return find_contacts(ground.data, known @ factors[[*own, *range(ground.base.shape[1], len(factors))]])
+
+
+def _of_a_file(ground: Ground) -> list[int]:
+    """Places of the declared columns that are neither inertia nor Coulomb or viscous friction."""
+    return [k for k, name in enumerate(ground.declared.names) if name not in (INERTIA, *FRICTION.values())]
 
 
 def _touched(ground: Ground, contacts: tuple[Contact, ...]) -> NDArray[np.bool_]:

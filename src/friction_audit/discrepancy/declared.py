@@ -6,13 +6,15 @@ Reference: A. C. Cameron, D. L. Miller, A practitioner's guide to cluster-robust
 Resources 50 (2015) 317.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, motion_below
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.discrepancy.rows import Rows
@@ -20,10 +22,14 @@ from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
+from friction_audit.model.term import Motion
 
 CONFIDENCE = 0.95
+INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
 """Terms that candidates lean on, with the name of their one number."""
+RINGING = ("spring", "play")
+"""What rings on noise of the position too."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -52,7 +58,7 @@ class Declared:
         stated = {} if self.model is None else _stated(self.model)
         value = stated | dict(zip(self.names, factors.tolist(), strict=True))
         return Baseline(
-            inertia_kg_m2=value["inertia_kg_m2"],
+            inertia_kg_m2=value[INERTIA],
             coulomb_nm=value["coulomb_nm"],
             viscous_nms_per_rad=value["viscous_nms_per_rad"],
             torque=self.fine @ factors + self.stated,
@@ -71,14 +77,15 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
     fine = {"coulomb_nm": mean_sign(data.t, data.dq, data.ddq), "viscous_nms_per_rad": data.dq}
     stated = np.zeros(len(data.t))
     if model is None:
-        fine["inertia_kg_m2"] = data.ddq
+        fine[INERTIA] = data.ddq
     else:
         rest = model.rest(data.motion())
         stated = model.inertia_kg_m2 * data.ddq
         for term in model.terms:
-            columns = _columns(term, data, rest)
+            motion = _motion_of(term, model, data, rows) if term.term.forward in RINGING else data.motion(rest)
+            columns = _columns(term, motion)
             if term.name in model.held:
-                stated = stated + term.torque(data.motion(rest))
+                stated = stated + term.torque(motion)
                 fine = {name: column for name, column in fine.items() if name not in columns}
             else:
                 fine |= columns
@@ -98,13 +105,26 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
 def _stated(model: JointModel) -> dict[str, float]:
     """What of inertia, Coulomb and viscous friction is stated, by name."""
     held = {name: values[0] for name in model.held if (values := model.values(name)) is not None}
-    return {"inertia_kg_m2": model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
+    return {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
 
 
-def _columns(term: FittedTerm, data: JointData, rest: Float) -> dict[str, Float]:
+def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows) -> Motion:
+    """The motion as measured, or without what is hardly more than noise: that along which a term explains more.
+
+    What rings amplifies the noise of the position, and its name was found along either motion.
+    """
+    every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
+    motions = [replace(motion, rest=model.rest(motion)) for motion in every]
+    simple = np.stack([mean_sign(data.t, data.dq, data.ddq), data.dq, data.ddq], axis=1)
+    beside = Beside(rows.of(simple), rows.y)
+    left = [beside.fit(rows.of(np.stack(list(_columns(term, motion).values()), axis=1)))[1] for motion in motions]
+    return motions[int(np.argmin(left))]
+
+
+def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
     """The linear columns of a term by name of their factor, its shape as stated; none for what the file lacks."""
     shape = term.values[len(term.term.linear) :]
-    regressor = term.term.regressor(data.motion(rest), shape)
+    regressor = term.term.regressor(motion, shape)
     return {
         parameter.name: regressor[:, k]
         for k, (parameter, value) in enumerate(zip(term.term.linear, term.values, strict=False))

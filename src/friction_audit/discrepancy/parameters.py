@@ -1,9 +1,9 @@
 """Values and intervals of the grown model's numbers, from all cycles, shapes included.
 
 A shape's interval is that of one step of Gauss and Newton: the derivative of the effect's torque with respect to the
-shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged, or a time constant, it is profiled instead.
-The values stay those with which the torque was computed: a step along a shape that the log hardly tells would give
-factors that belong to no shape.
+shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged, and of a time
+constant, it is profiled instead. The values stay those with which the torque was computed: a step along a shape that
+the log hardly tells would give factors that belong to no shape.
 """
 
 from collections.abc import Sequence

@@ -22,16 +22,17 @@ def smooth_motion(data: JointData, baseline: Baseline, below_hz: float | None) -
     """Return the motion below a frequency, with the declared model's torque along it; as measured where it is None."""
     if below_hz is None:
         return data.motion(baseline.torque)
-    if below_hz not in data.smooth:
-        data.smooth[below_hz] = _smooth(data, below_hz)
-    motion = data.smooth[below_hz]
+    motion = motion_below(data, below_hz)
     rest = baseline.inertia_kg_m2 * motion.ddq + baseline.coulomb_nm * motion.direction
     return replace(motion, rest=rest + baseline.viscous_nms_per_rad * motion.dq)
 
 
-def _smooth(data: JointData, below_hz: float) -> Motion:
-    q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
-    return replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
+def motion_below(data: JointData, below_hz: float) -> Motion:
+    """Return the motion below a frequency, without a torque."""
+    if below_hz not in data.smooth:
+        q, dq, ddq = (_low_passed(signal, below_hz, data.step_s) for signal in (data.q, data.dq, data.ddq))
+        data.smooth[below_hz] = replace(data.motion(), q=q, dq=dq, ddq=ddq, way=mean_sign(data.t, dq, ddq))
+    return data.smooth[below_hz]
 
 
 def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
