@@ -261,6 +261,22 @@ def test_a_rig_that_turns_without_end_is_not_turned_into_radians() -> None:
     assert log.q[-1, 0] == pytest.approx(40.0 * 2.999)
 
 
+def test_a_torque_that_may_be_in_millinewton_metres_is_noticed_and_kept() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J"][:, 2] = 1500.0 * np.sign(np.sin(given_recording.t))
+    log = vetted(given_recording)
+    found = finding(log, "torque_unit_suspected")
+    assert (found.joint, found.amount) == (3, 1500.0)
+    assert log.tau_J is not None
+    assert np.abs(log.tau_J[:, 2]).max() == 1500.0
+
+
+def test_a_few_wild_torques_are_no_unit() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J"][::100, 0] = 9000.0
+    assert "torque_unit_suspected" not in codes(vetted(given_recording))
+
+
 @pytest.mark.parametrize("stretch", [0.8, 0.96, 1.04, 1.3])
 def test_a_stretched_clock_is_noticed_and_kept(stretch: float) -> None:
     given_recording = recording()

@@ -104,6 +104,7 @@ def test_names_are_not_said_twice() -> None:
 
 
 def test_a_change_without_an_interval_is_rounded() -> None:
+    assert format_percent(Coefficient(value=30.62, low=-1.0, high=8.9e7)) == "not told"
     assert format_percent(Coefficient(value=-0.06132, low=float("nan"), high=float("nan"))) == "-6.1 %"
 
 

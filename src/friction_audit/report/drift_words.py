@@ -111,12 +111,19 @@ def smallest_text(found: CoefficientDrift) -> str:
     return format_share(found.smallest_drift)
 
 
+MOST_TOLD = 20.0
+"""Width of an interval of a relative change from which on its digits would only pretend to tell something."""
+UNTOLD = "not told"
+
+
 def format_percent(relative: Coefficient) -> str:
     """Return a relative change with its 95 % interval: ``+15.2 ± 1.9 %``; rounded where it has none."""
     if math.isnan(relative.value):
         return NOTHING
     if math.isnan(relative.low + relative.high):
         return f"{100.0 * relative.value:+.2g} %"
+    if relative.high - relative.low > MOST_TOLD:
+        return UNTOLD
     return f"{signed(scaled(relative, 100.0))} %"
 
 

@@ -13,6 +13,7 @@ from friction_audit.ingest.vet.missing import leave_out_missing
 from friction_audit.ingest.vet.motion import check_motion, mend_units
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
+from friction_audit.ingest.vet.torque import check_torque
 from friction_audit.joint_log import MINIMUM_SAMPLES, JointLog, Source
 
 
@@ -36,6 +37,7 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
     _refuse_short(recording, path)
+    recording = check_torque(recording)
     return check_motion(recording, path, scaled=options.time_scale != 1.0)
 
 
