@@ -138,7 +138,7 @@ def _ideal(case: Case, scales: tuple[float, ...]) -> tuple[Ground, Ground]:
     )
     seen = make_ground(noisy, stated, 0)
     at = np.clip(np.rint((ideal.t - noisy.t[0]) / noisy.step_s).astype(int), 0, len(noisy.t) - 1)
-    ideal = replace(ideal, moving=noisy.moving[at], dead_speed_rad_s=noisy.dead_speed_rad_s)
+    ideal = replace(ideal, moving=ideal.moving & noisy.moving[at])
     grounds = (make_ground(ideal, stated, 0, seen.rows.corner_hz), seen)
     first, second = (replace(ground, working=np.ones_like(ground.working)) for ground in grounds)
     return first, second
