@@ -26,8 +26,8 @@ def _suspected(recording: Recording, name: str) -> Finding | None:
     if usual[joint] <= LARGEST_NM[name]:
         return None
     message = (
-        f"{name} of {recording.joint_names[joint]} is above {usual[joint]:.4g} in a twentieth of the samples: a very "
-        "large arm, or mN m; read as N m; if it is mN m, divide the column by 1000, or coefficients are too large by that"
+        f"{name} is above {usual[joint]:.4g} in a twentieth of the samples: a very large arm, or mN m; read as N m; if "
+        "it is mN m, divide the column by 1000, or coefficients are too large by that"
     )
     return Finding(code="torque_unit_suspected", message=message, joint=joint + 1, amount=float(usual[joint]))
 
