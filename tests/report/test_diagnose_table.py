@@ -128,6 +128,7 @@ def test_a_declared_model_is_named() -> None:
         (coefficient(-0.004, 0.001), "rad", "-4.0 ± 1.0 mrad"),
         (coefficient(0.0031, 0.0002), "N m", "0.0031 ± 0.0002 N m"),
         (coefficient(0.5, 0.1), "s", "0.50 ± 0.10 s"),
+        (coefficient(0.001037, 0.00002), "rad/(N m)", "1.037 ± 0.020 mrad/(N m)"),
         (Coefficient(value=2.0, low=float("nan"), high=float("nan")), "1", "2"),
         (coefficient(2.0, 0.0), "1", "2"),
         (Coefficient(value=float("nan"), low=float("nan"), high=float("nan")), "s", "-"),
@@ -170,6 +171,28 @@ def test_a_form_that_needs_no_words_gets_none() -> None:
     usual = {"torque_bias_nm": coefficient(0.1, 0.02), "load_directed": coefficient(0.0, 1e-4)}
     lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(replace(BIAS, parameters=usual),)),))))
     assert any("0.100 ± 0.020 N m; gap" in line for line in lines)
+
+
+def test_a_number_of_no_term_is_told_with_the_unit_of_its_name() -> None:
+    parameters = {"gap_rad": coefficient(0.002, 0.0001), "motion_below_hz": coefficient(18.0, 0.1)}
+    parameters |= {"other_ratio": coefficient(0.5, 0.1), "warm_up_per_k": coefficient(1e-6, 0.0)}
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(replace(BIAS, parameters=parameters),)),))))
+    words = "full width of the play 2.00 ± 0.10 mrad, motion below 18 Hz, other ratio 0.5; gap"
+    assert any(words in line for line in lines)
+
+
+def test_the_size_of_a_play_is_its_width() -> None:
+    parameters = {"backlash_share": coefficient(1.2, 0.1), "gap_rad": coefficient(0.002, 0.0001)}
+    play = replace(BIAS, name="backlash", parameters=parameters)
+    assert any(
+        "  2.00 ± 0.10 mrad" in line for line in table_of(diagnose_table(diagnosis((replace(NAMED, effects=(play,)),))))
+    )
+
+
+def test_contacts_say_that_their_rows_are_left_out() -> None:
+    touched = replace(BIAS, name="contact_event", p_value=float("nan"))
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(touched,)),))))
+    assert any("gap 0.120 -> 0.030 N m as its rows are left out" in line for line in lines)
 
 
 def test_limits_of_the_data_are_warnings_and_joints_share_a_line() -> None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
+from friction_audit.discrepancy.candidates.warm_up import UNFELT_PER_K
 from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
 from friction_audit.friction.history import Coefficient
 from friction_audit.model.joint_model import ArmModel
@@ -34,6 +35,8 @@ SCALED = ("s", "rad", "rad/(N m)")
 SMALL = 0.02
 ENDS = (("_hz", " Hz"), ("_s", " s"), ("_rad", " rad"))
 """Last words of names that are units."""
+IDLE = {"warm_up_per_k": UNFELT_PER_K}
+"""Parameters, and the value that they have where what they are for is not used."""
 UNTOLD = "not told by this log"
 """In the place of a number whose interval has no bounds."""
 
@@ -197,7 +200,12 @@ def effect_numbers(effect: Effect) -> str:
 
 
 def _parameter(name: str, number: Coefficient) -> str:
-    """Return a parameter in words; one of no term by its name alone, one that chooses a form by that form."""
+    """Return a parameter in words: one of no term by its name alone, one that chooses a form by that form.
+
+    Nothing where it only says that a part of the formula is not used.
+    """
+    if IDLE.get(name) == number.value:
+        return ""
     if name not in MEANINGS:
         bare, unit = next(((name.removesuffix(end), unit) for end, unit in ENDS if name.endswith(end)), (name, ""))
         return f"{bare.replace('_', ' ')} {number.value:.4g}{unit}"
