@@ -41,7 +41,7 @@ TERM = Term(
     name="torque_ripple",
     label="torque periodic in position",
     linear=(
-        Parameter(name="ripple_cos_nm", unit="N m", meaning="ripple at position zero"),
+        Parameter(name="ripple_cos_nm", unit="N m", meaning="ripple at q = 0"),
         Parameter(name="ripple_sin_nm", unit="N m", meaning="ripple a quarter of a wave further"),
     ),
     shape=(Parameter(name="ripple_order", unit="1", meaning="waves per revolution", lower=0.0, upper=1e5),),
