@@ -147,7 +147,10 @@ def test_a_file_that_is_no_model(text: str, message: str, run: Run, logs: Path, 
     [
         (None, "the model file has no model of it"),
         (replace(SIMPLE, inertia_kg_m2=-0.01), "an inertia of -0.01 kg m^2"),
-        (replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)), "backlash: the person is on one side"),
+        (
+            replace(SIMPLE, terms=(FittedTerm("backlash", (1.0, 0.01, 50.0, 0.2, 1.0)),)),
+            "backlash: the person is on one side",
+        ),
     ],
 )
 def test_a_model_that_cannot_be_moved(joint: JointModel | None, message: str, run: Run, logs: Path) -> None:
