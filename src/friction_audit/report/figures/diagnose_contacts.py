@@ -1,6 +1,5 @@
 """Contacts over time: what the grown model leaves of the torque, stretches in which something touched shaded."""
 
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -30,6 +29,8 @@ if TYPE_CHECKING:
 
 ASIDE_S = 1.0
 """What is shown before and after a contact."""
+MOST_LEFT_OUT = 0.5
+"""Share of a contact's rows below which those that were kept are its edges'."""
 LEAST_WIDTH = 0.004
 """Share of a panel that a stretch is drawn wide at least."""
 
@@ -66,18 +67,30 @@ def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
         torque = _simple_torque(data, rows)
     left = filter_rows(data.torque - torque, rows.kernel, rows.every)
     seen = (data.moving & data.valid)[:: rows.every]
-    beside = find_contacts(replace(data, torque=data.torque - torque))
+    # At rest friction holds what it can: what there is of it must stay in the torque in which contacts are looked for.
+    beside = find_contacts(data, torque - _friction_and_inertia(data, joint))
     return Touched(
         t=data.t[:: rows.every],
         left=np.where(seen, left, np.nan),
-        contacts=tuple(contact for contact in beside if _left_out(traces.t, contact)),
+        contacts=tuple(contact for contact in beside if _left_out(rows.t, traces.t, contact)),
         corner_hz=traces.corner_hz,
     )
 
 
-def _left_out(t: Float, contact: Contact) -> bool:
-    """Whether a diagnosis, whose rows have these times, left a contact out, shape (m,)."""
-    return not np.any((t >= contact.start_s) & (t <= contact.stop_s))
+def _left_out(every: Float, kept: Float, contact: Contact) -> bool:
+    """Whether a diagnosis that kept these of all rows, times of shape (k,) and (m,), left most of a contact out.
+
+    Where a contact begins and ends depends on the model beside which it was found.
+    """
+    rows, there = (np.sum((t >= contact.start_s) & (t <= contact.stop_s)) for t in (every, kept))
+    return bool(there < MOST_LEFT_OUT * rows)
+
+
+def _friction_and_inertia(data: JointData, joint: JointDiscrepancy) -> Float:
+    """What the declared model's own factors make, beside the effects, shape (n,). [N m]"""
+    columns = {"inertia_kg_m2": data.ddq, "coulomb_nm": data.way, "viscous_nms_per_rad": data.dq}
+    parts = [joint.grown[name].value * column for name, column in columns.items() if name in joint.grown]
+    return np.asarray(np.sum(parts, axis=0) if parts else np.zeros(len(data.t)))
 
 
 def _simple_torque(data: JointData, rows: Rows) -> Float:
