@@ -29,18 +29,20 @@ PUSHES = ((in_motion(12.0), 2.0), (in_motion(25.0), -3.0))
 """When something touches the joint, and how hard. [s, N m]"""
 
 
-def pushed(log: JointLog) -> JointLog:
+def pushed(log: JointLog, pushes: tuple[tuple[float, float], ...] = PUSHES) -> JointLog:
     """A log with half a sine of torque at each moment."""
     torque = np.array(log.tau_interaction)
-    for start, size in PUSHES:
+    for start, size in pushes:
         inside = (log.t >= start) & (log.t < start + LENGTH_S)
         torque[inside, 0] += size * np.sin(np.pi * (log.t[inside] - start) / LENGTH_S)
     return replace(log, tau_interaction=torque)
 
 
 @cache
-def found() -> Diagnosis:
-    return diagnose_log(pushed(LOG), AuditSettings(), DiagnosisSettings(candidates=("contact_event", "stribeck")))
+def found(pushes: tuple[tuple[float, float], ...] = PUSHES) -> Diagnosis:
+    return diagnose_log(
+        pushed(LOG, pushes), AuditSettings(), DiagnosisSettings(candidates=("contact_event", "stribeck"))
+    )
 
 
 def shaded(figure: Figure, panel: int) -> int:
@@ -55,6 +57,14 @@ def test_each_contact_is_where_it_was_and_as_large_as_it_was() -> None:
         assert float(np.nanmean(near)) == pytest.approx(size, rel=0.1)
     apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in PUSHES], axis=0)
     assert float(np.nanstd(shown.left[apart])) < 0.05
+
+
+def test_a_contact_that_stops_the_joint_is_shown_too() -> None:
+    slow = LOG.t[(LOG.t > 15.0) & (np.abs(LOG.dq[:, 0]) < 0.02)]
+    stop = float(slow[0])
+    pushes = ((stop - 0.8 * LENGTH_S, 2.0),)
+    shown = touched(found(pushes), found(pushes).discrepancy.joints[0])
+    assert any(contact.start_s < stop - 0.3 * LENGTH_S < contact.stop_s for contact in shown.contacts)
 
 
 def test_friction_below_zero_which_no_model_allows_is_drawn_all_the_same() -> None:

@@ -63,12 +63,13 @@ def touched(found: Diagnosis, joint: JointDiscrepancy) -> Touched:
     try:
         model = grow_model(joint, None if stated is None else stated.joints[joint.joint - 1], Provenance())
         torque = model.torque(data.motion())
+        effects = torque - _friction_and_inertia(data, joint)
     except AnalysisError:  # a number below zero, which a fit may give and no model allows
-        torque = _simple_torque(data, rows)
+        torque, effects = _simple_torque(data, rows), np.zeros(len(data.t))
     left = filter_rows(data.torque - torque, rows.kernel, rows.every)
     seen = (data.moving & data.valid)[:: rows.every]
     # At rest friction holds what it can: what there is of it must stay in the torque in which contacts are looked for.
-    beside = find_contacts(data, torque - _friction_and_inertia(data, joint))
+    beside = find_contacts(data, effects)
     return Touched(
         t=data.t[:: rows.every],
         left=np.where(seen, left, np.nan),
