@@ -118,7 +118,7 @@ def test_nothing_is_named_on_wrong_data(spoil: Callable[[JointLog], JointLog]) -
 def test_a_log_that_is_too_short_tells_what_is_lacking() -> None:
     found = diagnosed(recorded("stribeck", duration_s=4.0))
     assert found.verdict == "not_testable"
-    assert "move the joint back and forth" in found.message
+    assert "move it there and back" in found.message
 
 
 def test_only_names_that_were_asked_for_are_given() -> None:

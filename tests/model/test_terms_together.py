@@ -15,8 +15,8 @@ SHAPES: dict[str, list[tuple[float, ...]]] = {
     "torque_ripple": [(3.0 + 0.7 * k,) for k in range(110)],
     "presliding": [(0.01, 1.0, 1e-4), (0.05, 0.5, 0.0), (0.01, 1.0, 0.01), (0.05, 2.0, 1e-4)],
     "frictional_lag": [(0.01, 0.2, 0.1), (0.1, 1e-3, 0.3), (0.01, 1.0, 0.3)],
-    "joint_elasticity": [(1e3, 0.1), (2e2, 1e-3)],
-    "backlash": [(1e-3, 22.0), (1e-4, 50.0)],
+    "joint_elasticity": [(1e3, 0.1, 0.05, 1.0), (2e2, 1e-3, 0.1, 0.7)],
+    "backlash": [(1e-3, 22.0, 0.2, 1.0), (1e-4, 50.0, 0.1, 0.7)],
 }
 TOGETHER = [term for term in TERMS if term.bases is not None]
 
