@@ -19,7 +19,7 @@ FEWEST_PERIODS = 5.0
 OVERSAMPLED = 4
 NEIGHBOURS = 10.0
 """As many independent frequencies on either side, or half as high and as low again, tell the noise; of noise that is
-stronger at low frequencies those below tell more."""
+stronger at low frequencies those below tell more, as far as the band goes."""
 OWN = 2.0
 """So many independent frequencies on either side belong to the line itself."""
 
@@ -68,7 +68,7 @@ def find_line(
     rms = float(np.sqrt(2.0 * power[at]))
     apart = np.abs(frequency - frequency[at])
     reach = max(NEIGHBOURS * resolution, 0.5 * float(frequency[at]))
-    beside = (apart > OWN * resolution) & (apart <= reach) & (frequency > 0.0)
+    beside = (apart > OWN * resolution) & (apart <= reach) & (frequency >= low)  # below, most was taken away
     usual = float(np.median(power[beside])) / np.log(2.0)
     tried = (high - low) / resolution
     if rms < least_rms or power[at] < np.log(tried / CHANCE) * usual:
