@@ -59,3 +59,9 @@ def test_what_does_not_come_round_five_times_is_no_line() -> None:
     hum = np.sin(2.0 * np.pi * 0.05 * MOVED)
     assert find_line(hum, MOVED, 0.0, 0.06, 0.0) is None
     assert find_line(np.zeros(0), np.zeros(0), 0.6, 25.0, 0.0) is None
+
+
+def test_five_rounds_of_noise_are_no_line() -> None:
+    """What is slower is taken away: what is left next to it would stand out of what is not left."""
+    found = [find_line(noise(0.9, seed), PATH, 0.0, 3.0, 0.2, SPEED) for seed in range(50, 100)]
+    assert found == [None] * 50

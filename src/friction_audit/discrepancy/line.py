@@ -19,7 +19,9 @@ FEWEST_PERIODS = 5.0
 OVERSAMPLED = 4
 NEIGHBOURS = 10.0
 """As many independent frequencies on either side, or half as high and as low again, tell the noise; of noise that is
-stronger at low frequencies those below tell more, as far as the band goes."""
+stronger at low frequencies those below tell more."""
+KEPT = 0.5
+"""What is slower than this share of the lowest frequency is taken away; what is not tells the noise there."""
 OWN = 2.0
 """So many independent frequencies on either side belong to the line itself."""
 
@@ -60,7 +62,7 @@ def find_line(
     low = max(low, FEWEST_PERIODS / length) if length > 0.0 else high
     if high <= low:
         return None
-    power = _periodogram(left, along, (low, high), np.ones(len(left)) if weight is None else weight)
+    power = _periodogram(left, along, (KEPT * low, high), np.ones(len(left)) if weight is None else weight)
     resolution = 1.0 / length
     frequency = np.arange(len(power)) * resolution / OVERSAMPLED
     inside = (frequency >= low) & (frequency <= high)
@@ -68,7 +70,7 @@ def find_line(
     rms = float(np.sqrt(2.0 * power[at]))
     apart = np.abs(frequency - frequency[at])
     reach = max(NEIGHBOURS * resolution, 0.5 * float(frequency[at]))
-    beside = (apart > OWN * resolution) & (apart <= reach) & (frequency >= low)  # below, most was taken away
+    beside = (apart > OWN * resolution) & (apart <= reach) & (frequency >= KEPT * low)
     usual = float(np.median(power[beside])) / np.log(2.0)
     tried = (high - low) / resolution
     if rms < least_rms or power[at] < np.log(tried / CHANCE) * usual:
