@@ -11,6 +11,7 @@ import os, signal, sys
 from friction_audit import whole_file
 from friction_audit.cli import main
 
+signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts behind itself ignores it
 replace = whole_file._replace
 
 def stopped(draft, path):
