@@ -36,13 +36,13 @@ def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
     "name",
     [
         "stribeck",
-        "presliding",
-        "torque_drift",
+        pytest.param("presliding", marks=pytest.mark.thorough),
+        pytest.param("torque_drift", marks=pytest.mark.thorough),
         "time_delay",
-        "warm_up",
+        pytest.param("warm_up", marks=pytest.mark.thorough),
         "friction_step",
         "backlash",
-        "cable_spring",
+        pytest.param("cable_spring", marks=pytest.mark.thorough),
     ],
 )
 def test_an_effect_is_named(name: str) -> None:
@@ -69,7 +69,15 @@ def test_what_this_motion_cannot_tell_apart_is_said_so() -> None:
     assert found.effects[0].decide
 
 
-@pytest.mark.parametrize(("memory", "noise_nm"), [(0.0, 0.02), (0.9, 0.02), (0.99, 0.02), (0.0, 0.005)])
+@pytest.mark.parametrize(
+    ("memory", "noise_nm"),
+    [
+        (0.99, 0.02),
+        pytest.param(0.0, 0.02, marks=pytest.mark.thorough),
+        pytest.param(0.9, 0.02, marks=pytest.mark.thorough),
+        pytest.param(0.0, 0.005, marks=pytest.mark.thorough),
+    ],
+)
 def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_nm: float) -> None:
     settings = next(one.settings for one in SCENARIOS if one.name == "joint")
     clean = simulate(replace(settings, duration_s=40.0, sensors=(IDEAL_SENSORS,)), SEED).log
@@ -91,7 +99,11 @@ def coloured(memory: float, noise_nm: float, n: int) -> Float:
     return np.asarray(noise_nm * noise / seen.std())
 
 
-@pytest.mark.parametrize("names", [("stribeck", "gravity_error"), ("presliding", "torque_drift")], ids="+".join)
+@pytest.mark.parametrize(
+    "names",
+    [pytest.param(("stribeck", "gravity_error"), marks=pytest.mark.thorough), ("presliding", "torque_drift")],
+    ids="+".join,
+)
 def test_two_effects_are_both_in_the_answer(names: tuple[str, ...]) -> None:
     found = diagnosed(recorded(*names))
     assert found.verdict in ("named", "ambiguous")

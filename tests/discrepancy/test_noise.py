@@ -18,7 +18,7 @@ def test_runs_end_at_cycles_and_at_samples_left_out() -> None:
     assert runs_of(used, np.array([0, 0, 0, 0, 1, 1])).tolist() == [0, 0, -1, 1, 2, 2]
 
 
-@pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
+@pytest.mark.parametrize("memory", [pytest.param(0.0, marks=pytest.mark.thorough), 0.5, 0.9])
 def test_integral_time_of_a_known_process(memory: float) -> None:
     e = ar1(memory, 60_000, 1)
     run = np.repeat(np.arange(60), 1000)

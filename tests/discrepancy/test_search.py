@@ -68,7 +68,10 @@ def test_every_candidate_has_the_same_chance_to_enter_by_accident() -> None:
     assert all(5 <= count <= 100 for count in entered.values())
 
 
-@pytest.mark.parametrize(("cycles", "memory"), [(12, 0.0), (24, 0.9), (60, 0.98)])
+@pytest.mark.parametrize(
+    ("cycles", "memory"),
+    [pytest.param(12, 0.0, marks=pytest.mark.thorough), (24, 0.9), pytest.param(60, 0.98, marks=pytest.mark.thorough)],
+)
 def test_noise_gets_no_name(cycles: int, memory: float) -> None:
     named = 0
     for seed in range(200):
@@ -77,7 +80,7 @@ def test_noise_gets_no_name(cycles: int, memory: float) -> None:
     assert named <= 10
 
 
-@pytest.mark.parametrize(("size", "least"), [(0.2, 30), (0.3, 35)])
+@pytest.mark.parametrize(("size", "least"), [(0.2, 30), pytest.param(0.3, 35, marks=pytest.mark.thorough)])
 def test_an_effect_of_a_part_of_the_noise_is_named(size: float, least: int) -> None:
     right = 0
     for seed in range(36):

@@ -44,7 +44,7 @@ def test_a_compensator_beside_stated_coulomb_friction_is_named_with_its_size() -
     assert found.grown["viscous_nms_per_rad"].value == pytest.approx((1.0 - SHARE) * VISCOUS_NMS_PER_RAD, abs=0.005)
 
 
-@pytest.mark.parametrize("model", [None, STATED])
+@pytest.mark.parametrize("model", [None, pytest.param(STATED, marks=pytest.mark.thorough)])
 def test_where_friction_is_fitted_it_cannot_be_said(model: JointModel | None) -> None:
     found = diagnosed(moved_joint(helped, noise_nm=0.02), model)
     assert all(effect.name != "unlogged_compensation" for effect in found.effects)
