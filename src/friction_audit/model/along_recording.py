@@ -18,14 +18,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
 from friction_audit.model.move import run_pieces
 from friction_audit.model.tables import Tables, certain, tabulate
 from friction_audit.model.term import Forward, Motion
-from friction_audit.model.transmission import HIGHEST_HZ, Transmission
+from friction_audit.model.transmission import HIGHEST_HZ, Transmission, flank_stiffness
 from friction_audit.model.two_sides import Link, can_follow, follow, link_of, move_two_sides
 
 SWEEPS = 12
@@ -215,10 +214,9 @@ def _transmission(model: JointModel, motion: Motion, between: Mapping[Forward, F
         )
     if play is None:
         return None
-    hertz = min(_optional(play, "_hz", HIGHEST_HZ), HIGHEST_HZ)
-    ringing = share * model.inertia_kg_m2 * (2.0 * np.pi * hertz) ** 2
+    far_kg_m2, contact_hz = share * model.inertia_kg_m2, _optional(play, "_hz", HIGHEST_HZ)
     return Transmission(
-        stiffness_nm_per_rad=max(ringing, _rms(model.rest(motion)) / gap),
+        stiffness_nm_per_rad=flank_stiffness(far_kg_m2, contact_hz, gap, _rms(model.rest(motion))),
         damping_ratio=_optional(play, "damping_ratio", 1.0),
         gap_rad=gap,
         far_share=share,
@@ -277,14 +275,13 @@ def _optional(term: FittedTerm | None, ending: str, default: float) -> float:
     return _parameter(term, ending)
 
 
-@compiled()
 def _lagging(signal: Float, time_s: float, step_s: float) -> Float:
     """A signal that follows another one, exactly where that is linear between samples."""
     if time_s <= 0.0:
         return signal
+    from scipy.signal import lfilter
+
     keep = np.exp(-step_s / time_s)
     bend = 1.0 - (1.0 - keep) * time_s / step_s
-    out = signal.copy()
-    for i in range(1, len(signal)):
-        out[i] = keep * out[i - 1] + (1.0 - keep) * signal[i - 1] + bend * (signal[i] - signal[i - 1])
-    return out
+    following, _ = lfilter([bend, 1.0 - keep - bend], [1.0, -keep], signal, zi=[(1.0 - bend) * signal[0]])
+    return np.asarray(following)

@@ -107,6 +107,14 @@ def simple_torque(motion: Motion) -> Float:
     return motion.rest
 
 
+def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usual_nm: float) -> float:
+    """Return the stiffness of a play's flanks, on which an inertia rings at a frequency, as far as it can be followed.
+
+    Flanks that gave way to the usual torque by more than the play would be a spring, and that has its own name.
+    """
+    return max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap_rad)
+
+
 def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
     ((_, added),) = added_torques(motion, far, [transmission])

@@ -5,12 +5,19 @@ play and strikes it on the other flank.
 """
 
 from collections.abc import Iterator, Sequence
-from math import pi, sqrt
+from math import sqrt
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 from friction_audit.model.terms.far_share import FAR_SHARE
-from friction_audit.model.transmission import HIGHEST_HZ, Transmission, added_torques, far_side, part_of, simple_torque
+from friction_audit.model.transmission import (
+    Transmission,
+    added_torques,
+    far_side,
+    flank_stiffness,
+    part_of,
+    simple_torque,
+)
 
 CONTACT_DAMPING_RATIO = 0.2
 """Of metal on lubricated metal: half of the speed is left after an impact."""
@@ -41,8 +48,7 @@ def flank(inertia_kg_m2: float, usual_nm: float, shape: Sequence[float]) -> Tran
     """
     gap, contact_hz, damping_ratio, share = shape
     return Transmission(
-        # Flanks that gave way by more than the play would be a spring, and that has its own name.
-        stiffness_nm_per_rad=max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap),
+        stiffness_nm_per_rad=flank_stiffness(inertia_kg_m2, contact_hz, gap, usual_nm),
         damping_ratio=damping_ratio,
         gap_rad=gap,
         far_share=share,
