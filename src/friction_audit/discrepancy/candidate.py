@@ -43,19 +43,6 @@ def _sharp(_baseline: Baseline, _shape: Shape) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Law:
-    """Another law than a candidate's formula.
-
-    Attributes:
-        columns: As of a candidate.
-        holds: ``holds(factors, baseline)``: whether the law may be that of these factors, and of this declared model.
-    """
-
-    columns: Callable[[JointData, Baseline, Shape], Float]
-    holds: Callable[[Float, Baseline], bool]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class Candidate:
     """One effect, as a detector sees it.
 
@@ -87,7 +74,6 @@ class Candidate:
         exact: Whether its formula cannot be wrong, as that of a constant cannot.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
         fading: Name of the number of its shape that is a time constant; empty without one.
-        other_laws: Other laws that it may follow as well.
         noisy: Name of the number of its shape that noise of the motion moves; empty without one.
         along_noise: Names of the numbers, above zero, that noise moves with it.
         assumed: Names of numbers that a shape may lack, where they are as usual; intervals take them for unknown too.
@@ -112,7 +98,6 @@ class Candidate:
     exact: bool = False
     blur: Callable[[Baseline, Shape], float] = _sharp
     fading: str = ""
-    other_laws: tuple[Law, ...] = ()
     noisy: str = ""
     along_noise: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
