@@ -1,11 +1,13 @@
-"""How much of each of two effects a log holds: what a detector would see that knew the torque of both.
+"""How much a log holds of one effect, or of each of two: what a detector would see that knew their torques.
 
-python -m benchmarks.hidden_effects.limits PAIRS.csv... [--output LIMITS.csv]
+python -m benchmarks.hidden_effects.limits ROWS.csv... [--strength 0.2] [--output LIMITS.csv]
 
-The files are those of ``run`` with pairs. An effect's torque is what it alone adds on ideal sensors. It is seen where
-n_eff ln(RSS without it / RSS with it), beside the declared model and the other effect's torque and over all cycles of
-the very log that was diagnosed, is above what the best of all names of the catalogue brings by chance in one log of a
-hundred. Where an effect changes how the joint moves, its torque is that of another motion, and the number is too small.
+The files are those of ``run``; rows with nothing hidden, or nothing of the catalogue, are passed over. An effect's
+torque is what it alone adds on ideal sensors. It is seen where n_eff ln(RSS without it / RSS with it), beside the
+declared model and the other effect's torque if there is one, and over all cycles of the very log that was diagnosed, is
+above what the best of all names of the catalogue brings by chance in one log of a hundred. Where an effect changes how
+the joint moves, its torque is that of another motion, and the number is too small. Without ``--strength`` all logs
+count whose effects have to be found, from 0.3 on.
 """
 
 import argparse
@@ -31,6 +33,8 @@ from friction_audit.simulate.dispatch import simulate
 
 PRICE = float(chdtri(1, BY_CHANCE / len(CANDIDATES)))
 """Of an effect whose torque is known but for its factor."""
+MUCH = 2.0
+"""Times the price from which on an effect is plain."""
 SAME_START_S = 0.05
 """A start from a standstill in one log and in another are the same one if they are no farther from each other."""
 FIELDS = ("truth", "seed", "effect", "partial", "n_eff", "holds", "in_the_answer", "untestable")
@@ -40,7 +44,8 @@ def limits_of(row: Row) -> Iterator[dict[str, object]]:
     """What the log of a row holds of each of its effects."""
     seed, names = int(row["seed"]), tuple(row["truth"].split("+"))
     case = draw_case(seed, names, SIZES[seed % len(SIZES)])
-    scales = scales_for(case)
+    # Rows of earlier runs do not hold the scales.
+    scales = tuple(map(float, filter(None, (row.get("scales") or "").split("/")))) or scales_for(case)
     if scales is None:
         return
     case = scaled(case, scales)
@@ -112,51 +117,87 @@ def _starts(rows: Rows) -> NDArray[np.bool_]:
     return starts[rows.used]
 
 
-def summary(pairs: Sequence[Row], limits: Sequence[Row]) -> str:
-    """A table of effects and of pairs, from a strength of 0.3 on, by what their logs hold."""
-    clear = [row for row in limits if float(row["partial"]) >= CLEAR]
-    shown = [row for row in clear if row["untestable"] == "False"]
-    low, high = [float(row["holds"]) < PRICE for row in shown], [float(row["holds"]) >= 2.0 * PRICE for row in shown]
-    parts = [
-        ("effects that the log cannot show, as the answer says", [row for row in clear if row not in shown]),
-        ("effects, less than the price", [r for r, less in zip(shown, low, strict=True) if less]),
-        (
-            "effects, up to twice the price",
-            [r for r, less, more in zip(shown, low, high, strict=True) if not less and not more],
-        ),
-        ("effects, more", [r for r, more in zip(shown, high, strict=True) if more]),
+def counts(row: Row, strength: float | None) -> bool:
+    """Whether a row is of a strength, of one that has to be found without any."""
+    partial = float(row["partial"])
+    return partial >= CLEAR if strength is None else partial == strength
+
+
+def judged(rows: Sequence[Row], strength: float | None) -> list[Row]:
+    """Rows with an answer to effects of the catalogue, of the joint that their strength is measured in."""
+    names = {candidate.name for candidate in CANDIDATES}
+    return [
+        row
+        for row in rows
+        if row["verdict"] not in {"", "error"}
+        and set(row["truth"].split("+")) <= names
+        and counts(row, strength)
+        and int(row["joint"]) == draw_case(int(row["seed"]), row["truth"].split("+"), float(row["partial"])).number
     ]
-    lines = [(label, str(len(part)), share(r["in_the_answer"] == "True" for r in part)) for label, part in parts]
-    both = [row for row in pairs if _both_seen(row, limits)]
-    lines.append(("pairs, both at least the price", str(len(both)), share(map(held, both))))
+
+
+def summary(rows: Sequence[Row], limits: Sequence[Row], strength: float | None = None) -> str:
+    """A table of effects that were alone, of those of pairs, and of pairs, by what their logs hold.
+
+    Args:
+        rows: Rows of ``run``.
+        limits: What their logs hold of each effect.
+        strength: Which rows count; None for all that have to be found.
+    """
+    clear = [row for row in limits if counts(row, strength)]
+    lines = []
+    for label, two in (("one effect", False), ("effects of two", True)):
+        lines += _by_what_is_held(label, [row for row in clear if ("+" in row["truth"]) == two])
+    both = [row for row in rows if "+" in row["truth"] and _both_seen(row, clear)]
+    lines += [("two, both at least the price", str(len(both)), share(map(held, both)))] if both else []
     return table(("what the log holds", "number", "in the answer [%]"), lines)
+
+
+def _by_what_is_held(label: str, limits: Sequence[Row]) -> list[tuple[str, str, str]]:
+    """One line for each part of some effects; none without any."""
+    if not limits:
+        return []
+    shown = [row for row in limits if row["untestable"] == "False"]
+    prices = [float(row["holds"]) / PRICE for row in shown]
+    parts = [
+        ("that the log cannot show, as the answer says", [row for row in limits if row not in shown]),
+        ("less than the price", [row for row, so in zip(shown, prices, strict=True) if so < 1.0]),
+        ("up to twice the price", [row for row, so in zip(shown, prices, strict=True) if 1.0 <= so < MUCH]),
+        ("more", [row for row, so in zip(shown, prices, strict=True) if so >= MUCH]),
+    ]
+    return [
+        (f"{label}, {words}", str(len(part)), share(row["in_the_answer"] == "True" for row in part))
+        for words, part in parts
+    ]
 
 
 def _both_seen(row: Row, limits: Sequence[Row]) -> bool:
     """Whether the log of a pair can show both and holds the price of each."""
     own = [one for one in limits if (one["truth"], one["seed"]) == (row["truth"], row["seed"])]
-    clear = bool(own) and float(own[0]["partial"]) >= CLEAR
-    return clear and all(one["untestable"] == "False" and float(one["holds"]) >= PRICE for one in own)
+    return bool(own) and all(one["untestable"] == "False" and float(one["holds"]) >= PRICE for one in own)
 
 
 def main() -> None:
     """Run all logs of some files that the output does not hold, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", type=Path, nargs="+")
+    parser.add_argument("--strength", type=float, help="of the logs that count; from 0.3 on if not given")
     parser.add_argument("--output", type=Path, default=Path("hidden_effects_limits.csv"))
     asked = parser.parse_args()
-    pairs = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
+    rows = judged([row for path in asked.files for row in csv.DictReader(path.open())], asked.strength)
     started = asked.output.exists()
     done = {(row["truth"], row["seed"]) for row in csv.DictReader(asked.output.open())} if started else set()
     with asked.output.open("a", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)
         if not started:
             writer.writeheader()
-        for row in pairs:
-            if (row["truth"], row["seed"]) not in done and float(row["partial"]) >= CLEAR:
+        for row in rows:
+            if (row["truth"], row["seed"]) not in done:
                 writer.writerows(limits_of(row))
                 file.flush()
-    print(summary(pairs, list(csv.DictReader(asked.output.open()))))
+    asked_for = {(row["truth"], row["seed"]) for row in rows}
+    limits = [one for one in csv.DictReader(asked.output.open()) if (one["truth"], one["seed"]) in asked_for]
+    print(summary(rows, limits, asked.strength))
 
 
 if __name__ == "__main__":

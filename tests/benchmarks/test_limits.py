@@ -1,9 +1,9 @@
-"""What a log holds of two effects, by hand."""
+"""What a log holds of one effect or of two, by hand."""
 
 import numpy as np
 import pytest
 
-from benchmarks.hidden_effects.limits import PRICE, held_by, same_moments, summary
+from benchmarks.hidden_effects.limits import PRICE, held_by, judged, same_moments, summary
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -36,6 +36,13 @@ def test_what_runs_alike_is_held_by_neither() -> None:
     ground = make_ground(data, None, 0)
     torque = ground.rows.of(pull(data))
     assert held_by(ground, [torque, 2.0 * torque], 0) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_an_effect_alone_is_held_as_beside_one_that_is_not_there() -> None:
+    data = moved_joint(pull, noise_nm=NOISE_NM)
+    ground = make_ground(data, None, 0)
+    torques = [ground.rows.of(torque(data)) for torque in (pull, wave)]
+    assert held_by(ground, torques[:1], 0) == pytest.approx(held_by(ground, torques, 0), rel=0.1)
 
 
 def test_the_same_moments_and_the_same_starts() -> None:
@@ -71,3 +78,41 @@ def test_effects_and_pairs_are_sorted_by_what_their_logs_hold() -> None:
         ("3", "100"),
         ("1", "100"),
     ]
+
+
+def alone(seed: int, truth: str, partial: str, **others: str) -> dict[str, str]:
+    row = {"truth": truth, "seed": str(seed), "partial": partial, "verdict": "named", "sets": truth, "joint": "1"}
+    return row | others
+
+
+def test_effects_alone_are_sorted_at_the_strength_that_is_asked_for() -> None:
+    limits = [
+        {"truth": "stribeck", "seed": str(seed), "partial": partial, "holds": str(holds * PRICE), "untestable": "False",
+         "in_the_answer": str(told)}
+        for seed, partial, holds, told in (
+            (0, "0.2", 0.5, False), (5, "0.2", 0.9, True), (10, "0.2", 1.5, False), (15, "0.2", 2.5, True),
+            (1, "0.3", 0.5, False),
+        )
+    ]  # fmt: skip
+
+    def told(strength: float | None) -> list[tuple[str, str]]:
+        rows = summary([], limits, strength).splitlines()[2:]
+        assert all(row.startswith("| one effect, ") for row in rows)
+        return [(number, share.split(" ")[0]) for number, share in (row.split(" | ")[1:] for row in rows)]
+
+    assert told(0.2) == [("0", "-"), ("2", "50"), ("1", "0"), ("1", "100")]
+    assert told(None) == [("0", "-"), ("1", "0"), ("0", "-"), ("0", "-")]
+
+
+def test_rows_that_hold_an_effect_of_the_catalogue_are_judged_in_the_joint_that_hides_it() -> None:
+    rows = [
+        alone(0, "stribeck", "0.2"),
+        alone(1, "stribeck", "0.3"),
+        alone(5, "stribeck+torque_bias", "0.2"),
+        alone(5, "stribeck", "0.2", verdict=""),
+        alone(5, "none", "0.2"),
+        alone(5, "hum", "0.2"),
+        *(alone(5, "torque_crosstalk", "0.2", joint=str(joint)) for joint in range(1, 8)),
+    ]
+    assert [row["truth"] for row in judged(rows, 0.2)] == ["stribeck", "stribeck+torque_bias", "torque_crosstalk"]
+    assert [row["seed"] for row in judged(rows, None)] == ["1"]
