@@ -207,6 +207,12 @@ def between_samples(step: float, steps: int) -> Float:
 
 
 @compiled()
+def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
+    """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
+    return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
+
+
+@compiled()
 def _follow(
     q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool
 ) -> Float:
@@ -229,9 +235,7 @@ def _follow(
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
-            w = between[i]
-            place = q[k] + w[0] * rise + w[1] * dq[k] + w[2] * dq[k + 1]
-            speed = w[3] * rise + w[4] * dq[k] + w[5] * dq[k + 1]
+            place, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
             borne = load[k] + (i + 0.5) / steps * more
             felt = about[0 if 2 * i < steps else 1]
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.

@@ -21,7 +21,7 @@ from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.move import MOST_STEPS, SHARE_OF_SWING, Step, advance, steps_per_sample
 from friction_audit.model.tables import Tables
-from friction_audit.model.transmission import Transmission, between_samples, pushed, twisted
+from friction_audit.model.transmission import Transmission, amid, between_samples, pushed, twisted
 
 
 class Link(NamedTuple):
@@ -149,9 +149,8 @@ def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, lin
         if i + 1 == len(q):
             break
         for k in range(steps):
-            w, at = between[k], (k + 0.5) / steps
-            place = q[i] + w[0] * (q[i + 1] - q[i]) + w[1] * dq[i] + w[2] * dq[i + 1]
-            speed = w[3] * (q[i + 1] - q[i]) + w[4] * dq[i] + w[5] * dq[i + 1]
+            at = (k + 0.5) / steps
+            place, speed = amid(between[k], q[i], q[i + 1] - q[i], dq[i], dq[i + 1])
             pull = _transmit(place - theta - 0.5 * h * omega, speed - omega, loss, link)
             pull -= load[i] + at * (load[i + 1] - load[i])
             step = Step(h, pull, pull, i + k / steps, i + (k + 1.0) / steps)
