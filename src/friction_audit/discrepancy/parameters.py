@@ -1,9 +1,9 @@
 """Values and intervals of the grown model's numbers, from all cycles, shapes included.
 
-A shape's interval is that of one step of Gauss and Newton: the derivative of the effect's torque with respect to the
-shape is one more column, and its factor is how far the shape is off. Where the misfit is rugged, and of a time
-constant, it is profiled instead. The values stay those with which the torque was computed: a step along a shape that
-the log hardly tells would give factors that belong to no shape.
+Shapes are those that fit all cycles best, near those that were found (``all_cycles``). Their intervals are those of one
+more step of Gauss and Newton (``shape_steps``); where the misfit is rugged, and of a time constant, they are profiled
+instead. The values stay those with which the torque was computed: a step along a shape that the log hardly tells would
+give factors that belong to no shape.
 """
 
 from collections.abc import Sequence
@@ -11,26 +11,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from friction_audit.discrepancy.all_cycles import settled
 from friction_audit.discrepancy.candidate import Baseline
-from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.noise_reach import reach_of_noise
 from friction_audit.discrepancy.profile_likelihood import profile_number
 from friction_audit.discrepancy.profile_moment import moment_interval
 from friction_audit.discrepancy.profile_time import time_interval
+from friction_audit.discrepancy.shape_steps import around, steps_of
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import Float
 
-STEP = 1e-3
 READ_TWICE = (("compliance_rad_per_nm", "spring_nm_per_rad", -1), ("delay_s", "delay_step_s", 1))
 """Factors that are a power of a number of their shape, for a shape that is right: by how much, and by when or how fast.
 What a model does not get right, as the damping of a spring, pulls the two apart."""
-MOST_CHANGE = 3.0
-"""Change of an effect's torque within the interval of a number of its shape, over that torque: beyond, the derivative
-says nothing of the way there, and the log does not tell the number."""
-MOST_SPREAD = 10.0
-"""Half of the interval of a number that cannot be below zero, over the number: the log does not tell its size."""
 FARTHEST = 2.0
 """From one reading to the other; beyond, the shape was an end of its grid and stands for all that lie behind it."""
 
@@ -48,79 +42,20 @@ class Parameters:
     effects: tuple[dict[str, Coefficient], ...]
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class _Most:
-    """What an interval of a number of a shape may hold, shape (s,) each.
-
-    Attributes:
-        change: Root mean square of the change of the effect's torque. [N m]
-        spread: Half of its width.
-    """
-
-    change: Float
-    spread: Float
-
-
 def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Parameters:
     """Fit everything together on all cycles."""
-    found, profiled = _with_profiles(ground, found, baseline)
-    base = ground.base.shape[1]
-    linear = np.hstack([ground.base, *(f.columns for f in found)])
-    fitted = coefficients(linear, ground.y, ground.rows.cycle)
-    slopes, torques, sizes, at = [np.zeros((len(linear), 0))], [np.zeros(0)], [np.zeros(0)], base
-    for f in found:
+    found, profiled = _with_profiles(ground, settled(ground, found, baseline), baseline)
+    steps, at = steps_of(ground, found, baseline), ground.base.shape[1]
+    declared = dict(zip(ground.declared.names, steps.linear[:at], strict=True))
+    effects = []
+    for f, free, numbers in zip(found, steps.shapes, profiled, strict=True):
         width = f.columns.shape[1]
-        factors = np.array([c.value for c in fitted[at : at + width]])
-        slopes.append(_slopes(ground, f, baseline, factors))
-        torques.append(np.repeat(_rms(f.columns @ factors), slopes[-1].shape[1]))
-        sizes.append(_sizes(f))
-        at += width
-    most = _Most(change=MOST_CHANGE * np.concatenate(torques), spread=MOST_SPREAD * np.concatenate(sizes))
-    every = _with_slopes(ground, linear, np.hstack(slopes), most)
-    every = (*(_around(one.value, wide) for one, wide in zip(fitted, every, strict=False)), *every[len(fitted) :])
-    declared = dict(zip(ground.declared.names, every[:base], strict=True))
-    effects, at, after = [], base, linear.shape[1]
-    for f, slope, numbers in zip(found, slopes[1:], profiled, strict=True):
-        width, shapes = f.columns.shape[1], slope.shape[1]
-        named = zip(_factor_names(f), every[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
+        named = zip(_factor_names(f), steps.linear[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
         values = {name: coefficient for name, coefficient, there in named if there}
-        free = every[after : after + shapes]
-        values |= {name: _around(f.shape[name], step) for name, step in zip(f.shape, free, strict=False)}
+        values |= {name: around(value, free[name]) for name, value in f.shape.items()}
         effects.append(_through_noise(_reaching_both(values), f, found, ground, baseline) | numbers)
-        at, after = at + width, after + shapes
+        at += width
     return Parameters(declared=declared, effects=tuple(effects))
-
-
-def _with_slopes(ground: Ground, linear: Float, slopes: Float, most: _Most) -> tuple[Coefficient, ...]:
-    """Factors of the linear columns and of the slopes, those of slopes that the log does not tell without bounds.
-
-    Args:
-        ground: The joint.
-        linear: Declared model and effects, shape (m, b).
-        slopes: Derivatives with respect to each number of each shape, shape (m, s).
-        most: Beyond what the log does not tell a number.
-    """
-    every = coefficients(np.hstack([linear, slopes]), ground.y, ground.rows.cycle)
-    half = np.array([(one.high - one.low) / 2.0 for one in every[linear.shape[1] :]])
-    told = (half * _rms(slopes) <= most.change) & (half <= most.spread)
-    if not told.all():
-        every = coefficients(np.hstack([linear, slopes[:, told]]), ground.y, ground.rows.cycle)
-    steps = iter(every[linear.shape[1] :])
-    unknown = Coefficient(value=0.0, low=-np.inf, high=np.inf)
-    return (*every[: linear.shape[1]], *(next(steps) if one else unknown for one in told))
-
-
-def _sizes(found: Found) -> Float:
-    """Each number of a shape that cannot be below zero; infinite for one that can, shape (k,)."""
-    term = found.candidate.term
-    above = () if term is None else tuple(p.name for p in term.shape if p.lower >= 0.0)
-    shape = found.candidate.whole(found.shape)
-    return np.array([abs(value) if name in above else np.inf for name, value in shape.items()], np.float64)
-
-
-def _rms(columns: Float) -> Float:
-    """Root mean square of each column."""
-    return np.asarray(np.sqrt(np.mean(columns**2, axis=0)), np.float64)
 
 
 def _with_profiles(
@@ -188,23 +123,3 @@ def _factor_names(found: Found) -> list[str]:
     if term is not None:
         return [parameter.name for parameter in term.linear[: found.columns.shape[1]]]
     return [f"factor_{k}_{unit}" for k, unit in enumerate(found.candidate.column_units, start=1)]
-
-
-def _slopes(ground: Ground, found: Found, baseline: Baseline, factors: Float) -> Float:
-    """Derivative of an effect's torque with respect to each number of its shape, assumed ones last, shape (m, k)."""
-    columns = [np.zeros((len(ground.y), 0))]
-    shape = found.candidate.whole(found.shape)
-    for name, value in shape.items():
-        step = STEP * max(abs(value), STEP)
-        up, down = (
-            ground.rows.of(found.candidate.columns(ground.data, baseline, {**shape, name: value + side * step}))
-            for side in (1, -1)
-        )
-        columns.append(((up - down) @ factors / (2 * step))[:, None])
-    return np.hstack(columns)
-
-
-def _around(value: float, wide: Coefficient) -> Coefficient:
-    """A value with the half width of another interval: the value stays, for the torque was computed with it."""
-    half = (wide.high - wide.low) / 2.0
-    return Coefficient(value=value, low=value - half, high=value + half)
