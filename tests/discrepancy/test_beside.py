@@ -62,3 +62,11 @@ def test_what_is_left_is_what_the_sum_of_squares_is_of() -> None:
     assert_allclose(np.hstack([columns, own]).T @ left, 0.0, atol=1e-12)
     assert float(left @ left) == pytest.approx(beside.fit(own)[1], rel=1e-12)
     assert_allclose(beside.left(own[:, :0]), beside.response)
+
+
+def test_factors_that_would_be_below_zero_are_left_out() -> None:
+    beside = Beside(np.ones((3, 1)), np.array([0.0, -1.0, 1.0]))
+    rising, falling = np.array([[0.0], [0.5], [1.0]]), np.array([[1.0], [0.5], [0.0]])
+    assert beside.left_above_zero(falling) == pytest.approx(beside.without)
+    assert beside.left_above_zero(rising) == pytest.approx(beside.fit(rising)[1])
+    assert beside.left_above_zero(np.hstack([falling, rising])) == pytest.approx(1.5)

@@ -24,6 +24,12 @@ def fades(data: JointData) -> Float:
     return np.asarray(np.expm1(STEEP) * np.exp(-data.t / TIME_S) * warm)
 
 
+def falls_faster_at_first(data: JointData) -> Float:
+    """Friction over that of the warm joint is an exponential of the temperature."""
+    warm = COULOMB_NM * np.sign(data.dq) + VISCOUS_NMS_PER_RAD * data.dq
+    return np.asarray(np.expm1(STEEP / 2.0 * np.exp(-data.t / TIME_S)) * warm)
+
+
 def told(ground: Ground) -> tuple[Found, Coefficient]:
     start = {"warm_up_time_s": TIME_S, "warm_up_per_k": 1e-6}
     shape = refine(CANDIDATE, start, CANDIDATE.tried(ground.data), ground, ground.baseline(), ground.base)
@@ -43,6 +49,12 @@ def test_the_time_is_held(noise_nm: float) -> None:
     found, number = told(make_ground(moved_joint(fades, noise_nm=noise_nm, duration_s=40.0), None, 0))
     assert number.value == found.shape["warm_up_time_s"]
     assert 0.0 < number.low <= TIME_S <= number.high < 2.0 * TIME_S
+
+
+def test_the_time_is_held_where_friction_falls_faster_at_first() -> None:
+    found, number = told(make_ground(moved_joint(falls_faster_at_first, noise_nm=0.03, duration_s=40.0), None, 0))
+    assert found.shape["warm_up_time_s"] < 0.9 * TIME_S
+    assert number.low <= TIME_S <= number.high < 2.0 * TIME_S
 
 
 def test_a_time_that_the_log_does_not_tell_has_no_bounds() -> None:

@@ -31,6 +31,15 @@ class Beside:
         factors, rest = self._fit(own)
         return factors, float(rest @ rest)
 
+    def left_above_zero(self, own: Float) -> float:
+        """Residual sum of squares of an effect's columns (n, p) whose factors are not below zero."""
+        from scipy.optimize import nnls
+
+        # The triangle of columns and response has their cross products, and few rows.
+        _, triangle = np.linalg.qr(np.column_stack([self._free(own / _scale(own)), self.response]))
+        _, rest = nnls(triangle[:, :-1], triangle[:, -1])
+        return float(rest) ** 2
+
     def left(self, own: Float) -> Float:
         """What an effect's columns (n, p) leave, shape (n,)."""
         return self._fit(own)[1] if own.shape[1] else self.response
