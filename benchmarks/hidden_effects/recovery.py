@@ -94,7 +94,7 @@ WAVES = {"torque_ripple": ("ripple_cos_nm", "ripple_sin_nm"), "gravity_error": (
 
 
 def compared(effect: str, group: Any, case: Case, found: Numbers) -> list[dict[str, object]]:  # noqa: ANN401
-    """Truth, estimate and whether the interval holds the truth, of every quantity that both sides know."""
+    """Truth, estimate, half of the interval and whether it holds the truth, of every quantity that both sides know."""
     rows: list[dict[str, object]] = []
     for quantity in QUANTITIES:
         if quantity.effect != effect or quantity.form not in {None, getattr(group, "form", None)}:
@@ -104,7 +104,9 @@ def compared(effect: str, group: Any, case: Case, found: Numbers) -> list[dict[s
             value, low, high = estimate
             truth = abs(quantity.hidden(group, case))
             holds = None if low != low else low <= truth <= high  # noqa: PLR0124 - not a number
-            rows.append({"parameter": quantity.parameter, "truth": truth, "estimate": value, "holds": holds})
+            half = None if holds is None else (high - low) / 2.0
+            numbers = {"truth": truth, "estimate": value, "half_width": half}
+            rows.append({"parameter": quantity.parameter, **numbers, "holds": holds})
     return rows
 
 

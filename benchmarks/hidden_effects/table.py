@@ -126,8 +126,22 @@ def numbers(rows: Sequence[Row]) -> str:
     for (effect, parameter), ones in sorted(found.items()):
         off = [abs(float(one["estimate"] or 0) / float(one["truth"] or 0) - 1) for one in ones if one["truth"]]
         held_by = [bool(one["holds"]) for one in ones if one["holds"] is not None]
-        lines.append((effect, parameter, str(len(off)), f"{100 * float(np.median(off)):.1f}", share(held_by)))
-    return table(("hidden", "number", "logs", "off, median [%]", "the interval holds it [%]"), lines)
+        half = [
+            float(one["half_width"] or 0) / float(one["truth"])
+            for one in ones
+            if one.get("half_width") and one["truth"]
+        ]
+        shares = [f"{100 * float(np.median(one)):.1f}" if one else "-" for one in (off, half)]
+        lines.append((effect, parameter, str(len(off)), *shares, share(held_by)))
+    head = (
+        "hidden",
+        "number",
+        "logs",
+        "off, median [%]",
+        "half of the interval, median [%]",
+        "the interval holds it [%]",
+    )
+    return table(head, lines)
 
 
 def without_effect(rows: Sequence[Row]) -> str:
