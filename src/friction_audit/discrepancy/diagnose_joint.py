@@ -252,7 +252,8 @@ def _doubts(ground: Ground, names: Names, rng: np.random.Generator) -> tuple[str
     crowded = f"{fitted} numbers were fitted to {cycles} cycles, so that names may stand in for something else"
     alone = (f for f in names.found if not f.naming.alternatives)
     noise = [noise_in_columns(ground, f.candidate, names.baseline, f.shape, rng) for f in names.found]
-    outdone = find_outdone(ground, [f.columns for f in names.found], fitted)
+    along = {f.candidate.axis for f in names.found}
+    outdone = find_outdone(ground, [f.columns for f in names.found], fitted, along)
     return (
         *([crowded] if fitted > cycles else []),
         *([outdone] if outdone else []),
