@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.data_audit import DataFinding
 from friction_audit.discrepancy.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.discrepancy.ground import make_ground
@@ -183,3 +184,25 @@ def test_what_is_larger_on_one_side_is_not_what_it_was_taken_for() -> None:
     assert [effect.name for effect in found.effects] == ["bump"]
     assert found.verdict == "unexplained"
     assert "bump is larger forwards than backwards" in found.message
+
+
+@pytest.mark.parametrize(("also", "names"), [(0.0, ["square"]), (0.3, ["square", "bump"])])
+def test_what_stood_in_for_the_truth_and_does_not_hold_is_left_out_of_another_search(
+    also: float, names: list[str]
+) -> None:
+    """A stand-in that fits the working cycles as well as all that is there, and turns round in the locked ones."""
+
+    def missing(data: JointData) -> Float:
+        return np.asarray(0.05 * data.dq * np.abs(data.dq) + also * bump(data))
+
+    joint = subject(missing)
+    ground = make_ground(joint.data, None, 0)
+    locked = np.unique(ground.rows.cycle[ground.locked])
+
+    def turned(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+        return np.asarray(missing(data) * np.where(np.isin(data.cycle, locked), -1.0, 1.0))[:, None]
+
+    stand_in = replace(STEP, name="stand_in", shapes=({},), columns=turned, moment="")
+    found = diagnose_joint(joint, (*TOYS, stand_in), DiagnosisSettings())
+    assert [effect.name for effect in found.effects] == names
+    assert found.verdict == "named"

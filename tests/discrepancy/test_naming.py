@@ -79,7 +79,9 @@ def test_what_was_there_on_the_working_cycles_only_is_dropped() -> None:
     working = np.isin(ground.data.cycle, ground.rows.cycle[ground.working])
     spoilt = make_ground(replace(ground.data, torque=ground.data.torque + bump(ground.data) * working), None, 0)
     assert np.array_equal(spoilt.working, ground.working)
-    assert names_of(spoilt).found == ()
+    names = names_of(spoilt)
+    assert names.found == ()
+    assert names.disproved == ("bump",)
 
 
 def spring(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
@@ -102,14 +104,17 @@ def test_an_effect_that_cannot_be_gives_way_to_what_it_holds(elsewhere: float, n
     library = build_library((SPRING, OFFSET), ground.data, ground.baseline(), ground.rows)
     names = find_names(ground, (SPRING, OFFSET), library, 0.05, np.random.default_rng(0))
     assert [found.candidate.name for found in names.found] == [name]
+    assert names.disproved == ()
 
 
 def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
     def missing(data: JointData) -> Float:
         return 20.0 * bump(data) + square(data)
 
-    (found,) = names_of(ground_of(missing)).found
+    names = names_of(ground_of(missing))
+    (found,) = names.found
     assert found.candidate is BUMP
+    assert names.disproved == ()
     # What was dropped may be what the other is instead: it is held against it, without itself in the model.
     assert SQUARE.name in {rival.name for rival in found.naming.rivals}
 

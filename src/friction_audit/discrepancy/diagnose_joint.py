@@ -24,7 +24,7 @@ from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import build_library, without
+from friction_audit.discrepancy.library import Library, build_library, without
 from friction_audit.discrepancy.motion_noise import noise_in_columns
 from friction_audit.discrepancy.naming import (
     Names,
@@ -35,7 +35,7 @@ from friction_audit.discrepancy.naming import (
     worth,
 )
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
-from friction_audit.discrepancy.outdone import find_outdone
+from friction_audit.discrepancy.outdone import find_outdone, what_speaks
 from friction_audit.discrepancy.parameters import parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.restless import find_restless
@@ -177,7 +177,35 @@ def _named(
     rejected = first.p_value <= settings.alpha
     if library.entries and (rejected or searched[1].chosen):
         names = find_names(ground, candidates, library, settings.alpha, rng, searched, rejected=rejected)
+    if rejected and names.disproved:
+        names = _without_disproved(ground, candidates, library, names, settings, rng)
     return first, names
+
+
+def _without_disproved(
+    ground: Ground,
+    candidates: Sequence[Candidate],
+    library: Library,
+    names: Names,
+    settings: DiagnosisSettings,
+    rng: np.random.Generator,
+) -> Names:
+    """The names of a search without what did not hold, where anything is still missing and more speaks for those.
+
+    What stood in for the truth on the working cycles kept it out.
+    """
+    if names.found and _test(ground, names, rng).p_value > settings.alpha:
+        return names
+    for name in names.disproved:
+        library = without(library, name)
+    again = find_names(ground, candidates, library, settings.alpha, rng)
+    both = ([f.columns for f in one.found] for one in (names, again))
+    worth_of_all = len(ground.y) / ground.memory(*(f.columns for f in again.found))
+    first, second = (
+        what_speaks(ground, columns, unknowns(one), worth_of_all)
+        for columns, one in zip(both, (names, again), strict=True)
+    )
+    return again if second > first else names
 
 
 def _told(

@@ -69,11 +69,14 @@ class Names:
         found: Accepted effects, the strongest first.
         library: What was looked for.
         baseline: The declared model as fitted beside the effects.
+        disproved: Names of what was found and does not hold on the locked cycles or cannot be, with nothing in its
+            place.
     """
 
     found: tuple[Found, ...]
     library: Library
     baseline: Baseline
+    disproved: tuple[str, ...] = ()
 
 
 def find_names(
@@ -117,8 +120,10 @@ def find_names(
     price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
     price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
     simpler = {name: f for name, (f, _) in within.items()}
-    accepted = _accept(ground, found, simpler, price, alpha, rng, rejected=rejected)
-    return Names(found=_named_anew(accepted, outcome, ranking, same), library=library, baseline=baseline)
+    accepted, disproved = _accept(ground, found, simpler, price, alpha, rng, rejected=rejected)
+    return Names(
+        found=_named_anew(accepted, outcome, ranking, same), library=library, baseline=baseline, disproved=disproved
+    )
 
 
 def _named_anew(
@@ -367,12 +372,14 @@ def _accept(
     rng: np.random.Generator,
     *,
     rejected: bool,
-) -> tuple[Found, ...]:
+) -> tuple[tuple[Found, ...], tuple[str, ...]]:
     """Drop, the weakest first, what does not hold on the locked cycles, cannot be or is small beside the others.
 
     An effect gives way to an alternative that it holds within it or that has fewer numbers. Where the test over cycles
-    does not see it, rows alone speak for it: then they are worth no more than the longest memory allows.
+    does not see it, rows alone speak for it: then they are worth no more than the longest memory allows. What was
+    dropped for anything but its size, with nothing in its place, is named beside what is left.
     """
+    disproved: list[str] = []
     while found:
         proof = confirm(ground, [f.columns for f in found], rng)
         possible = [
@@ -384,12 +391,15 @@ def _accept(
         prices = np.array([price[f.candidate.name] for f in found])
         fails = ~(proof.proven(alpha) | proof.shown(prices)) | proof.misleads | ~np.array(possible)
         fails |= (proof.least_evidence <= prices) & (not rejected)
-        fails |= proof.size < LEAST_SHARE * np.array([_largest_beside(f, found, proof.size) for f in found])
+        small = proof.size < LEAST_SHARE * np.array([_largest_beside(f, found, proof.size) for f in found])
+        fails, disproves = fails | small, fails
         if not fails.any():
-            return tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
+            held = tuple(replace(f, p_value=float(p)) for f, p in zip(found, proof.p_value, strict=True))
+            return held, tuple(disproved)
         weakest = int(np.argmin(np.where(fails, proof.gain, np.inf)))
         instead = simpler.get(found[weakest].candidate.name)
         there = {f.candidate.name for f in found}
         place = [instead] if instead is not None and instead.candidate.name not in there else []
+        disproved += [found[weakest].candidate.name] if disproves[weakest] and not place else []
         found = [*found[:weakest], *place, *found[weakest + 1 :]]
-    return ()
+    return (), tuple(disproved)
