@@ -199,6 +199,8 @@ def _without_disproved(
     for name in names.disproved:
         library = without(library, name)
     again = find_names(ground, candidates, library, settings.alpha, rng)
+    if {f.candidate.name for f in again.found} <= {f.candidate.name for f in names.found}:
+        return names
     both = ([f.columns for f in one.found] for one in (names, again))
     worth_of_all = len(ground.y) / ground.memory(*(f.columns for f in again.found))
     first, second = (
