@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.alternatives import Naming, Rival, evidence, name_effects, preferred
+from friction_audit.discrepancy.alternatives import (
+    Naming,
+    Rival,
+    evidence,
+    name_effects,
+    preferred,
+    with_wholes,
+)
 from friction_audit.discrepancy.search import Group, Ranking, cross_products, search
 from friction_audit.joint_log import Float
 
@@ -136,6 +143,36 @@ def test_so_do_those_that_are_the_same_as_an_alternative() -> None:
     same_as = {"near": ("twin", "effect"), "stranger": ("brother",)}
     assert named(noise=8.0, same_as=same_as).alternatives == ("near", "twin")
     assert named(noise=2.0, same_as=same_as).alternatives == ()
+
+
+PARTS = {"offset": ("drift",), "uneven": ("drift",)}
+"""What either of two names may be a part of."""
+
+
+def set_with_drift(name: str, *alternatives: str, beside: tuple[str, ...] = ("drift",)) -> tuple[str, ...]:
+    """The alternatives of an effect beside others, with those of them that it may be a part of."""
+    namings = [Naming(name=one, rivals=(), alternatives=()) for one in beside]
+    return with_wholes([*namings, Naming(name=name, rivals=(), alternatives=alternatives)], PARTS)[-1].alternatives
+
+
+def test_an_offset_beside_a_drift_may_be_what_was_drifted_before() -> None:
+    assert set_with_drift("offset", "uneven") == ("uneven", "drift")
+    assert set_with_drift("offset") == ("drift",)
+
+
+def test_so_may_what_has_an_offset_among_its_alternatives() -> None:
+    assert set_with_drift("spring", "stop", "offset") == ("stop", "offset", "drift")
+
+
+def test_without_a_drift_an_offset_is_none_nor_is_another_effect_beside_one() -> None:
+    assert set_with_drift("offset", "uneven", beside=()) == ("uneven",)
+    assert set_with_drift("offset", "uneven", beside=("spring",)) == ("uneven",)
+    assert set_with_drift("spring", "stop") == ("stop",)
+
+
+def test_no_effect_is_a_part_of_itself_nor_stands_twice() -> None:
+    assert set_with_drift("drift", "offset", beside=()) == ("offset",)
+    assert set_with_drift("offset", "drift") == ("drift",)
 
 
 def spring_or_offset(stiffness: float, offset: float) -> Naming:

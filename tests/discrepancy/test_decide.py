@@ -65,7 +65,7 @@ def test_no_pair_stands_twice_or_names_a_stranger() -> None:
 @pytest.mark.parametrize("candidate", CANDIDATES, ids=lambda candidate: candidate.name)
 def test_what_no_motion_of_a_kind_tells_apart_has_an_entry(candidate: Candidate) -> None:
     told = {frozenset(pair[:2]) for pair in PAIRS}
-    assert {frozenset((candidate.name, other)) for other in candidate.same_as} <= told
+    assert {frozenset((candidate.name, other)) for other in (*candidate.same_as, *candidate.part_of)} <= told
 
 
 def test_any_two_effects_have_a_motion_and_order_means_nothing() -> None:

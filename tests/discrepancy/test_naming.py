@@ -164,6 +164,17 @@ def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bo
         assert (found.shape["form"] > 0.0) == told
 
 
+@pytest.mark.parametrize(("size", "alternatives"), [(2.0, ("bump",)), (0.0, ())])
+def test_what_an_effect_may_be_a_part_of_is_an_alternative_where_it_was_found(
+    size: float, alternatives: tuple[str, ...]
+) -> None:
+    ground = ground_of(lambda data: 2.0 + size * bump(data))
+    toys = (replace(OFFSET, exact=True, part_of=("bump",)), BUMP)
+    library = build_library(toys, ground.data, ground.baseline(), ground.rows)
+    found = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
+    assert {one.candidate.name: one.naming.alternatives for one in found}["offset"] == alternatives
+
+
 def test_twins_are_alternatives() -> None:
     ground = ground_of(square)
     toys = (replace(SQUARE, same_as=("bump",)), BUMP)

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.pushes import Push, find_pushes
@@ -32,11 +33,11 @@ def box(start_s: float, length_s: float, size: float) -> Float:
 
 
 def found(left: Float, known: Float = NOTHING, data: JointData = MOTION) -> tuple[Push, ...]:
-    return find_pushes(data, left, known, CLEAR, ~CLEAR)
+    return find_pushes(data, left, known, CLEAR, ~CLEAR, ~CLEAR)
 
 
-def found_about_turns(left: Float) -> tuple[Push, ...]:
-    return find_pushes(MOTION, left, NOTHING, ~TURNING, TURNING)
+def found_about_turns(left: Float, rests: NDArray[np.bool_] = ~CLEAR) -> tuple[Push, ...]:
+    return find_pushes(MOTION, left, NOTHING, ~(TURNING | rests), TURNING | rests, rests)
 
 
 @pytest.mark.parametrize("memory_s", [0.002, 0.02, 0.1])
@@ -93,7 +94,7 @@ def test_what_is_far_smaller_than_what_was_taken_off_there_may_be_its_formula() 
 
 
 def test_nothing_is_looked_for_where_little_is_clear() -> None:
-    assert find_pushes(MOTION, slow_noise(0.1) + box(30.0, 0.2, 5.0), NOTHING, MOTION.t < 1.0, ~CLEAR) == ()
+    assert find_pushes(MOTION, slow_noise(0.1) + box(30.0, 0.2, 5.0), NOTHING, MOTION.t < 1.0, ~CLEAR, ~CLEAR) == ()
 
 
 def test_a_model_that_lacks_more_the_faster_the_joint_is_accelerated_holds_none() -> None:
@@ -124,6 +125,20 @@ def test_errors_at_reversals_are_none_however_large_unless_one_is_far_larger() -
     pushes = found_about_turns(slow_noise(0.02) + errors + box(at, 0.1, 50.0))
     assert pushes
     assert all(abs(push.start_s - at) < 0.5 for push in pushes)
+
+
+def test_what_shows_only_while_the_joint_rests_may_be_held_by_friction() -> None:
+    at, noise = float(MOTION.t[TURNS[20]]), slow_noise(0.02)
+    rests = np.abs(MOTION.t - at) < 0.225
+    assert found_about_turns(noise + box(at - 0.2, 0.4, 6.0), rests) == ()
+    assert len(found_about_turns(noise + box(at - 0.2, 0.8, 6.0), rests)) >= 1
+
+
+def test_what_shows_only_while_friction_is_on_its_way_may_be_friction() -> None:
+    winding = np.abs(MOTION.t - 30.0) < 0.1
+    left = slow_noise(0.02) + box(29.9, 0.2, 6.0)
+    assert len(found(left)) >= 1
+    assert find_pushes(MOTION, left, NOTHING, CLEAR, ~CLEAR, winding) == ()
 
 
 def test_a_smaller_push_during_alike_motion_is_not_its_repetition() -> None:

@@ -73,6 +73,17 @@ def test_the_message_of_each_verdict() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("alternatives", "words"), [(("p", "q", "y"), "p, q or from a part of y"), (("y",), "a part of y")]
+)
+def test_an_alternative_that_is_in_the_answer_itself_is_told_as_what_it_may_be_a_part_of(
+    alternatives: tuple[str, ...], words: str
+) -> None:
+    assert told("ambiguous", effect("x", alternatives), effect("y")) == (
+        f"x (the x) and y (the y): x cannot be told from {words} in this log"
+    )
+
+
 def test_what_nothing_explains_is_told_with_its_place() -> None:
     lost = "is missing that nothing in the catalogue explains: "
     assert told("unexplained") == f"something {lost}spread over the whole motion"

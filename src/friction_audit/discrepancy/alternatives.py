@@ -10,7 +10,7 @@ References:
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -119,6 +119,26 @@ def name_effects(
         same = [name for one in (chosen.name, *close) for name in same_as.get(one, ()) if name not in taken]
         names = dict.fromkeys([*close, *same])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
+    return tuple(entries)
+
+
+def with_wholes(namings: Sequence[Naming], part_of: Mapping[str, Sequence[str]]) -> tuple[Naming, ...]:
+    """The same, each with those accepted effects among its alternatives that it may be a part of.
+
+    A drift that is older than the recording has a level where that starts, and no motion tells it from an offset. Where
+    none was found an offset is no drift: that would have gone on.
+
+    Args:
+        namings: The accepted effects.
+        part_of: For each name those that it may be a part of; be it the effect or an alternative.
+    """
+    accepted = [naming.name for naming in namings]
+    entries = []
+    for naming in namings:
+        names = (naming.name, *naming.alternatives)
+        wholes = [whole for one in names for whole in part_of.get(one, ()) if whole in accepted]
+        more = [whole for whole in dict.fromkeys(wholes) if whole not in names]
+        entries.append(replace(naming, alternatives=(*naming.alternatives, *more)))
     return tuple(entries)
 
 

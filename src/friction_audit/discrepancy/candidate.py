@@ -63,6 +63,7 @@ class Candidate:
         admissible: ``admissible(factors, shape)``: whether sign and size are physically possible.
         axis: The quantity on which it shows itself: speed, position, displacement, time, acceleration, load, neighbour.
         same_as: Names that no motion of this kind tells apart from it.
+        part_of: Names that it may be a part of where they are found too, which no motion of this kind tells.
         term: The term of a joint model that it adds; None for an effect that no model can hold.
         leans_on_model: Whether its columns hold torque of the declared model, so that they change with its factors.
         rugged: Name of the number of its shape on which the misfit has many valleys; empty without one.
@@ -88,6 +89,7 @@ class Candidate:
     admissible: Callable[[Float, Shape], bool]
     axis: str
     same_as: tuple[str, ...] = ()
+    part_of: tuple[str, ...] = ()
     term: Term | None = None
     leans_on_model: bool = False
     rugged: str = ""

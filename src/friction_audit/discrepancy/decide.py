@@ -81,7 +81,16 @@ PAIRS: tuple[tuple[str, str, str], ...] = (
     ("cable_spring", "inertia_error", "move at two frequencies: on one sinusoid a spring and inertia are the same"),
     ("joint_limit_stop", "contact_event", "go to the same place again: a stop is still there"),
     # sensors
-    ("torque_bias", "torque_drift", "let the joint rest unloaded for 2 s early and late"),
+    (
+        "torque_bias",
+        "torque_drift",
+        "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back",
+    ),
+    (
+        "asymmetric_coulomb",
+        "torque_drift",
+        "let the joint rest unloaded for 2 s early and late: a drift is read at rest too, friction is not",
+    ),
     ("torque_drift", "warm_up", "pass the same places in both directions early and late, with rests"),
     (
         "torque_drift",

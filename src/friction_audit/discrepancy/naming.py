@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred
+from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred, with_wholes
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
@@ -121,9 +121,9 @@ def find_names(
     price |= {f.candidate.name: float(ranking.penalty[unit]) for f, unit in within.values()}
     simpler = {name: f for name, (f, _) in within.items()}
     accepted, disproved = _accept(ground, found, simpler, price, alpha, rng, rejected=rejected)
-    return Names(
-        found=_named_anew(accepted, outcome, ranking, same), library=library, baseline=baseline, disproved=disproved
-    )
+    part_of = {candidate.name: candidate.part_of for candidate in candidates}
+    told = _with_wholes(_named_anew(accepted, outcome, ranking, same), part_of)
+    return Names(found=told, library=library, baseline=baseline, disproved=disproved)
 
 
 def _named_anew(
@@ -137,6 +137,12 @@ def _named_anew(
     kept = ranking.result([units[name] for name in names])
     namings = {one.name: one for one in name_effects(ranking.products, kept, ranking.n_eff, same)}
     return tuple(replace(f, naming=namings[f.candidate.name]) for f in accepted)
+
+
+def _with_wholes(found: tuple[Found, ...], part_of: Mapping[str, Sequence[str]]) -> tuple[Found, ...]:
+    """The accepted effects, among the alternatives of each those of them that it may be a part of."""
+    namings = with_wholes([f.naming for f in found], part_of)
+    return tuple(replace(f, naming=naming) for f, naming in zip(found, namings, strict=True))
 
 
 def _within(

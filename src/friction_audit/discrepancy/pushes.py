@@ -5,7 +5,8 @@ within tens of milliseconds, where such a noise is small. What is left of a torq
 noise and correlated with pushes of several lengths: no other linear statistic sees them better (Turin 1960). The
 largest is taken out and the rest asked again, for the flank of one push is not another. What comes again with the
 motion is none, nor is a single wild sample. A push may turn the joint, stop it or set it in motion: there a model errs
-in ways of its own, and a push must be far larger than what other reversals and rests of the log show.
+in ways of its own, and a push must be far larger than what other reversals and rests of the log show. Nor is any told
+that shows only while friction may hold it: a joint at rest bears more than it rubs with once it slides.
 
 References:
     G. L. Turin, An introduction to matched filters, IRE Transactions on Information Theory 6 (1960) 311.
@@ -128,7 +129,9 @@ class _Matched:
         return sigma
 
 
-def find_pushes(data: JointData, left: Float, known: Float, clear: Samples, turning: Samples) -> tuple[Push, ...]:
+def find_pushes(
+    data: JointData, left: Float, known: Float, clear: Samples, turning: Samples, winding: Samples
+) -> tuple[Push, ...]:
     """Find pushes in what is left of a torque, the largest first, at most ``MOST``.
 
     Args:
@@ -138,10 +141,13 @@ def find_pushes(data: JointData, left: Float, known: Float, clear: Samples, turn
         clear: Samples in which the direction of motion is clear, shape (n,).
         turning: Samples about reversals and rests, in which only what friction cannot be is left, shape (n,). They
             count for a push that reaches into them; for any other a straight line leads over them, as over the rest.
+        winding: Samples of rests, and behind rests and reversals, in which friction may be anything, shape (n,). With
+            straight lines over them a push must still be half as large.
     """
     from scipy.fft import rfft
 
-    if clear.sum() * data.step_s < SEGMENT_S:
+    slides = (clear | turning) & ~winding
+    if slides.sum() * data.step_s < SEGMENT_S:
         return ()
     every = max(int(1.0 / (RATE_HZ * data.step_s) + 1e-9), 1)
     rest, over_turns = (_thinned(_bridged(left, counts), every) for counts in (clear, clear | turning))
@@ -149,17 +155,19 @@ def find_pushes(data: JointData, left: Float, known: Float, clear: Samples, turn
     step_s = data.step_s * every
     length = _length(len(rest), step_s)
     matched = _filters(rest, clear[::every], turning[::every], hardness, step_s, length)
-    plain, over, off = (rfft(one, length) for one in (rest, over_turns, _thinned(known, every)))
+    signals = rest, over_turns, _thinned(_bridged(left, slides), every), _thinned(known, every)
+    plain, over, free, off = (rfft(one, length) for one in signals)
     sizes = np.stack(
         [np.where(m.turns, m.of(over, length)[: len(rest)], m.of(plain, length)[: len(rest)]) for m in matched]
     )
+    held = np.stack([_held(size, m.of(free, length)) for m, size in zip(matched, sizes, strict=True)])
     sigma = np.stack([one.usual(size) for one, size in zip(matched, sizes, strict=True)])
     turns = Turns(number=nearest_turn(turning[::every]), seen=np.stack([one.turns for one in matched]))
     least = _least((clear | turning)[::every], step_s, len(matched))
     near = round(AFTER_WILD_S / step_s)
     return tuple(
         push
-        for push, k, at, unit in _pursued(sizes, sigma, turns, matched, least, passes_of(data, every), step_s)
+        for push, k, at, unit in _pursued(sizes, sigma, held, turns, matched, least, passes_of(data, every), step_s)
         if abs(push.size) > LEAST_SHARE * _largest(matched[k].of(off, length) / unit, at, near)
     )
 
@@ -168,6 +176,11 @@ def _bridged(signal: Float, counts: Samples) -> Float:
     """A signal with straight lines over the samples that do not count."""
     place = np.arange(len(signal))
     return np.interp(place, place[counts], signal[counts])
+
+
+def _held(size: Float, free: Float) -> Samples:
+    """Where friction may be most of a push: what is free of it, shape (m,), is less than half of it, shape (n,)."""
+    return np.asarray(free[: len(size)] * np.sign(size) < HALF * np.abs(size))
 
 
 def _largest(size: Float, at: int, near: int) -> float:
@@ -190,12 +203,19 @@ def _thinned(signal: Float, every: int) -> Float:
 
 
 def _pursued(
-    sizes: Float, sigma: Float, turns: Turns, matched: list[_Matched], least: float, passes: Passes, step_s: float
+    sizes: Float,
+    sigma: Float,
+    held: Samples,
+    turns: Turns,
+    matched: list[_Matched],
+    least: float,
+    passes: Passes,
+    step_s: float,
 ) -> Iterator[tuple[Push, int, int, float]]:
     """One push after the other, with the number of its filter, its sample, and what is usual there.
 
     Sizes, shape (filters, n), are changed on the way; ``sigma``, of the same shape, is what is usual where neither a
-    reversal nor a rest is near, infinite where one is.
+    reversal nor a rest is near, infinite where one is; ``held`` is where friction may be most of a push.
     """
     apart, reach = round(AFTER_WILD_S / step_s), round(REACH_S / step_s)
     touched = np.zeros(turns.number[-1] + 1, bool)
@@ -203,7 +223,7 @@ def _pursued(
     unit = _with_turns(sigma, sizes, turns, touched, least)
     first = sizes / unit
     for _ in range(MOST):
-        there = np.where(barred, 0.0, np.abs(sizes) / unit)
+        there = np.where(barred | held, 0.0, np.abs(sizes) / unit)
         best, at = (int(k) for k in np.unravel_index(np.argmax(there), there.shape))
         if there[best, at] < least:
             break

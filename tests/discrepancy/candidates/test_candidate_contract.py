@@ -66,6 +66,8 @@ def test_it_says_where_it_shows_and_what_it_is(candidate: Candidate) -> None:
     assert candidate.column_units
     for other in candidate.same_as:
         assert candidate.name in BY_NAME[other].same_as
+        assert candidate.part_of == BY_NAME[other].part_of
+    assert set(candidate.part_of) <= set(BY_NAME) - {candidate.name, *candidate.same_as}
 
 
 @each

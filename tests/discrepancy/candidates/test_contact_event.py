@@ -100,3 +100,16 @@ def test_what_friction_can_hold_at_rest_is_no_touch_and_more_is_one() -> None:
     late = (data.t > 31.2) & (data.t < 31.6)  # the joint stops at 31.0 s and goes on at 31.5 s
     (found,) = find_contacts(replace(data, torque=data.torque + 1.5 * late))
     assert found.start_s < 31.5 < found.stop_s
+
+
+def test_a_gear_that_winds_up_behind_a_rest_before_friction_has_turned_is_no_touch() -> None:
+    data, rest_s, start_s, creep_s, creep = stop_and_go(), 31.0, 31.5, 0.15, 5e-3  # rad/s: by 0.75 mrad
+    way = float(np.sign(data.dq[np.searchsorted(data.t, start_s + 0.5)]))
+    rests, winds = (data.t >= rest_s) & (data.t < start_s - creep_s), (data.t >= start_s - creep_s) & (data.t < start_s)
+    dq = np.where(winds, way * creep, data.dq)
+    noise = np.random.default_rng(5).normal(scale=0.02, size=len(dq))
+    friction = np.interp(data.t, [start_s - creep_s, start_s], [-0.3 * way, 0.3 * way])
+    torque = np.where(rests | winds, friction + noise, data.torque)
+    q, moving = np.cumsum(dq) * 0.005, np.abs(dq) > 0.2 * creep
+    wound = replace(data, q=q, dq=dq, torque=torque, moving=moving, dead_speed_rad_s=0.2 * creep)
+    assert find_contacts(wound) == ()

@@ -21,6 +21,7 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="speed",
     same_as=("torque_bias",),
+    part_of=("torque_drift",),
     term=TERM,
     exact=True,
 )

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.breakaway import STANDSTILL_S
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
@@ -24,6 +25,9 @@ TURNING_S = 2.0
 """A shorter touch may drag at a reversal, and turn with it."""
 TURN_S = 0.05
 """About a reversal, where the filter mixes both directions, nothing is looked for."""
+WINDING_RAD = 1e-3
+"""So far behind a reversal or a rest a gear may still wind up before friction has turned: three arc minutes, the most
+that makers of strain wave gears state as hysteresis."""
 APART_S = 0.2
 """Pushes between which less time is clear belong to one contact."""
 HIDDEN_S = 0.2
@@ -71,7 +75,10 @@ def find_contacts(data: JointData, explained: Float | None = None) -> tuple[Cont
     if not clear.any():
         return ()
     known = np.zeros(len(data.t)) if explained is None else explained
-    plain, any_law = (_stand_out(data, clear, law(data), known) for law in (_plain, _any_law))
+    plain = _stand_out(data, clear, _plain(data), known)
+    if not plain:
+        return ()
+    any_law = _stand_out(data, clear, _any_law(data), known)
     return tuple(contact for contact in any_law if any(overlap(contact, other) for other in plain))
 
 
@@ -79,7 +86,7 @@ def _stand_out(data: JointData, clear: NDArray[np.bool_], friction: Float, known
     """Stretches that stand out of a friction's columns, shape (n, p), and of what is known, shape (n,)."""
     turning = data.valid & _near_rest(data)
     left = _left(replace(data, torque=data.torque - known), clear, turning, friction)
-    pushes = find_pushes(data, left, known, clear, turning)
+    pushes = find_pushes(data, left, known, clear, turning, _winding(data))
     left = np.where(clear, left, 0.0)
     changed = [c for c in _stretches(data.t, clear, pushes, TURNING_S) if _turns(data, left, c)]
     found = tuple(
@@ -120,7 +127,27 @@ def _samples(length_s: float, data: JointData) -> int:
 
 def _near_rest(data: JointData) -> NDArray[np.bool_]:
     """Samples about a reversal or a rest, in which friction may have either sign."""
-    return _widened(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), _samples(TURN_S, data))
+    return _widened(_at_rest(data), _samples(TURN_S, data))
+
+
+def _winding(data: JointData) -> NDArray[np.bool_]:
+    """Samples in which friction may be anything: rests, and behind them and reversals while the gear may wind up."""
+    from scipy.ndimage import binary_opening, binary_propagation
+
+    near = _near_rest(data)
+    rests = binary_opening(~data.moving, np.ones(max(_samples(STANDSTILL_S, data), 1), bool))
+    winds = _hardly_gone(data.q, rests) | (_hardly_gone(data.q, _at_rest(data)) & ~near)
+    return np.asarray(binary_propagation(rests, mask=near) | winds, bool)
+
+
+def _hardly_gone(q: Float, marks: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Samples at which the joint is still where it was at the last marked one, up to what a gear winds up."""
+    last = np.maximum.accumulate(np.where(marks, np.arange(len(q)), -1))
+    return np.asarray((last >= 0) & (np.abs(q - q[last]) < WINDING_RAD), bool)
+
+
+def _at_rest(data: JointData) -> NDArray[np.bool_]:
+    return np.asarray(~data.moving | (np.diff(np.sign(data.dq), append=0.0) != 0), bool)
 
 
 def _left(data: JointData, clear: NDArray[np.bool_], turning: NDArray[np.bool_], friction: Float) -> Float:

@@ -21,6 +21,7 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="time",
     same_as=("asymmetric_coulomb",),
+    part_of=("torque_drift",),
     term=TERM,
     exact=True,
 )

@@ -1,6 +1,7 @@
 """Drift: the zero of the torque sensor moves, whatever the motion.
 
-As many of the slowest waves as it takes: four hold nineteen twentieths of an offset, and would take it with them.
+As many of the slowest waves as it takes: four hold nineteen twentieths of an offset, and would take it with them. They
+are zero when the recording starts. What a sensor drifted before is a constant in the log, as an offset is.
 """
 
 import numpy as np
