@@ -14,12 +14,13 @@ import numpy as np
 from friction_audit.discrepancy.all_cycles import settled
 from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.kept_shapes import over_kept_shapes
 from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.noise_reach import reach_of_noise
 from friction_audit.discrepancy.profile_likelihood import profile_number
 from friction_audit.discrepancy.profile_moment import moment_interval
 from friction_audit.discrepancy.profile_time import time_interval
-from friction_audit.discrepancy.shape_steps import around, steps_of
+from friction_audit.discrepancy.shape_steps import Steps, around, steps_of
 from friction_audit.friction.history import Coefficient
 
 READ_TWICE = (("compliance_rad_per_nm", "spring_nm_per_rad", -1), ("delay_s", "delay_step_s", 1))
@@ -46,16 +47,28 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
     """Fit everything together on all cycles."""
     found, profiled = _with_profiles(ground, settled(ground, found, baseline), baseline)
     steps, at = steps_of(ground, found, baseline), ground.base.shape[1]
-    declared = dict(zip(ground.declared.names, steps.linear[:at], strict=True))
+    linear = _over_kept_shapes(ground, found, baseline, steps)
+    declared = dict(zip(ground.declared.names, linear[:at], strict=True))
     effects = []
     for f, free, numbers in zip(found, steps.shapes, profiled, strict=True):
         width = f.columns.shape[1]
-        named = zip(_factor_names(f), steps.linear[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
+        named = zip(_factor_names(f), linear[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
         values = {name: coefficient for name, coefficient, there in named if there}
         values |= {name: around(value, free[name]) for name, value in f.shape.items()}
         effects.append(_through_noise(_reaching_both(values), f, found, ground, baseline) | numbers)
         at += width
     return Parameters(declared=declared, effects=tuple(effects))
+
+
+def _over_kept_shapes(
+    ground: Ground, found: Sequence[Found], baseline: Baseline, steps: Steps
+) -> tuple[Coefficient, ...]:
+    """All factors, with intervals over all shapes that the log does not rule out where it does not tell a shape."""
+    linear = steps.linear
+    for k, (f, bent) in enumerate(zip(found, steps.bent, strict=True)):
+        if bent and not f.candidate.rugged and not f.candidate.moment:
+            linear = over_kept_shapes(ground, found, k, baseline, linear)
+    return linear
 
 
 def _with_profiles(

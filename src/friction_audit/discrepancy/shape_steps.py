@@ -35,10 +35,13 @@ class Steps:
             are, their intervals with shapes as unknown as they are.
         shapes: Of each effect, by name: how far each number of its shape is off, assumed ones last; 0 without bounds
             where the log does not tell it.
+        bent: Of each effect, whether a number of its shape changes its torque so much within its interval that no
+            derivative holds: the factors' intervals are those of this shape alone.
     """
 
     linear: tuple[Coefficient, ...]
     shapes: tuple[dict[str, Coefficient], ...]
+    bent: tuple[bool, ...]
 
 
 def steps_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Steps:
@@ -55,11 +58,13 @@ def steps_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Step
         most_spread.append(MOST_SPREAD * _sizes(f))
         at += len(factors)
     most = np.stack([np.concatenate(most_change), np.concatenate(most_spread)])
-    every = _with_slopes(ground, linear, np.hstack(slopes), most)
+    every, bent = _with_slopes(ground, linear, np.hstack(slopes), most)
     steps = iter(every[at:])
+    ends = np.cumsum([len(own) for own in names])
     return Steps(
         linear=tuple(around(one.value, wide) for one, wide in zip(fitted, every, strict=False)),
         shapes=tuple({name: next(steps) for name in own} for own in names),
+        bent=tuple(bool(bent[end - len(own) : end].any()) for own, end in zip(names, ends.tolist(), strict=True)),
     )
 
 
@@ -69,8 +74,12 @@ def around(value: float, wide: Coefficient) -> Coefficient:
     return Coefficient(value=value, low=value - half, high=value + half)
 
 
-def _with_slopes(ground: Ground, linear: Float, slopes: Float, most: Float) -> tuple[Coefficient, ...]:
+def _with_slopes(
+    ground: Ground, linear: Float, slopes: Float, most: Float
+) -> tuple[tuple[Coefficient, ...], NDArray[np.bool_]]:
     """Factors of the linear columns and of the slopes, those of slopes that the log does not tell without bounds.
+
+    And which slopes change the torque too much within their interval, shape (s,).
 
     Args:
         ground: The joint.
@@ -81,11 +90,12 @@ def _with_slopes(ground: Ground, linear: Float, slopes: Float, most: Float) -> t
     """
     every = coefficients(np.hstack([linear, slopes]), ground.y, ground.rows.cycle)
     half = np.array([(one.high - one.low) / 2.0 for one in every[linear.shape[1] :]])
-    told: NDArray[np.bool_] = (half * _rms(slopes) <= most[0]) & (half <= most[1])
+    bent: NDArray[np.bool_] = half * _rms(slopes) > most[0]
+    told = ~bent & (half <= most[1])
     if not told.all():
         every = coefficients(np.hstack([linear, slopes[:, told]]), ground.y, ground.rows.cycle)
     steps = iter(every[linear.shape[1] :])
-    return (*every[: linear.shape[1]], *(next(steps) if one else UNKNOWN for one in told))
+    return (*every[: linear.shape[1]], *(next(steps) if one else UNKNOWN for one in told)), bent
 
 
 def _sizes(found: Found) -> Float:
