@@ -282,14 +282,20 @@ def _doubts(ground: Ground, names: Names, rng: np.random.Generator) -> tuple[str
     crowded = f"{fitted} numbers were fitted to {cycles} cycles, so that names may stand in for something else"
     alone = (f for f in names.found if not f.naming.alternatives)
     noise = [noise_in_columns(ground, f.candidate, names.baseline, f.shape, rng) for f in names.found]
-    along = {f.candidate.axis for f in names.found}
-    outdone = find_outdone(ground, [f.columns for f in names.found], fitted, along)
+    outdone = find_outdone(ground, [f.columns for f in names.found], fitted, _axes(names))
     return (
         *([crowded] if fitted > cycles else []),
         *([outdone] if outdone else []),
         *(why for f in alone if (why := f.candidate.stands_in(ground.data, f.shape))),
         *find_inconstant(ground, [(f.candidate.name, f.columns) for f in names.found], noise),
     )
+
+
+def _axes(names: Names) -> set[str]:
+    """Quantities on which what was named shows itself, or what it may be instead."""
+    axes = {entry.candidate.name: entry.candidate.axis for entry in names.library.entries}
+    others = (name for f in names.found for name in f.naming.alternatives)
+    return {f.candidate.axis for f in names.found} | {axes[name] for name in others if name in axes}
 
 
 def _test(ground: Ground, names: Names, rng: np.random.Generator) -> Omnibus:
