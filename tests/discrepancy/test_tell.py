@@ -73,9 +73,7 @@ def test_the_message_of_each_verdict() -> None:
     )
 
 
-@pytest.mark.parametrize(
-    ("alternatives", "words"), [(("p", "q", "y"), "p, q or from a part of y"), (("y",), "a part of y")]
-)
+@pytest.mark.parametrize(("alternatives", "words"), [(("p", "q", "y"), "p, q, a part of y"), (("y",), "a part of y")])
 def test_an_alternative_that_is_in_the_answer_itself_is_told_as_what_it_may_be_a_part_of(
     alternatives: tuple[str, ...], words: str
 ) -> None:

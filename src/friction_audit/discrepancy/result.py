@@ -1,5 +1,6 @@
 """Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -169,6 +170,13 @@ class SimulationGap:
     measured: Float
     declared: Float
     grown: Float
+
+
+def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
+    """Return what an effect may be instead, in words: a part of what is in the answer itself, or another name."""
+    there = {one.name for one in effects}
+    names = [name for name in effect.alternatives if name not in there]
+    return (*names, *(f"a part of {name}" for name in effect.alternatives if name in there))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -1,7 +1,6 @@
 """What people are told of a joint: its effects with sizes and places, and one message."""
 
 from collections.abc import Mapping, Sequence
-from collections.abc import Set as AbstractSet
 
 import numpy as np
 
@@ -14,7 +13,7 @@ from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found, Names
 from friction_audit.discrepancy.parameters import Parameters
 from friction_audit.discrepancy.profiles import profile_all
-from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict, Vibration
+from friction_audit.discrepancy.result import Effect, Evidence, Profile, Verdict, Vibration, others_of
 from friction_audit.discrepancy.shown_along import shows_along
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -152,16 +151,13 @@ def message_of(
         what = f"beside {named} something" if effects else "something"
         return f"{what} is missing that nothing in the catalogue explains: {'; '.join((at, *also))}"
     if verdict == "ambiguous":
-        there = {e.name for e in effects}
-        return f"{named}: {'; '.join(_unsure(e, there) for e in effects if e.alternatives)}"
+        unsure = "; ".join(
+            f"{e.name} cannot be told from {', '.join(others_of(e, effects))} in this log"
+            for e in effects
+            if e.alternatives
+        )
+        return f"{named}: {unsure}"
     return f"{named}: {effects[0].where}"
-
-
-def _unsure(effect: Effect, there: AbstractSet[str]) -> str:
-    """What an effect may be instead, or a part of, where that is in the answer itself."""
-    others = ", ".join(name for name in effect.alternatives if name not in there)
-    parts = [f"a part of {name}" for name in effect.alternatives if name in there]
-    return f"{effect.name} cannot be told from {' or from '.join([others, *parts] if others else parts)} in this log"
 
 
 def vibration_of(vibration: Vibration) -> str:

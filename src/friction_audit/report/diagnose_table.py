@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.discrepancy.candidates.warm_up import UNFELT_PER_K
-from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
+from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy, others_of
 from friction_audit.friction.history import Coefficient
 from friction_audit.model.joint_model import ArmModel
 from friction_audit.model.terms import TERMS
@@ -109,7 +109,7 @@ def _table(joints: tuple[JointDiscrepancy, ...]) -> "Table":
 
 
 def _row(joint: JointDiscrepancy) -> tuple[str, ...]:
-    missing = "\n".join(line for effect in joint.effects for line in _missing(effect)) or NOTHING
+    missing = "\n".join(line for effect in joint.effects for line in _missing(effect, joint.effects)) or NOTHING
     return (joint_label(joint.joint, joint.name), joint.verdict.replace("_", " "), missing, *_gap(joint))
 
 
@@ -128,10 +128,10 @@ def format_torque(value: float) -> str:
     return NOTHING if math.isnan(value) else f"{value:.3f}" if value < 10.0 else f"{value:.1f}"  # noqa: PLR2004
 
 
-def _missing(effect: Effect) -> Iterator[str]:
-    """Yield an effect with its alternatives and its size, a line each."""
+def _missing(effect: Effect, effects: Sequence[Effect]) -> Iterator[str]:
+    """Yield one of some effects with its alternatives and its size, a line each."""
     yield effect.name
-    yield from (f"or {name}" for name in effect.alternatives)
+    yield from (f"or {other}" for other in others_of(effect, effects))
     yield f"  {_size(effect)}"
 
 

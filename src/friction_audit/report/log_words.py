@@ -101,7 +101,7 @@ def lead_sentence(report: LogReport) -> str:
 def _missing(joint: JointReport) -> str:
     found = joint.discrepancy
     assert found is not None
-    names = enumerate_words(names_of(effect) for effect in found.effects) if found.effects else ""
+    names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
     beside = f" beside {names}" if names else ""
     return {
         "none": "nothing is missing from the model",

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile, others_of
 from friction_audit.errors import UsageError
 from friction_audit.report.figures.layout import is_narrow, label_panel, new_figure, say_in_panel
 from friction_audit.report.figures.names import joint_title
@@ -68,15 +68,15 @@ def grown_name(joint: JointDiscrepancy) -> str:
     return "with " + " and ".join(effect.name for effect in added(joint))
 
 
-def names_of(effect: Effect) -> str:
-    """Return the name of an effect, and those that the log does not tell from it."""
-    return " or ".join((effect.name, *effect.alternatives))
+def names_of(effect: Effect, effects: Sequence[Effect]) -> str:
+    """Return the name of one of some effects, and what the log does not tell from it."""
+    return " or ".join((effect.name, *others_of(effect, effects)))
 
 
 def verdict_words(joint: JointDiscrepancy) -> str:
     """Return a verdict as people say it, with the names it gives."""
     word = joint.verdict.replace("_", " ")
-    named = " and ".join(names_of(effect) for effect in joint.effects)
+    named = " and ".join(names_of(effect, joint.effects) for effect in joint.effects)
     if joint.verdict == "unexplained":
         return f"{word}, beside {named}" if named else word
     return f"{word}: {named}" if named else word

@@ -253,7 +253,7 @@ def _gap_row(joint: JointDiscrepancy) -> tuple[Cell, ...]:
     return (
         joint_cell(joint.joint, joint.name),
         Cell(text=word, tone=TONES[word]),
-        Cell(text=" and ".join(names_of(effect) for effect in joint.effects) or NOTHING),
+        Cell(text=" and ".join(names_of(effect, joint.effects) for effect in joint.effects) or NOTHING),
         number_cell(None if gap is None else gap.before),
         number_cell(gap.after if gap is not None and added else None),
         number_cell(None if gap is None else gap.floor),
@@ -280,7 +280,7 @@ def effect_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:
 def _effect_row(joint: JointDiscrepancy, effect: Effect) -> tuple[Cell, ...]:
     return (
         joint_cell(joint.joint, joint.name),
-        Cell(text=f"{names_of(effect)}: {effect.label}"),
+        Cell(text=f"{names_of(effect, joint.effects)}: {effect.label}"),
         Cell(
             text=f"{format_torque(effect.gap_before_nm)} to {format_torque(effect.gap_after_nm)}",
             key=effect.gap_before_nm - effect.gap_after_nm,
@@ -294,7 +294,7 @@ def _effect_row(joint: JointDiscrepancy, effect: Effect) -> tuple[Cell, ...]:
 def decision_table(joints: tuple[JointDiscrepancy, ...]) -> tuple[Table, ...]:
     """Return the motion that would decide between effects which the log does not tell apart, if there are any."""
     rows = [
-        (joint_cell(joint.joint, joint.name), Cell(text=names_of(effect)), Cell(text=effect.decide))
+        (joint_cell(joint.joint, joint.name), Cell(text=names_of(effect, joint.effects)), Cell(text=effect.decide))
         for joint in joints
         for effect in joint.effects
         if effect.decide
