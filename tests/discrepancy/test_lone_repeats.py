@@ -101,3 +101,13 @@ def _prepared(log: JointLog) -> JointData:
     estimate = estimate_log(log, AuditSettings())
     (data,) = prepare(estimate.interaction, estimate.cycles, estimate.log)
     return data
+
+
+def test_one_sample_before_its_time_makes_none_behind_it_late() -> None:
+    early = np.arange(60, 5900, 500)
+    q = moved()
+    q[early] = q[early + 1]
+    kept = np.setdiff1d(TICKS, early + 1)
+    found = lone_repeats(stamps(kept), q[kept])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], found, [0]])))
+    assert edges.size == 0 or np.diff(edges)[::2].max() <= 3

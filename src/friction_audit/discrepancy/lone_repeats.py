@@ -30,13 +30,16 @@ def lone_repeats(t: Float, q: Float) -> NDArray[np.bool_]:
         t: Stamps, strictly increasing, shape (n,). [s]
         q: Positions, none of which repeats the one before while a joint moves, shape (n, j). [rad]
     """
+    from scipy.ndimage import binary_opening
+
     kept = np.arange(len(t))
     # Those that were hidden by others may be plain without them.
     while np.any(late := _plain_ones(t[kept], q[kept])):
         kept = kept[~late]
     lone = np.ones(len(t), bool)
     lone[kept] = False
-    return lone
+    # What makes row after row look late, without end, is the one before them all that is out of its time.
+    return np.asarray(lone & ~binary_opening(lone, np.ones(LONGEST_RUN + 1, bool)), bool)
 
 
 def _plain_ones(t: Float, q: Float) -> NDArray[np.bool_]:
