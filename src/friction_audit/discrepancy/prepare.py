@@ -25,7 +25,6 @@ from friction_audit.discrepancy.breakaway import find_breakaways, signed_rest
 from friction_audit.discrepancy.certain_direction import certain_direction
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_load import KnownLoad, know_load
-from friction_audit.discrepancy.lone_repeats import lone_repeats
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.discrepancy.steady_clock import steady_clock
 from friction_audit.interaction.interaction import Interaction
@@ -175,8 +174,6 @@ class _Common:
 def _common(interaction: Interaction, log: JointLog, arm: Arm | None) -> _Common:
     new = fresh_samples(log)
     t = _stamps(log.t[new], log.q[new])
-    lone = lone_repeats(t, log.q[new])
-    new[new], t = ~lone, t[~lone]
     low_pass = low_pass_for(t)
     valid = _valid(low_pass, t)
     everyone = _filter_everyone(interaction, log, low_pass, t, new, valid)
