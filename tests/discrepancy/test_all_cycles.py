@@ -1,14 +1,11 @@
 """Shapes go on to where all cycles are fitted best, and no further than the log tells."""
 
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from friction_audit.discrepancy.all_cycles import settled
-from friction_audit.discrepancy.alternatives import Naming
-from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
 from friction_audit.discrepancy.candidates.warm_up import CANDIDATE as WARM_UP
 from friction_audit.discrepancy.ground import Ground, make_ground
@@ -17,6 +14,7 @@ from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.shape_steps import steps_of
 from friction_audit.joint_log import Float
+from tests.discrepancy.found_effect import found_effect
 from tests.discrepancy.moved_joint import moved_joint
 from tests.discrepancy.toy_candidates import BUMP
 
@@ -27,16 +25,6 @@ def bump(data: JointData) -> Float:
     return 0.1 * np.exp(-(((data.q - PLACE) / WIDTH) ** 2))
 
 
-def found(ground: Ground, candidate: Candidate, shape: Mapping[str, float]) -> Found:
-    return Found(
-        candidate=candidate,
-        shape=shape,
-        columns=ground.rows.of(candidate.columns(ground.data, ground.baseline(), shape)),
-        naming=Naming(name=candidate.name, rivals=(), alternatives=()),
-        p_value=0.01,
-    )
-
-
 def left(ground: Ground, one: Found) -> float:
     columns = np.hstack([ground.base, one.columns])
     return float(np.sum((ground.y - columns @ np.linalg.lstsq(columns, ground.y)[0]) ** 2))
@@ -44,7 +32,7 @@ def left(ground: Ground, one: Found) -> float:
 
 def test_without_noise_a_shape_is_found_from_a_tenth_of_the_range_away() -> None:
     ground = make_ground(moved_joint(bump, duration_s=20.0), None, 0)
-    (one,) = settled(ground, [found(ground, BUMP, {"place_rad": 0.3, "width_rad": 0.3})], ground.baseline())
+    (one,) = settled(ground, [found_effect(ground, BUMP, {"place_rad": 0.3, "width_rad": 0.3})], ground.baseline())
     assert one.shape == pytest.approx({"place_rad": PLACE, "width_rad": WIDTH}, rel=1e-3)
 
 
@@ -53,7 +41,7 @@ def test_all_cycles_have_no_better_shape_though_the_working_ones_do() -> None:
     shape = refine(
         BUMP, {"place_rad": 0.3, "width_rad": 0.2}, BUMP.tried(ground.data), ground, ground.baseline(), ground.base
     )
-    first = found(ground, BUMP, shape)
+    first = found_effect(ground, BUMP, shape)
     (one,) = settled(ground, [first], ground.baseline())
     assert left(ground, one) < left(ground, first)
     for step in steps_of(ground, [one], ground.baseline()).shapes[0].values():
@@ -68,20 +56,20 @@ def test_what_the_log_does_not_tell_stays() -> None:
 
     ground = make_ground(moved_joint(missing, noise_nm=0.02, duration_s=20.0), None, 0)
     shape = {"position_friction_order": 3.1, "position_friction_centre_rad": 0.1, "position_friction_width_rad": 300.0}
-    (one,) = settled(ground, [found(ground, PLACE_FRICTION, shape)], ground.baseline())
+    (one,) = settled(ground, [found_effect(ground, PLACE_FRICTION, shape)], ground.baseline())
     assert one.shape["position_friction_width_rad"] == 300.0
     assert one.shape["position_friction_order"] == pytest.approx(3.0, abs=0.08)
 
 
 def test_a_time_constant_stays() -> None:
     ground = make_ground(moved_joint(bump, duration_s=40.0), None, 0)
-    one = found(ground, WARM_UP, {"warm_up_time_s": 15.0, "warm_up_per_k": 1e-6})
+    one = found_effect(ground, WARM_UP, {"warm_up_time_s": 15.0, "warm_up_per_k": 1e-6})
     assert settled(ground, [one], ground.baseline()) == [one]
 
 
 def test_no_step_leads_to_what_is_not_possible() -> None:
     ground = make_ground(moved_joint(bump, noise_nm=0.01, duration_s=20.0), None, 0)
-    first = found(
+    first = found_effect(
         ground,
         replace(BUMP, admissible=lambda _factors, shape: shape["place_rad"] >= 0.25),
         {"place_rad": 0.26, "width_rad": 0.2},

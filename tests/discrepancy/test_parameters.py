@@ -1,20 +1,17 @@
 """Intervals of factors and shapes of a grown model: exact without noise, and they cover."""
 
-from collections.abc import Mapping
 from functools import cache
 
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.alternatives import Naming
-from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
-from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.parameters import Parameters, parameters_of
 from friction_audit.discrepancy.refine import refine
 from friction_audit.joint_log import Float
+from tests.discrepancy.found_effect import found_effect
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
 from tests.discrepancy.toy_candidates import BUMP, WAVE
 
@@ -25,22 +22,12 @@ def bump(data: JointData) -> Float:
     return SIZE * np.exp(-(((data.q - PLACE) / 0.2) ** 2))
 
 
-def found(ground: Ground, candidate: Candidate, shape: Mapping[str, float]) -> Found:
-    return Found(
-        candidate=candidate,
-        shape=shape,
-        columns=ground.rows.of(candidate.columns(ground.data, ground.baseline(), shape)),
-        naming=Naming(name=candidate.name, rivals=(), alternatives=()),
-        p_value=0.01,
-    )
-
-
 @cache
 def fitted(seed: int, noise_nm: float) -> Parameters:
     ground = make_ground(moved_joint(bump, noise_nm=noise_nm, duration_s=20.0, seed=seed), None, 0)
     start = {"place_rad": 0.3, "width_rad": 0.2}
     shape = refine(BUMP, start, BUMP.tried(ground.data), ground, ground.baseline(), ground.base)
-    return parameters_of(ground, [found(ground, BUMP, shape)], ground.baseline())
+    return parameters_of(ground, [found_effect(ground, BUMP, shape)], ground.baseline())
 
 
 def test_numbers_are_exact_without_noise() -> None:
@@ -69,7 +56,10 @@ def test_several_effects_keep_their_own_numbers() -> None:
         return bump(data) + 0.05 * np.sin(0.5 * data.t) - 0.02 * np.cos(0.5 * data.t)
 
     ground = make_ground(moved_joint(missing, duration_s=30.0), None, 0)
-    both = [found(ground, WAVE, {"rate": 0.5}), found(ground, BUMP, {"place_rad": PLACE, "width_rad": 0.2})]
+    both = [
+        found_effect(ground, WAVE, {"rate": 0.5}),
+        found_effect(ground, BUMP, {"place_rad": PLACE, "width_rad": 0.2}),
+    ]
     wave, hump = parameters_of(ground, both, ground.baseline()).effects
     assert (wave["factor_1_nm"].value, wave["factor_2_nm"].value) == pytest.approx((0.05, -0.02), rel=1e-6)
     assert hump["factor_1_nm"].value == pytest.approx(SIZE, rel=1e-6)
@@ -94,7 +84,7 @@ def test_a_number_that_the_log_does_not_tell_has_no_bounds_and_spoils_no_other()
         return np.sign(data.dq) * 0.1 * np.cos(3.0 * (data.q - 0.1))
 
     ground = make_ground(moved_joint(missing, noise_nm=0.02, duration_s=20.0), None, 0)
-    (effect,) = parameters_of(ground, [found(ground, PLACE_FRICTION, shape)], ground.baseline()).effects
+    (effect,) = parameters_of(ground, [found_effect(ground, PLACE_FRICTION, shape)], ground.baseline()).effects
     width, order = effect["position_friction_width_rad"], effect["position_friction_order"]
     assert width.value == shape["position_friction_width_rad"]
     assert (width.low, width.high) == (-np.inf, np.inf)
