@@ -265,9 +265,16 @@ def _follow(
         for j in range(many):
             torque[j, k] = about[0, j] / steps
             about[0, j], about[1, j] = about[1, j], 0.0
-    torque[:, 0] *= 2.0
-    torque[:, -1] = 2.0 * (about[0] / steps)
+    _end(torque, about[0] / steps)
     return torque
+
+
+@compiled()
+def _end(torque: Float, last: Float) -> None:
+    """Double both ends, which have half a sample each; one by one, for whole columns take seconds to compile."""
+    for j in range(len(last)):
+        torque[j, 0] *= 2.0
+        torque[j, -1] = 2.0 * last[j]
 
 
 @compiled()
