@@ -28,6 +28,7 @@ from friction_audit.report.figures.diagnose_evidence import (
     draw_evidence,
     mark_of,
     nearest,
+    not_drawn,
 )
 from friction_audit.report.figures.diagnose_ladder import closed_words, draw_ladder
 from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
@@ -364,6 +365,20 @@ def test_evidence_stands_at_its_difference_in_bic() -> None:
     assert marks[BEATEN.label] == 41.3
     assert marks[ALIKE.label] == 1.5
     assert "r = 0.31" in words_in(figure)
+
+
+def test_names_that_have_no_line_are_told_above_the_evidence() -> None:
+    (effect,) = AMBIGUOUS.effects
+    drawn = (*effect.evidence, Evidence(name="asymmetric_coulomb", delta_bic=1.5, correlation=1.0))
+    names = ("asymmetric_coulomb", "joint_limit_stop")
+    one = replace(effect, alternatives=names, evidence=drawn)
+    whole = replace(NAMED.effects[0], name="torque_drift")
+    part = replace(one, alternatives=(*names, "torque_drift"))
+    assert not_drawn(replace(one, alternatives=names[:1]), (one,)) == ""
+    assert not_drawn(one, (one,)) == "nor told from joint_limit_stop"
+    assert not_drawn(part, (whole, part)) == "nor told from joint_limit_stop, a part of torque_drift"
+    titles = [axes.get_title(loc="left") for axes in draw_evidence(of(replace(AMBIGUOUS, effects=(one,))), 2).axes]
+    assert titles == [f"joint 2: {effect.name}\nnor told from joint_limit_stop"]
 
 
 def test_the_fitted_torque_lies_over_what_the_log_shows() -> None:

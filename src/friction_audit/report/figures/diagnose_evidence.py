@@ -1,13 +1,15 @@
 """The evidence of rival names: how much worse every other candidate does in the place of a named effect."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
+from textwrap import fill
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from friction_audit.audit import Diagnosis
-from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy
+from friction_audit.discrepancy.result import Effect, Evidence, JointDiscrepancy, others_of
 from friction_audit.report.figures.diagnose_look import (
     GROWN,
     chosen_joints,
@@ -16,7 +18,7 @@ from friction_audit.report.figures.diagnose_look import (
     say_instead,
     say_why,
 )
-from friction_audit.report.figures.layout import add_legend, label_panel
+from friction_audit.report.figures.layout import add_legend, is_narrow, label_panel
 from friction_audit.report.figures.style import BORDER, FITTED, MUTED, figure_style
 
 if TYPE_CHECKING:
@@ -26,7 +28,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-NAME_IN, TITLE_IN, EMPTY_IN = 0.17, 0.45, 0.9
+NAME_IN, TITLE_IN, LINE_IN, EMPTY_IN = 0.17, 0.45, 0.14, 0.9
+NARROW, WIDE = 46, 34
+"""Characters of a line of a title, at column width and on a sheet."""
 ON_SHEET = 4
 """Candidates of an effect on a sheet, itself among them."""
 LINEAR_TO = 10.0
@@ -58,7 +62,7 @@ def draw_evidence(found: Diagnosis, joint: int | None) -> "Figure":
         heights: list[float] = []
         for one in (_nearest(one) if joint is None else one for one in chosen_joints(found, joint)):
             panels += [partial(_draw_effect, one, effect) for effect in one.effects] or [partial(_draw_nothing, one)]
-            heights += [_height_in(effect) for effect in one.effects] or [EMPTY_IN]
+            heights += [_height_in(effect, one.effects) for effect in one.effects] or [EMPTY_IN]
         figure, handles = draw_grid(panels, heights, sheet=joint is None)
         add_legend(figure, handles)
         figure.supxlabel("BIC above that of the effect named; r: correlation", fontsize=7.5)
@@ -76,8 +80,16 @@ def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alternatives)
 
 
-def _height_in(effect: Effect) -> float:
-    return TITLE_IN + NAME_IN * len(effect.evidence) if has_rivals(effect) else EMPTY_IN
+def _height_in(effect: Effect, effects: Sequence[Effect]) -> float:
+    lines = fill(not_drawn(effect, effects), WIDE).count("\n") + 1 if not_drawn(effect, effects) else 0
+    return TITLE_IN + LINE_IN * lines + NAME_IN * len(effect.evidence) if has_rivals(effect) else EMPTY_IN
+
+
+def not_drawn(effect: Effect, effects: Sequence[Effect]) -> str:
+    """Return in words what an effect may be whatever the evidence: what no motion of the kind recorded tells apart."""
+    drawn = {rival.name for rival in effect.evidence}
+    others = [other for other in others_of(effect, effects) if other not in drawn]
+    return f"nor told from {', '.join(others)}" if others else ""
 
 
 def has_rivals(effect: Effect) -> bool:
@@ -115,7 +127,9 @@ def _draw_effect(joint: JointDiscrepancy, effect: Effect, axes: "Axes") -> "list
                 f"r = {rival.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
                 textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
             )  # fmt: skip
-    label_panel(axes, f"{joint_name(joint)}: {effect.name}")
+    characters = NARROW if is_narrow(axes.get_figure(root=True)) else WIDE
+    lines = (f"{joint_name(joint)}: {effect.name}", fill(not_drawn(effect, joint.effects), characters))
+    label_panel(axes, "\n".join(filter(None, lines)))
     _scale(axes, effect)
     return handles
 
