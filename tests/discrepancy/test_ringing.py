@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.alternatives import Naming
-from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.discrepancy.candidate import Baseline, Candidate
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.ground import Ground, make_ground
@@ -17,9 +17,11 @@ from friction_audit.discrepancy.result import Vibration
 from friction_audit.discrepancy.ringing import CORNER_HZ, find_ringing, on_every_sample, rings, shaking
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide, Transmission, added_torque
+from tests.discrepancy.found_effect import found_effect
 from tests.discrepancy.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 
 RINGING_HZ = 33.0
+PLAY = {"gap_rad": 3e-3, "contact_hz": 83.0, "flank_damping_ratio": 0.5}
 STIFFNESS_NM_PER_RAD = INERTIA_KG_M2 * (2.0 * np.pi * RINGING_HZ) ** 2
 FAR = FarSide(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
 
@@ -55,6 +57,30 @@ def test_a_spring_that_rings_above_the_corner_is_named() -> None:
     assert compliance.value == pytest.approx(1.0 / STIFFNESS_NM_PER_RAD, rel=0.02)
     assert compliance.low <= compliance.value <= compliance.high
     assert ringing.effect.torque.shape == ground.y.shape
+
+
+def found(candidate: Candidate, ground: Ground, shape: dict[str, float]) -> Names:
+    """What the rows would have found."""
+    one = found_effect(ground, candidate, shape)
+    return Names(found=(one,), library=Library(entries=(), untestable={}), baseline=ground.baseline())
+
+
+def test_a_play_that_the_rows_tell_is_not_given_up_for_a_spring_that_rings_above() -> None:
+    quiet, _ = joint("spring")
+    column = BACKLASH.columns(quiet.data, quiet.baseline(), PLAY)[:, 0]
+    ground = make_ground(replace(quiet.data, torque=quiet.data.torque + 0.4 * column), None, 0)
+    told = found(BACKLASH, ground, PLAY)
+    assert shaking(ground, told) is not None
+    assert find_ringing(ground, replace(told, found=()), 0.05, np.random.default_rng(0)) is not None
+    assert find_ringing(ground, told, 0.05, np.random.default_rng(0)) is None
+
+
+def test_a_spring_of_the_rows_that_does_not_ring_so_gives_way() -> None:
+    ground, nothing = joint("spring")
+    told = found(ELASTICITY, ground, {"spring_nm_per_rad": 4.0 * STIFFNESS_NM_PER_RAD, "soft_nm": 0.0})
+    ringing = find_ringing(ground, told, 0.05, np.random.default_rng(0))
+    assert ringing is not None
+    assert ringing.names.found == nothing.found
 
 
 def test_a_hum_that_is_as_strong_is_no_spring() -> None:

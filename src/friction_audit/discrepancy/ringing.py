@@ -106,13 +106,14 @@ def find_ringing(ground: Ground, names: Names, alpha: float, rng: np.random.Gene
         or ELASTICITY.name in names.library.untestable
     ):
         return None
-    # A spring of the rows that does not ring so was none, or another one.
-    names = replace(names, found=tuple(f for f in names.found if f.candidate.name not in RINGING))
-    fine = on_every_sample(ground, names)
-    candidates = _near(ground, names, vibration)
-    found = find_names(fine, candidates, _library(fine, candidates, names), alpha, rng)
-    if len(found.found) != 1 or not _explains(fine, found, vibration):
+    # A spring of the rows that does not ring so was none, or another one, if what rings explains all that it did.
+    still = replace(names, found=tuple(f for f in names.found if f.candidate.name not in RINGING))
+    fine = on_every_sample(ground, still)
+    candidates = _near(ground, still, vibration)
+    found = find_names(fine, candidates, _library(fine, candidates, still), alpha, rng)
+    if len(found.found) != 1 or not _explains(fine, found, vibration) or _loses(ground, names, still, found):
         return None
+    names = still
     numbers = parameters_of(fine, found.found, found.baseline)
     (effect,) = effects_of(fine, found, fine.curves, numbers)
     large = [_size(ground, names, k) >= LEAST_SHARE * effect.partial_nm for k in range(len(names.found))]
@@ -152,6 +153,20 @@ def _explains(fine: Ground, found: Names, vibration: Vibration) -> bool:
     columns = [f.columns for f in found.found]
     before, after = (float(np.mean(left[fine.locked] ** 2)) for left in (fine.residual(), fine.residual(*columns)))
     return before - after >= LEAST_EXPLAINED * vibration.rms_nm**2
+
+
+def _loses(ground: Ground, names: Names, still: Names, found: Names) -> bool:
+    """Whether what the rows found among springs and plays leaves less of the locked rows than what rings instead.
+
+    A play takes the torque from the sensor below the corner, and its flanks ring above it: the torque below tells more
+    of it than a spring that rings alike above.
+    """
+    if len(still.found) == len(names.found):
+        return False
+    columns = [f.columns for f in still.found]
+    rung = [ground.rows.of(f.candidate.columns(ground.data, found.baseline, f.shape)) for f in found.found]
+    left, instead = ground.residual(*(f.columns for f in names.found)), ground.residual(*columns, *rung)
+    return float(np.sum(left[ground.locked] ** 2)) < float(np.sum(instead[ground.locked] ** 2))
 
 
 def _size(ground: Ground, names: Names, k: int) -> float:
