@@ -36,7 +36,7 @@ from friction_audit.discrepancy.naming import (
 )
 from friction_audit.discrepancy.omnibus import MIN_SPARE_CYCLES, Omnibus, even_weights, omnibus_test
 from friction_audit.discrepancy.outdone import find_outdone, what_speaks
-from friction_audit.discrepancy.parameters import parameters_of
+from friction_audit.discrepancy.parameters import Parameters, parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.restless import find_restless
 from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
@@ -234,7 +234,8 @@ def _told(
     # A step whose moment lies in a locked cycle is put where all cycles have it: else a stroke there seems to scatter.
     grown, fine = [f.columns for f in told], [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
-    restless = find_restless(ground, grown, fine, over, lambda vibration: rings(names, events, vibration))
+    rung = _as_told(names, numbers)
+    restless = find_restless(ground, grown, fine, over, lambda vibration: rings(rung, events, vibration))
     limit = _detection_limit(ground, names, gap, alpha)
     doubts = _doubts(ground, names, rng)
     open_end = restless.decides or bool(doubts)
@@ -270,6 +271,15 @@ def _told(
         findings=subject.findings,
         traces=_traces(ground, ground.curves, before, after),
     )
+
+
+def _as_told(names: Names, numbers: Parameters) -> Names:
+    """The names with those shapes that a reader is told."""
+    shapes = [
+        {name: told[name].value if name in told else value for name, value in f.shape.items()}
+        for f, told in zip(names.found, numbers.effects, strict=True)
+    ]
+    return replace(names, found=tuple(replace(f, shape=one) for f, one in zip(names.found, shapes, strict=True)))
 
 
 def _doubts(ground: Ground, names: Names, rng: np.random.Generator) -> tuple[str, ...]:
