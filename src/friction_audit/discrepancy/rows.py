@@ -2,7 +2,7 @@
 
 A column is built on the fine grid, where the sign of the velocity is sharp, and then goes through the very filter
 that the torque goes through; what a reversal smears in one it smears in the other. The corner stands at 25 Hz, above
-what arms are moved with (below 4 Hz) and above the vibration of a Panda's structure (12 to 15 Hz), or lower, where the
+what arms are moved with (below 4 Hz) and just below where a Panda's structure shakes (26 to 28 Hz), or lower, where the
 noise of the acceleration, times the inertia, would come near that of the torque: there, it would pass for a spring.
 
 Where a joint leaves a standstill there is a row of another kind: torque and columns at the moment of break-away,

@@ -12,8 +12,8 @@ F_m regressed on sgn(dq), dq and an offset):
     rms of F_m, joint 2 [N m]             0.75   0.74   0.74   0.75   0.78   0.86   1.09
     Coulomb coefficient, joint 4 [N m]    0.461  0.459  0.460  0.460  0.459  0.456  0.453
 
-The motion lies below 4 Hz. A vibration of the structure lies at 12 to 15 Hz, where M ddq of a rigid arm is wrong and
-only adds noise. The coefficients hardly notice: from 4 to 30 Hz none moves by more than 0.01 N m, here or from energy
+The motion lies below 4 Hz. The structure shakes at 26 to 28 Hz, where M ddq of a rigid arm is wrong and only adds
+noise. The coefficients hardly notice: from 4 to 30 Hz none moves by more than 0.01 N m, here or from energy
 cycles, and filtering the torque alike changes the energy sums as little. So the corner stands at 10 Hz, above the
 motion and below the vibration.
 """
