@@ -44,6 +44,7 @@ from friction_audit.discrepancy.ringing import find_ringing, rings
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
+from friction_audit.discrepancy.search import CrossProducts
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
@@ -178,7 +179,7 @@ def _named(
     if library.entries and (rejected or searched[1].chosen):
         names = find_names(ground, candidates, library, settings.alpha, rng, searched, rejected=rejected)
     if rejected and names.disproved:
-        names = _without_disproved(ground, candidates, library, names, settings, rng)
+        names = _without_disproved(ground, candidates, library, searched[0], names, settings, rng)
     return first, names
 
 
@@ -186,19 +187,22 @@ def _without_disproved(
     ground: Ground,
     candidates: Sequence[Candidate],
     library: Library,
+    earlier: CrossProducts,
     names: Names,
     settings: DiagnosisSettings,
     rng: np.random.Generator,
 ) -> Names:
     """The names of a search without what did not hold, where anything is still missing and more speaks for those.
 
-    What stood in for the truth on the working cycles kept it out.
+    What stood in for the truth on the working cycles kept it out. The products of the search before it hold all that
+    this one needs.
     """
     if names.found and _test(ground, names, rng).p_value > settings.alpha:
         return names
     for name in names.disproved:
         library = without(library, name)
-    again = find_names(ground, candidates, library, settings.alpha, rng)
+    searched = search_library(ground, library, earlier)
+    again = find_names(ground, candidates, library, settings.alpha, rng, searched)
     if {f.candidate.name for f in again.found} <= {f.candidate.name for f in names.found}:
         return names
     both = ([f.columns for f in one.found] for one in (names, again))

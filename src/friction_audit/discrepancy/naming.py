@@ -265,7 +265,7 @@ def _plainly(ground: Ground, library: Library, searched: Searched) -> tuple[Libr
         plain = min((ranking.rss(units) for units in rivals if ranking.admissible(units, units[-1])), default=without)
         if plain - with_it < ADDS**2 * (without - plain):
             library = plainer(library, chosen.name)
-            return library, search_library(ground, library)
+            return library, search_library(ground, library, products)
     return library, searched
 
 
