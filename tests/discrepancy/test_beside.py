@@ -70,3 +70,11 @@ def test_factors_that_would_be_below_zero_are_left_out() -> None:
     assert beside.left_above_zero(falling) == pytest.approx(beside.without)
     assert beside.left_above_zero(rising) == pytest.approx(beside.fit(rising)[1])
     assert beside.left_above_zero(np.hstack([falling, rising])) == pytest.approx(1.5)
+
+
+def test_fewer_samples_than_columns() -> None:
+    rng = np.random.default_rng(2)
+    own, y = rng.standard_normal((3, 5)), rng.standard_normal(3)
+    factors, left = Beside(np.zeros((3, 0)), y).fit(own)
+    assert_allclose(own @ factors, y)
+    assert left == pytest.approx(0.0, abs=1e-20)

@@ -28,7 +28,16 @@ class Beside:
 
     def fit(self, own: Float) -> tuple[Float, float]:
         """Factors of an effect's columns (n, p), the smallest of those that do alike, (p,), and the sum of squares."""
-        factors, rest = self._fit(own)
+        scale = _scale(own)
+        # The triangle of columns and response has all that is asked of them, in p + 1 rows.
+        both = np.vstack([self._free(own / scale).T, self.response]).T
+        triangle = np.asarray(np.linalg.qr(both, mode="r"))
+        left, size, right = np.linalg.svd(triangle[:, :-1], full_matrices=False)
+        there = size > COPY * np.sqrt(len(own))
+        along = left.T @ triangle[:, -1]
+        factors = right.T @ np.where(there, along / np.where(there, size, 1.0), 0.0) / scale
+        factors[_mean_square(own) == 0.0] = 0.0  # not the rounding of a zero, whose sign may be impossible
+        rest = triangle[:, -1] - left[:, there] @ along[there]
         return factors, float(rest @ rest)
 
     def left_above_zero(self, own: Float) -> float:
@@ -42,21 +51,22 @@ class Beside:
 
     def left(self, own: Float) -> Float:
         """What an effect's columns (n, p) leave, shape (n,)."""
-        return self._fit(own)[1] if own.shape[1] else self.response
-
-    def _fit(self, own: Float) -> tuple[Float, Float]:
-        scale = _scale(own)
-        left, size, right = np.linalg.svd(self._free(own / scale), full_matrices=False)
-        there = size > COPY * np.sqrt(len(own))
-        along = left.T @ self.response
-        factors = right.T @ np.where(there, along / np.where(there, size, 1.0), 0.0) / scale
-        factors[~np.any(own, axis=0)] = 0.0  # not the rounding of a zero, whose sign may be impossible
-        return factors, self.response - left[:, there] @ along[there]
+        if not own.shape[1]:
+            return self.response
+        left, size, _ = np.linalg.svd(self._free(own / _scale(own)), full_matrices=False)
+        span = left[:, size > COPY * np.sqrt(len(own))]
+        return np.asarray(self.response - span @ (span.T @ self.response))
 
     def _free(self, signal: Float) -> Float:
-        return np.asarray(signal - self.span @ (self.span.T @ signal))
+        # Of transposes, for columns lie one behind the other.
+        return np.asarray((signal.T - (signal.T @ self.span) @ self.span.T).T)
 
 
 def _scale(columns: Float) -> Float:
-    scale = np.sqrt(np.mean(columns**2, axis=0))
+    scale = np.sqrt(_mean_square(columns))
     return np.asarray(np.where(scale > 0, scale, 1.0))
+
+
+def _mean_square(columns: Float) -> Float:
+    """Of each column, shape (p,), without a copy of them."""
+    return np.asarray(np.einsum("ij,ij->j", columns, columns) / len(columns))

@@ -92,9 +92,7 @@ class Ground:
 
     def keep(self, kept: NDArray[np.bool_]) -> "Ground":
         """The same joint with some of its rows, shape (m,)."""
-        used = self.rows.used.copy()
-        used[used] = kept
-        rows = replace(self.rows, used=used, t=self.rows.t[kept], y=self.rows.y[kept], cycle=self.rows.cycle[kept])
+        rows = self.rows.keep(kept)
         return replace(
             self,
             rows=rows,

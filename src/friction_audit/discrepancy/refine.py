@@ -48,10 +48,10 @@ def refine(
         return shape
     low, high = np.array(list(free.values())).T
     w, y = ground.working, ground.y[ground.working]
-    beside, nothing = Beside(base[w], y), float(y @ y)
+    beside, nothing, rows = Beside(base[w], y), float(y @ y), ground.rows.keep(w)
 
     def misfit(at: Shape) -> float:
-        factors, left = beside.fit(ground.rows.of(candidate.columns(ground.data, baseline, at))[w])
+        factors, left = beside.fit(rows.of(candidate.columns(ground.data, baseline, at)))
         return left if candidate.admissible(factors, at) else nothing
 
     def inside(x: Float) -> Shape:

@@ -72,6 +72,12 @@ class Rows:
         """Spacing of rows that follow each other. [s]"""
         return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
+    def keep(self, kept: NDArray[np.bool_]) -> "Rows":
+        """Some of the rows, shape (m,)."""
+        used = self.used.copy()
+        used[used] = kept
+        return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept])
+
     def of(self, columns: Float) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
         wanted = np.flatnonzero(self.used)
