@@ -10,6 +10,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.waves import waves
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
@@ -17,7 +18,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     order, centre, width = shape
     off = motion.q - centre
     bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
-    return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
+    return (bell * waves(order * off)).T
 
 
 TERM = Term(
