@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 
@@ -21,15 +22,21 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     Four columns.
     """
     upper, lower, exponent = shape
-    above, below = np.maximum(motion.q - upper, 0.0), np.maximum(lower - motion.q, 0.0)
-    touched = motion.dq * ((above > 0.0) | (below > 0.0))
-    upper_power, lower_power = _power(above / DEPTH_RAD, exponent), _power(below / DEPTH_RAD, exponent)
-    return np.stack([upper_power, -lower_power, touched, motion.dq * (upper_power + lower_power)]).T
+    columns = np.zeros((4, len(motion.q)))
+    q, dq = (np.ascontiguousarray(signal, dtype=np.float64) for signal in (motion.q, motion.dq))
+    _press(q, dq, float(upper), float(lower), float(exponent), columns)
+    return columns.T
 
 
-def _power(depth: Float, exponent: float) -> Float:
-    """Return a power of depths, most of which are zero, whose powers are too, and need no computing."""
-    return np.asarray(np.power(depth, exponent, out=np.zeros_like(depth), where=depth > 0.0))
+@compiled()
+def _press(q: Float, dq: Float, upper: float, lower: float, exponent: float, columns: Float) -> None:
+    """Fill columns (4, n) where a stop is touched; at most samples none is, and they stay zero."""
+    for i in range(len(q)):
+        above, below = max(q[i] - upper, 0.0), max(lower - q[i], 0.0)
+        if above > 0.0 or below > 0.0:
+            up = (above / DEPTH_RAD) ** exponent if above > 0.0 else 0.0
+            down = (below / DEPTH_RAD) ** exponent if below > 0.0 else 0.0
+            columns[0, i], columns[1, i], columns[2, i], columns[3, i] = up, -down, dq[i], dq[i] * (up + down)
 
 
 TERM = Term(

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 
@@ -45,9 +46,21 @@ def bend(pace: Float, freedom: float) -> Float:
     """
     from scipy.special import betainc
 
-    angle = np.linspace(0.0, np.pi / 2.0, TABLE)
-    table = betainc(0.5, freedom / 2.0, np.sin(angle) ** 2)
-    return np.asarray(np.interp(np.arctan(pace * np.sqrt(CARREAU / freedom)), angle, table))
+    table = betainc(0.5, freedom / 2.0, np.sin(np.linspace(0.0, np.pi / 2.0, TABLE)) ** 2)
+    # The table is even: where to look follows from the angle, and nobody need search.
+    place = np.arctan(pace * np.sqrt(CARREAU / freedom))
+    place *= (TABLE - 1) / (np.pi / 2.0)
+    return np.asarray(_between(table, place))
+
+
+@compiled()
+def _between(table: Float, place: Float) -> Float:
+    """Return what lies between the entries of a table, at places counted from its first one, shape (n,)."""
+    out = np.empty(len(place))
+    for i in range(len(place)):
+        k = max(min(int(place[i]), len(table) - 2), 0)  # a place that is no number is nowhere, and gives none
+        out[i] = table[k] + (place[i] - k) * (table[k + 1] - table[k])
+    return out
 
 
 TERM = Term(
