@@ -240,6 +240,7 @@ def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tup
 
     And whether the one's columns hold the rival's, and the rival's the one's.
     """
+    ranking.products.fill([unit])
     one, two = (ranking.products.units[u].columns for u in (unit, rival))
     cols = ranking.columns(others)
     every = np.concatenate([[0], one, two])

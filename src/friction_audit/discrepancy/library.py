@@ -1,6 +1,6 @@
 """The candidates that a log can show, as columns on the rows of a joint."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +12,9 @@ from friction_audit.discrepancy.rows import Rows
 from friction_audit.discrepancy.search import Group, not_zero
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import side_by_side
+
+ROOM_BYTES = 2**22
+"""Larger arrays come from the system each time, which clears them page by page."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -106,9 +109,31 @@ def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
 
 def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     shapes = candidate.tried(data)
-    columns = {place: rows.of(fine) for place, fine in candidate.each(data, baseline, shapes)}
+    columns = _columns_on_rows(candidate.each(data, baseline, shapes), len(shapes), rows)
     trials = None if candidate.trials is None else candidate.trials(data)
-    return _made(candidate, shapes, [columns[place] for place in range(len(shapes))], trials)
+    return _made(candidate, shapes, columns, trials)
+
+
+def _columns_on_rows(each: Iterator[tuple[int, Float]], shapes: int, rows: Rows) -> list[Float]:
+    """Columns of each shape on the rows, shape (m, p) each, those of neighbours one behind the other in one array.
+
+    There cross products read them at one go. Should shapes differ in width, those unlike the first have their own.
+    """
+    columns: dict[int, Float] = {}
+    together: list[Float] = []
+    for place, fine in each:
+        if not columns:
+            together = _room_for(shapes, fine.shape[1], len(rows.t))
+        alike = together[place].shape[0] == fine.shape[1]
+        columns[place] = rows.of(fine, together[place] if alike else None)
+    return [columns[place] for place in range(shapes)]
+
+
+def _room_for(shapes: int, width: int, samples: int) -> list[Float]:
+    """Room for the columns of each shape, (p, m) each, in arrays so small that memory is used again for them."""
+    many = max(ROOM_BYTES // max(8 * width * samples, 1), 1)
+    arrays = [np.empty((min(many, shapes - first), width, samples)) for first in range(0, shapes, many)]
+    return [room for array in arrays for room in array]
 
 
 def _made(

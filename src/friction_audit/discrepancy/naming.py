@@ -242,9 +242,10 @@ def _on_all_cycles(
     few = cross_products(ground.y, ground.base, groups)
     place = np.concatenate([[0], products.always, *(unit.columns for unit in units)])
     gram, scale = np.zeros_like(products.gram), np.ones_like(products.scale)
+    few.fill(range(len(few.units)))
     gram[np.ix_(place, place)], scale[place] = few.gram, few.scale
     worth_of_all = len(ground.y) / ground.memory(*_columns(library, outcome))
-    return replace(products, gram=gram, scale=scale), worth_of_all
+    return replace(products, gram=gram, filled=np.ones(len(gram), bool), kept=None, scale=scale), worth_of_all
 
 
 def _plainly(ground: Ground, library: Library, searched: Searched) -> tuple[Library, Searched]:

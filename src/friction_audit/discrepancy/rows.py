@@ -78,10 +78,13 @@ class Rows:
         used[used] = kept
         return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept])
 
-    def of(self, columns: Float) -> Float:
-        """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p)."""
+    def of(self, columns: Float, out: Float | None = None) -> Float:
+        """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p).
+
+        Into ``out``, shape (p, m), where it is given: of it the outcome is a view then.
+        """
         wanted = np.flatnonzero(self.used)
-        filtered = filter_rows(columns, self.kernel, self.every, wanted)
+        filtered = filter_rows(columns, self.kernel, self.every, wanted, out)
         if len(self.breakaway_row):
             there = self.used[self.breakaway_row]
             place = np.searchsorted(wanted, self.breakaway_row[there])
@@ -164,7 +167,13 @@ def noise_density(signal: Float, step_s: float, order: int) -> float:
     return bend / gain
 
 
-def filter_rows(columns: Float, kernel: Float, every: int, wanted: NDArray[np.int64] | None = None) -> Float:
+def filter_rows(
+    columns: Float,
+    kernel: Float,
+    every: int,
+    wanted: NDArray[np.int64] | None = None,
+    out: Float | None = None,
+) -> Float:
     """Filter symmetrically, the ends held, and take every so many samples, first sample first, along axis 0.
 
     The same numbers as ``scipy.signal.upfirdn``, many times as fast: thousands of columns go through here.
@@ -174,19 +183,21 @@ def filter_rows(columns: Float, kernel: Float, every: int, wanted: NDArray[np.in
         kernel: Weights, an odd number of them.
         every: Samples per row.
         wanted: Numbers of the rows that are wanted, all if None, shape (m,).
+        out: Where to write them, shape (p, m); a new array if None.
     """
     rows = np.arange((len(columns) - 1) // every + 1) if wanted is None else wanted
     side_by_side = np.ascontiguousarray(np.atleast_2d(columns.T), np.float64)
     # Weights of zero behind the others, for a processor takes many at a time and the rest one by one.
     whole = np.append(kernel, np.zeros(-len(kernel) % AT_A_TIME))
-    filtered = _filtered(side_by_side, whole, len(kernel) // 2, every, rows).T
+    written = np.empty((len(side_by_side), len(rows))) if out is None else out
+    _filter(side_by_side, whole, len(kernel) // 2, every, rows, written)
+    filtered = written.T
     return np.asarray(filtered if columns.ndim > 1 else filtered[:, 0])
 
 
 @compiled(any_order=True)
-def _filtered(columns: Float, kernel: Float, centre: int, every: int, rows: NDArray[np.int64]) -> Float:
+def _filter(columns: Float, kernel: Float, centre: int, every: int, rows: NDArray[np.int64], out: Float) -> None:
     last = columns.shape[1] - 1
-    out = np.empty((len(columns), len(rows)))
     for j in range(len(columns)):
         column = columns[j]
         for k in range(len(rows)):
@@ -200,4 +211,3 @@ def _filtered(columns: Float, kernel: Float, centre: int, every: int, rows: NDAr
                 for i in range(len(kernel)):
                     total += kernel[i] * column[min(max(first + i, 0), last)]
             out[j, k] = total
-    return out

@@ -9,11 +9,12 @@ References:
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.discrepancy.gram import Known, places_of, products_with_all, products_within
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -24,7 +25,6 @@ PROMISING = 8
 """Candidates that are tried as the first of two in the place of one."""
 BY_CHANCE = 0.01
 """Probability that anything enters where nothing is missing, all candidates and shapes together."""
-SAMPLES_AT_A_TIME = 4096
 MAX_ROUNDS = 50
 """Rounds of exchange and recombination; each raises the objective, so that only rounding could go on."""
 
@@ -99,10 +99,13 @@ class CrossProducts:
     """Cross products of response, base and candidates: all that a search needs of the samples.
 
     Columns are in the order response, base (b), units, and have a root mean square of 1, so that nothing depends on
-    units of measurement.
+    units of measurement. A search looks at those of a candidate's columns with each other, and of the columns of a few
+    units with all: most are never asked for, and are no numbers until ``fill`` computes them.
 
     Attributes:
         gram: Shape (k, k).
+        filled: Columns whose products with all others are known, shape (k,).
+        kept: Samples that count, all if None, shape (n,).
         scale: Root mean square of each column, shape (k,).
         columns: Response, base and candidates that they are of, shape (n, p) each.
         base: Number of base columns.
@@ -113,6 +116,8 @@ class CrossProducts:
     """
 
     gram: Float
+    filled: NDArray[np.bool_]
+    kept: NDArray[np.bool_] | None
     scale: Float
     columns: tuple[Float, ...]
     base: int
@@ -125,6 +130,20 @@ class CrossProducts:
     def always(self) -> Index:
         """Columns of the base, shape (b,)."""
         return np.arange(1, 1 + self.base)
+
+    def fill(self, units: Sequence[int]) -> None:
+        """Compute the products of the columns of some units with all others, as far as they are not known."""
+        wanted = [column for unit in units for column in self.units[unit].columns if not self.filled[column]]
+        if not wanted:
+            return
+        rows = products_with_all(self.columns, wanted, self.kept) / (self.scale[wanted, None] * self.scale)
+        self.gram[wanted], self.gram[:, wanted] = rows, rows.T
+        self.filled[wanted] = True
+
+    def fill_pairs(self, units: Sequence[int]) -> None:
+        """Compute the products of the columns of some units with each other."""
+        unknown = [unit for unit in units if not self.filled[self.units[unit].columns].all()]
+        self.fill(unknown[1:])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -179,16 +198,21 @@ def cross_products(
         AnalysisError: A value is not finite.
     """
     columns, units = _columns(y, base, groups)
-    rows = np.arange(len(y)) if kept is None else np.flatnonzero(kept)
-    gram = _gram(columns, rows, earlier)
-    scale = np.sqrt(np.diag(gram) / len(rows))
+    shapes = [[unit.columns for unit in units if unit.group == g] for g in range(len(groups))]
+    always = list(range(1 + base.shape[1]))
+    gram = _within_groups(columns, units, kept, earlier)
+    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
+        gram[always] = products_with_all(columns, always, kept)
+    gram[:, always] = gram[always].T
+    scale = np.sqrt(np.diag(gram) / (len(y) if kept is None else np.count_nonzero(kept)))
     if not np.all(np.isfinite(scale)):
         raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
     scale[scale == 0.0] = 1.0
     gram /= scale[:, None] * scale
-    shapes = [[unit.columns for unit in units if unit.group == g] for g in range(len(groups))]
     return CrossProducts(
         gram=gram,
+        filled=np.arange(len(gram)) < len(always),
+        kept=kept,
         scale=scale,
         columns=tuple(columns),
         base=base.shape[1],
@@ -250,6 +274,7 @@ class Ranking:
 
     def factors(self, active: Sequence[int]) -> Float:
         """Factors of all columns fitted together, of columns with a root mean square of 1."""
+        self.products.fill_pairs(active)
         cols = self.columns(active)
         solved: Float = np.linalg.lstsq(self.gram[np.ix_(cols, cols)], self.gram[cols, 0], rcond=1e-12)[0]
         return solved
@@ -289,6 +314,7 @@ class Ranking:
 
         With the residualised products R = W'M W and r = W'M y they are r' R^-1 r and R^-1 r (Frisch and Waugh 1933).
         """
+        self.products.fill(active)
         cols = self.columns(active)
         left, projected = _eigen_root(self.gram[np.ix_(cols, cols)]), self.gram[cols]
         inside = left @ projected
@@ -385,7 +411,9 @@ class Ranking:
         """Sets in which two units stand in the place of one; the first of the two among the most promising."""
         for place in range(len(active)):
             others = active[:place] + active[place + 1 :]
-            for first in self._best_of_groups(others):
+            promising = self._best_of_groups(others)
+            self.products.fill(promising)  # at once, for each time all samples are read
+            for first in promising:
                 second = self.best_addition([*others, first])
                 if second is not None and self.admissible([*others, first, second], first):
                     yield [*others, first, second]
@@ -467,63 +495,24 @@ def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float
     return columns, tuple(units)
 
 
-def _gram(columns: Sequence[Float], rows: Index, earlier: CrossProducts | None) -> Float:
-    """Cross products of columns on some rows, shape (k, k)."""
-    known = {} if earlier is None else _known(earlier.columns)
-    own = _places(columns)
-    old = [k for k, column in enumerate(columns) if id(column) in known]
-    new = [k for k, column in enumerate(columns) if id(column) not in known]
-    gram = np.zeros((sum(map(len, own)),) * 2)
-    if earlier is not None and old:
-        here = np.concatenate([own[k] for k in old])
-        there = np.concatenate([known[id(columns[k])] for k in old])
-        scale = earlier.scale[there]
-        gram[np.ix_(here, here)] = earlier.gram[np.ix_(there, there)] * (scale[:, None] * scale)
-    if new:
-        every = np.concatenate([own[k] for k in (*new, *old)])
-        added = _added([columns[k] for k in new], [columns[k] for k in old], rows)
-        gram[np.ix_(every[: len(added)], every)] = added
-        gram[np.ix_(every, every[: len(added)])] = added.T
+def _within_groups(
+    columns: Sequence[Float], units: Sequence[Unit], kept: NDArray[np.bool_] | None, earlier: CrossProducts | None
+) -> Float:
+    """Products of the columns of each candidate with each other, no numbers for the others, shape (k, k)."""
+    known = None if earlier is None else _known(earlier)
+    gram = np.full((sum(map(len, places_of(columns))),) * 2, np.nan)
+    for group in dict.fromkeys(unit.group for unit in units):
+        numbers = [k for k, unit in enumerate(units) if unit.group == group]
+        own = np.concatenate([units[k].columns for k in numbers])
+        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
+            gram[np.ix_(own, own)] = products_within([columns[2 + k] for k in numbers], kept, known)
     return gram
 
 
-def _added(new: Sequence[Float], old: Sequence[Float], rows: Index) -> Float:
-    """Products of new columns with all, the new ones first; some rows at a time: all would not fit a cache."""
-    many = sum(map(_width, new))
-    added = np.zeros((many, many + sum(map(_width, old))))
-    with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
-        for first in range(0, len(rows), SAMPLES_AT_A_TIME):
-            some = rows[first : first + SAMPLES_AT_A_TIME]
-            block = _block(new, some)
-            added[:, :many] += block @ block.T
-            if old:
-                added[:, many:] += block @ _block(old, some).T
-    return added
-
-
-def _block(columns: Sequence[Float], rows: Index) -> Float:
-    """Some rows of columns, one below the other, shape (k, m)."""
-    block, at = np.empty((sum(map(_width, columns)), len(rows))), 0
-    for column in columns:
-        own = np.atleast_2d(np.asarray(column, float).T)
-        own.take(rows, axis=1, out=block[at : at + len(own)], mode="clip")  # its other modes make a copy first
-        at += len(own)
-    return block
-
-
-def _places(columns: Sequence[Float]) -> list[Index]:
-    """Where each array has its columns among those of all."""
-    ends = np.cumsum([0, *map(_width, columns)]).tolist()
-    return [np.arange(i, j) for i, j in pairwise(ends)]
-
-
-def _known(columns: Sequence[Float]) -> dict[int, Index]:
-    """The same by the identity of each array."""
-    return {id(column): places for column, places in zip(columns, _places(columns), strict=True)}
-
-
-def _width(column: Float) -> int:
-    return 1 if column.ndim == 1 else int(column.shape[1])
+def _known(products: CrossProducts) -> Known:
+    """Products of each candidate's columns with each other, of the columns as they were."""
+    places = {id(column): unit.columns for column, unit in zip(products.columns[2:], products.units, strict=True)}
+    return Known(gram=products.gram, scale=products.scale, places=places)
 
 
 def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:

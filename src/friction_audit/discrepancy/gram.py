@@ -1,0 +1,157 @@
+"""Cross products of columns: of those of one candidate with each other, and of a few columns with all.
+
+Columns that lie one behind the other in one array are multiplied at one go: what takes the time is to read them.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+Kept = NDArray[np.bool_] | None
+"""Samples that count, all if None, shape (n,)."""
+SAMPLES_AT_A_TIME = 4096
+"""So many of a candidate's columns fit the cache that cores share."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Known:
+    """Products that were computed before.
+
+    Attributes:
+        gram: Products of columns over their scales, shape (k, k).
+        scale: Scale of each column, shape (k,).
+        places: Where each array has its columns among these, by the identity of the array.
+    """
+
+    gram: Float
+    scale: Float
+    places: Mapping[int, Index]
+
+
+def products_within(columns: Sequence[Float], kept: Kept, known: Known | None = None) -> Float:
+    """Products of the columns of some arrays, shape (n, p) each or (n,), with each other, shape (k, k).
+
+    Args:
+        columns: The arrays.
+        kept: Samples that count.
+        known: Products of which those of two known arrays are taken.
+    """
+    own, places = places_of(columns), {} if known is None else known.places
+    old = [k for k, column in enumerate(columns) if id(column) in places]
+    new = [k for k, column in enumerate(columns) if id(column) not in places]
+    gram = np.zeros((sum(map(len, own)),) * 2)
+    if known is not None and old:
+        here, there = np.concatenate([own[k] for k in old]), np.concatenate([places[id(columns[k])] for k in old])
+        scale = known.scale[there]
+        gram[np.ix_(here, here)] = known.gram[np.ix_(there, there)] * (scale[:, None] * scale)
+    if new:
+        added = np.concatenate([own[k] for k in new])
+        gram[np.ix_(added, added)] = _among([columns[k] for k in new], kept)
+    if old and new:
+        both = _with_all(_counted(np.concatenate([_across(columns[k]) for k in new]), kept), [columns[k] for k in old])
+        gram[np.ix_(added, here)], gram[np.ix_(here, added)] = both, both.T
+    return gram
+
+
+def products_with_all(columns: Sequence[Float], wanted: Sequence[int], kept: Kept) -> Float:
+    """Products of some columns, by their number among those of all arrays, with all of them, shape (w, k).
+
+    Args:
+        columns: All arrays, shape (n, p) each or (n,).
+        wanted: Numbers of columns.
+        kept: Samples that count.
+    """
+    ends = np.cumsum([_across(column).shape[0] for column in columns])
+    arrays = np.searchsorted(ends, wanted, side="right").tolist()
+    own = [_across(columns[k])[column - int(ends[k])] for k, column in zip(arrays, wanted, strict=True)]
+    return _with_all(_counted(np.stack(own), kept), columns)
+
+
+def places_of(columns: Sequence[Float]) -> list[Index]:
+    """Where each array has its columns among those of all."""
+    ends = np.cumsum([0, *(_across(column).shape[0] for column in columns)]).tolist()
+    return [np.arange(i, j) for i, j in pairwise(ends)]
+
+
+def _across(column: Float) -> Float:
+    return np.atleast_2d(np.asarray(column, float).T)
+
+
+def _counted(rows: Float, kept: Kept) -> Float:
+    """Rows (w, n) with zeros at samples that do not count: no other array need be thinned out."""
+    if kept is not None:
+        rows[:, ~kept] = 0.0
+    return rows
+
+
+def _with_all(rows: Float, columns: Sequence[Float]) -> Float:
+    return np.concatenate([rows @ stack.T for stack in _stacks(columns)], axis=1)
+
+
+def _among(columns: Sequence[Float], kept: Kept) -> Float:
+    """Products of columns with each other, (k, k); some samples at a time, for memory that is new is slow."""
+    stacks = list(_stacks(columns))
+    many = sum(map(len, stacks))
+    gram = np.zeros((many, many))
+    stretches = _stretches(np.ones(stacks[0].shape[1], bool) if kept is None else kept)
+    block = np.empty((many, max((samples for _, samples in stretches), default=0)))
+    for some, samples in stretches:
+        own = block[:, :samples]
+        at = 0
+        for i, j in some:
+            first = 0
+            for stack in stacks:
+                own[first : first + len(stack), at : at + j - i] = stack[:, i:j]
+                first += len(stack)
+            at += j - i
+        gram += own @ own.T
+    return gram
+
+
+def _stretches(kept: NDArray[np.bool_]) -> list[tuple[list[tuple[int, int]], int]]:
+    """Stretches of samples that count, from and to, as many together as make a block; and how many samples it has."""
+    blocks: list[tuple[list[tuple[int, int]], int]] = []
+    for begin, end in np.flatnonzero(np.diff(kept, prepend=False, append=False)).reshape(-1, 2).tolist():
+        for i in range(begin, end, SAMPLES_AT_A_TIME):
+            j = min(i + SAMPLES_AT_A_TIME, end)
+            if not blocks or blocks[-1][1] + j - i > SAMPLES_AT_A_TIME:
+                blocks.append(([], 0))
+            some, samples = blocks[-1]
+            blocks[-1] = ([*some, (i, j)], samples + j - i)
+    return blocks
+
+
+def _stacks(columns: Sequence[Float]) -> Iterator[Float]:
+    """All columns as rows, shape (k, n), as many in one array as lie one behind the other."""
+    stack: Float | None = None
+    for column in columns:
+        own = _across(column)
+        joined = None if stack is None else _joined(stack, own)
+        if joined is None and stack is not None:
+            yield stack
+        stack = own if joined is None else joined
+    if stack is not None:
+        yield stack
+
+
+def _joined(first: Float, second: Float) -> Float | None:
+    """Two views of one array as one, where the second begins where the first ends; None where it does not."""
+    whole = first.base
+    if whole is None or second.base is not whole or not whole.flags.c_contiguous:
+        return None
+    if not (first.flags.c_contiguous and second.flags.c_contiguous and whole.shape[-1] == first.shape[1]):
+        return None
+    if _address(second) != _address(first) + first.nbytes:
+        return None
+    row = (_address(first) - _address(whole)) // (first.shape[1] * first.itemsize)
+    return np.asarray(whole.reshape(-1, first.shape[1])[row : row + len(first) + len(second)])
+
+
+def _address(array: Float) -> int:
+    return int(array.__array_interface__["data"][0])
