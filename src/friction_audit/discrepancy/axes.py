@@ -62,6 +62,7 @@ def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Fl
 
 def curve(values: Float, knots: Float, dq: Float) -> Float:
     """A piecewise linear curve over a quantity for each direction of motion, shape (n, 2 k)."""
-    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
-    up = (dq > 0)[:, None]
-    return np.hstack([hats * up, hats * ~up])
+    # One column behind the other, as whatever filters them wants them.
+    hats = np.stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+    up = dq > 0
+    return np.concatenate([hats * up, hats * ~up]).T

@@ -29,9 +29,9 @@ class Curve:
 def build_surface(data: JointData, rows: Rows) -> Group:
     """Friction that is viscous here and not there: slopes over the speed that change with the position, six columns."""
     knots = knots_of(data.q, data.used, SURFACE_KNOTS)
-    hats = np.column_stack([np.interp(data.q, knots, row) for row in np.eye(len(knots))])
-    speed = data.dq[:, None]
-    return Group(name="position and speed", shapes=(rows.of(np.hstack([hats * speed, hats * np.abs(speed)])),))
+    hats = np.stack([np.interp(data.q, knots, row) for row in np.eye(len(knots))])
+    slopes = np.concatenate([hats * data.dq, hats * np.abs(data.dq)])
+    return Group(name="position and speed", shapes=(rows.of(slopes.T),))
 
 
 def build_curves(data: JointData, rows: Rows) -> tuple[Curve, ...]:

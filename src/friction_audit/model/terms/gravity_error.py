@@ -11,6 +11,7 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
+from friction_audit.model.waves import waves
 
 OWN_ANGLE, TILT, SEVERAL = 0, -1, -2
 """Values of the source; from 1 on, the number of a link."""
@@ -25,9 +26,9 @@ OF_ONE = 8
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return the columns of one source of the error; those of the others are zero."""
     source = round(shape[0])
-    columns = np.zeros((len(motion.t), len(TERM.linear)))
+    columns = np.zeros((len(TERM.linear), len(motion.t))).T  # one behind the other in memory
     if source == OWN_ANGLE:
-        columns[:, OF_ANGLE] = np.column_stack([np.cos(motion.q), np.sin(motion.q)])
+        columns[:, OF_ANGLE] = waves(motion.q).T
     elif motion.rigid is None:
         return columns
     elif source == TILT:

@@ -25,7 +25,7 @@ UNITS = ("kg", "kg_m", "kg_m", "kg_m") + ("kg_m2",) * 6
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return the columns of one source of the torque; those of the others are zero."""
     source = round(shape[0])
-    columns = np.zeros((len(motion.t), len(TERM.linear)))
+    columns = np.zeros((len(TERM.linear), len(motion.t))).T  # one behind the other in memory
     rigid = motion.rigid
     if source <= ALL:
         if motion.others is None:
