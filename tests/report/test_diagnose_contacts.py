@@ -15,21 +15,31 @@ from friction_audit.report.figures.diagnose_effects import draw_effects
 from friction_audit.simulate import BenchSettings, simulate
 
 LENGTH_S = 0.3
-LOG = simulate(BenchSettings(duration_s=40.0), 3).log
+
+Pushes = tuple[tuple[float, float], ...]
+"""When something touches the joint, and how hard. [s, N m]"""
+
+
+@cache
+def quiet() -> JointLog:
+    """A log without contacts, simulated when the first test asks for it: collecting tests is to take no time."""
+    return simulate(BenchSettings(duration_s=40.0), 3).log
 
 
 def in_motion(after_s: float) -> float:
     """The first moment after one from which the joint moves for as long as a contact lasts."""
-    slow = LOG.t[np.abs(LOG.dq[:, 0]) < 0.1]
+    log = quiet()
+    slow = log.t[np.abs(log.dq[:, 0]) < 0.1]
     starts = np.append(after_s, slow[slow > after_s])
     return float(starts[np.flatnonzero(np.diff(starts) > 1.5 * LENGTH_S)[0]]) + 0.25 * LENGTH_S
 
 
-PUSHES = ((in_motion(12.0), 2.0), (in_motion(25.0), -3.0))
-"""When something touches the joint, and how hard. [s, N m]"""
+@cache
+def two_pushes() -> Pushes:
+    return (in_motion(12.0), 2.0), (in_motion(25.0), -3.0)
 
 
-def pushed(log: JointLog, pushes: tuple[tuple[float, float], ...] = PUSHES) -> JointLog:
+def pushed(log: JointLog, pushes: Pushes) -> JointLog:
     """A log with half a sine of torque at each moment."""
     torque = np.array(log.tau_interaction)
     for start, size in pushes:
@@ -39,10 +49,13 @@ def pushed(log: JointLog, pushes: tuple[tuple[float, float], ...] = PUSHES) -> J
 
 
 @cache
-def found(pushes: tuple[tuple[float, float], ...] = PUSHES) -> Diagnosis:
-    return diagnose_log(
-        pushed(LOG, pushes), AuditSettings(), DiagnosisSettings(candidates=("contact_event", "stribeck"))
-    )
+def found_of(pushes: Pushes) -> Diagnosis:
+    settings = DiagnosisSettings(candidates=("contact_event", "stribeck"))
+    return diagnose_log(pushed(quiet(), pushes), AuditSettings(), settings)
+
+
+def found() -> Diagnosis:
+    return found_of(two_pushes())
 
 
 def shaded(figure: Figure, panel: int) -> int:
@@ -51,20 +64,22 @@ def shaded(figure: Figure, panel: int) -> int:
 
 def test_each_contact_is_where_it_was_and_as_large_as_it_was() -> None:
     shown = touched(found(), found().discrepancy.joints[0])
-    assert [contact.start_s for contact in shown.contacts] == pytest.approx([start for start, _ in PUSHES], abs=0.15)
-    for start, size in PUSHES:
+    starts = [start for start, _ in two_pushes()]
+    assert [contact.start_s for contact in shown.contacts] == pytest.approx(starts, abs=0.15)
+    for start, size in two_pushes():
         near = shown.left[np.abs(shown.t - start - 0.5 * LENGTH_S) < 0.02]
         assert float(np.nanmean(near)) == pytest.approx(size, rel=0.1)
-    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in PUSHES], axis=0)
+    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in two_pushes()], axis=0)
     assert float(np.nanstd(shown.left[apart])) < 0.05
 
 
 def test_a_contact_that_stops_the_joint_is_shown_too() -> None:
-    speed = np.abs(LOG.dq[:, 0])
-    before = np.interp(LOG.t - LENGTH_S, LOG.t, speed)
-    stop = float(LOG.t[(LOG.t > 15.0) & (speed < 0.02) & (before > 0.2)][0])
+    log = quiet()
+    speed = np.abs(log.dq[:, 0])
+    before = np.interp(log.t - LENGTH_S, log.t, speed)
+    stop = float(log.t[(log.t > 15.0) & (speed < 0.02) & (before > 0.2)][0])
     pushes = ((stop - 0.8 * LENGTH_S, 2.0),)
-    shown = touched(found(pushes), found(pushes).discrepancy.joints[0])
+    shown = touched(found_of(pushes), found_of(pushes).discrepancy.joints[0])
     assert any(contact.start_s < stop - 0.3 * LENGTH_S < contact.stop_s for contact in shown.contacts)
 
 
@@ -73,7 +88,7 @@ def test_friction_below_zero_which_no_model_allows_is_drawn_all_the_same() -> No
     numbers = dict(joint.grown)
     numbers["viscous_nms_per_rad"] = replace(numbers["viscous_nms_per_rad"], value=-0.4)
     shown = touched(found(), replace(joint, grown=numbers))
-    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in PUSHES], axis=0)
+    apart = np.all([np.abs(shown.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in two_pushes()], axis=0)
     assert float(np.nanstd(shown.left[apart])) < 0.1
 
 
@@ -82,7 +97,7 @@ def test_one_joint_shows_all_the_log_and_the_largest_close_by() -> None:
     assert [axes.get_title(loc="left") for axes in figure.axes] == ["joint 1: contact_event", "the largest"]
     assert [shaded(figure, panel) for panel in (0, 1)] == [2, 2]
     low, high = figure.axes[1].get_xlim()
-    assert low < PUSHES[1][0] < high
+    assert low < two_pushes()[1][0] < high
     assert high - low < 3.0
 
 
