@@ -1,5 +1,6 @@
 """What holds for all tests: how thorough they are, their order, one thread each, patience, one headless browser."""
 
+import gc
 import os
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -19,10 +20,15 @@ WITHOUT_LOOPS = ("test_architecture.py", "test_site.py", "test_site_in_browser.p
 WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
 """Files of long tests that compile most of them."""
 
+GARBAGE_EACH = (100_000, 20, 20)
+"""After so many new objects the young ones are looked through, every so many times the older and the oldest ones."""
+
 settings.register_profile("fast", deadline=None, max_examples=30)
 settings.register_profile("thorough", deadline=None, max_examples=300)
 # As the program itself does: with a worker per core, threads inside a product would only wait for each other.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# What is imported and made to collect the tests lives to the end: to look for garbage in it took a fifth of that time.
+gc.set_threshold(*GARBAGE_EACH)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -47,6 +53,12 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     others = [item for item in items if item.path.name not in (*WITHOUT_LOOPS, *WITH_LOOPS)]
     half = max(len(items) // 2 - len(first), 0)
     items[:] = [*first, *others[:half], *middle, *others[half:]]
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage no more in what was made to collect the tests."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")
