@@ -44,17 +44,23 @@ def pull(settings: ArmSettings, seed: int, motion: Motion) -> Pull:
     path = intended(settings, seed, len(motion.t) - 1)
     pin.framesForwardKinematics(model, data, motion.q[0])
     place, upright = data.oMf[frame].translation.copy(), Rotation.from_matrix(data.oMf[frame].rotation)
-    rows = []
-    for k, (q, dq) in enumerate(zip(motion.q, motion.dq, strict=True)):
-        jacobian = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-        flange, twist = data.oMf[frame], jacobian @ dq
-        off = place + path.position[k] - flange.translation
-        turn = Rotation.from_rotvec(path.rotation[k]) * upright * Rotation.from_matrix(flange.rotation).inv()
-        force = hand.stiffness_n_per_m * off + hand.damping_ns_per_m * (path.velocity[k] - twist[:3])
-        force[2] += hand.mass_kg * 9.81
-        moment = hand.turning_stiffness_nm_per_rad * turn.as_rotvec()
-        moment += hand.turning_damping_nms_per_rad * (path.angular[k] - twist[3:])
-        wrench = np.concatenate((force, moment))
-        rows.append(np.concatenate((jacobian.T @ wrench, [wrench @ twist, np.linalg.norm(off), turn.magnitude()])))
-    table = np.array(rows)
-    return Pull(torque_nm=table[:, :7], power_w=table[:, 7], off_m=table[:, 8], turned_rad=table[:, 9])
+    n = len(motion.q)
+    jacobian, flange, turned = np.empty((n, 6, 7)), np.empty((n, 3)), np.empty((n, 3, 3))
+    for k, q in enumerate(motion.q):
+        jacobian[k] = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+        flange[k], turned[k] = data.oMf[frame].translation, data.oMf[frame].rotation
+    twist = np.einsum("kij,kj->ki", jacobian, motion.dq)
+    off = place + path.position[:n] - flange
+    # All rotations at a time: one by one they would take most of the time of the tests.
+    turn = Rotation.from_rotvec(path.rotation[:n]) * upright * Rotation.from_matrix(turned).inv()
+    force = hand.stiffness_n_per_m * off + hand.damping_ns_per_m * (path.velocity[:n] - twist[:, :3])
+    force[:, 2] += hand.mass_kg * 9.81
+    moment = hand.turning_stiffness_nm_per_rad * turn.as_rotvec()
+    moment += hand.turning_damping_nms_per_rad * (path.angular[:n] - twist[:, 3:])
+    wrench = np.hstack((force, moment))
+    return Pull(
+        torque_nm=np.einsum("kij,ki->kj", jacobian, wrench),
+        power_w=np.sum(wrench * twist, axis=1),
+        off_m=np.linalg.norm(off, axis=1),
+        turned_rad=np.asarray(turn.magnitude()),
+    )
