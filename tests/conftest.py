@@ -3,9 +3,11 @@
 import gc
 import os
 from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
+import typer
 from hypothesis import settings
 
 from tests.chromium import NoChromiumError, find_chromium
@@ -59,6 +61,14 @@ def pytest_collection_finish() -> None:
     """Look for garbage no more in what was made to collect the tests."""
     gc.collect()
     gc.freeze()
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_command_line() -> Iterator[None]:
+    """Build the commands and their options once: a program does it once, and tests call it a thousand times."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
+        yield
 
 
 @pytest.fixture(scope="session")
