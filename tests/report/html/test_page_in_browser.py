@@ -128,6 +128,7 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     dialog.get_by_role("button", name="Whole figure").click()
     assert opened.evaluate(inside)[2] == pytest.approx(width)
     opened.page.keyboard.press("Escape")
+    opened.page.wait_for_function("!document.querySelector('dialog svg')")  # it goes back after the key is dealt with
     assert opened.evaluate("document.querySelectorAll('figure svg').length") == len(BATCH_FIGURES)
     assert opened.evaluate("document.querySelectorAll('figure svg')[1].getAttribute('viewBox')") == whole
     assert opened.evaluate("document.activeElement.getAttribute('aria-label')").startswith("Enlarge: Coefficients")
