@@ -11,7 +11,6 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.waves import waves
 
 OWN_ANGLE, TILT, SEVERAL = 0, -1, -2
 """Values of the source; from 1 on, the number of a link."""
@@ -28,7 +27,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     source = round(shape[0])
     columns = np.zeros((len(TERM.linear), len(motion.t))).T  # one behind the other in memory
     if source == OWN_ANGLE:
-        columns[:, OF_ANGLE] = waves(motion.q).T
+        columns[:, OF_ANGLE] = np.column_stack([np.cos(motion.q), np.sin(motion.q)])
     elif motion.rigid is None:
         return columns
     elif source == TILT:

@@ -10,7 +10,6 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.waves import waves
 
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
@@ -18,7 +17,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     order, centre, width = shape
     off = motion.q - centre
     bell = motion.direction * np.exp(-0.5 * (off / width) ** 2)
-    return (bell * waves(order * off)).T
+    return np.stack([bell * np.cos(order * off), bell * np.sin(order * off)]).T
 
 
 TERM = Term(

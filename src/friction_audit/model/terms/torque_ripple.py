@@ -10,7 +10,6 @@ import numpy as np
 
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
-from friction_audit.model.waves import waves
 
 SAME_STEP = 1e-12
 """Differences of the spacing of orders that are rounding, as a share of the largest."""
@@ -18,7 +17,8 @@ SAME_STEP = 1e-12
 
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return cos(k q) and sin(k q) as columns."""
-    return waves(shape[0] * motion.q).T
+    angle = shape[0] * motion.q
+    return np.stack([np.cos(angle), np.sin(angle)]).T
 
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
