@@ -20,8 +20,10 @@ import numpy as np
 from scipy.stats import binomtest
 
 from friction_audit.discrepancy.alternatives import name_effects
+from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.omnibus import independent_clusters, neighbours_remember, omnibus_test
-from friction_audit.discrepancy.search import Group, cross_products, search
+from friction_audit.discrepancy.search import search
 from tests.discrepancy.synthetic_columns import synthetic_columns
 
 ALPHA = 0.05

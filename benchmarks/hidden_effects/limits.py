@@ -26,8 +26,8 @@ from benchmarks.hidden_effects.table import CLEAR, Row, held, sets_of, share, ta
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.declared import declare, least_squares
 from friction_audit.discrepancy.ground import Ground, make_ground
+from friction_audit.discrepancy.ranking import BY_CHANCE
 from friction_audit.discrepancy.rows import Rows, make_rows
-from friction_audit.discrepancy.search import BY_CHANCE
 from friction_audit.joint_log import Float
 from friction_audit.simulate.dispatch import simulate
 

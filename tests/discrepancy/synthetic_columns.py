@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.signal import lfilter
 
-from friction_audit.discrepancy.search import Group, Index
+from friction_audit.discrepancy.gram import Index
+from friction_audit.discrepancy.groups import Group
 from friction_audit.joint_log import Float
 
 

@@ -11,7 +11,10 @@ from friction_audit.discrepancy.alternatives import (
     preferred,
     with_wholes,
 )
-from friction_audit.discrepancy.search import Group, Ranking, cross_products, search
+from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.groups import Group
+from friction_audit.discrepancy.ranking import Ranking
+from friction_audit.discrepancy.search import result_of, search
 from friction_audit.joint_log import Float
 
 
@@ -62,7 +65,7 @@ def test_delta_bic_by_hand() -> None:
     one, two = gain_of(y, a), gain_of(y, b, c)
     # The one has a factor and a number of its shape, the other two factors.
     assert evidence(ranking, [], 0) == pytest.approx(one - 2 * np.log(one / 2))
-    found = ranking.result([0])
+    found = result_of(ranking, [0])
     (naming,) = name_effects(products, found, 500.0, {})
     assert naming.rivals[0].delta_bic == pytest.approx(one - two - 2 * np.log(one / 2) + 2 * np.log(two / 2))
 
@@ -78,7 +81,7 @@ def test_a_number_costs_a_weak_effect_less_than_a_strong_one() -> None:
             np.ones((2000, 1)),
             [Group(name="a", shapes=(a[:, None],)), Group(name="wide", shapes=(wide,))],
         )
-        (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+        (naming,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})
         costs.append(naming.rivals[0].delta_bic)
     assert costs[0] < 6 < costs[1]
 
@@ -89,7 +92,7 @@ def test_of_two_that_fit_alike_the_one_with_fewer_numbers_takes_the_place() -> N
     wide = np.column_stack([a, *rng.standard_normal((3, 2000))])
     groups = [Group(name="wide", shapes=(wide,)), Group(name="a", shapes=(a[:, None],))]
     products = cross_products(a + e, np.ones((2000, 1)), groups)
-    found = Ranking(products, 500.0).result([0])
+    found = result_of(Ranking(products, 500.0), [0])
     assert [chosen.name for chosen in preferred(products, found, 500.0).chosen] == ["a"]
     assert [chosen.name for chosen in preferred(products, preferred(products, found, 500.0), 500.0).chosen] == ["a"]
 
@@ -116,7 +119,7 @@ def test_what_an_effect_is_ahead_and_brings_by_hand() -> None:
     groups = [Group(name="a", shapes=(a[:, None],)), Group(name="b", shapes=((a + b)[:, None],))]
     y = a + 0.1 * b + 3.0 * e
     products = cross_products(y, np.ones((2000, 1)), groups)
-    (rival,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})[0].rivals
+    (rival,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})[0].rivals
     assert rival.ahead == pytest.approx(gain_of(y, a) - gain_of(y, a + b))
     assert rival.brings == pytest.approx(gain_of(y, a, b) - gain_of(y, a + b))
 
@@ -130,7 +133,7 @@ def test_of_a_rival_s_shapes_that_counts_for_which_most_speaks() -> None:
         Group(name="other", shapes=(bent, a[:, None])),
     ]
     products = cross_products(a + e, np.ones((2000, 1)), groups)
-    (rival,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})[0].rivals
+    (rival,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})[0].rivals
     assert rival.shape == 1
     assert rival.delta_bic == pytest.approx(0.0, abs=1e-9)
 
@@ -182,7 +185,7 @@ def spring_or_offset(stiffness: float, offset: float) -> Naming:
     one = np.ones(2000)
     groups = [Group(name="spring", shapes=(np.column_stack([q, one]),)), Group(name="offset", shapes=(one[:, None],))]
     products = cross_products(stiffness * q + offset + e, rng.standard_normal((2000, 1)), groups)
-    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    (naming,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})
     return naming
 
 
@@ -206,7 +209,7 @@ def named_with_a_richer_form(share: float, noise: float) -> Naming:
         Group(name="spring", shapes=(np.column_stack([one, more]),)),
     ]
     products = cross_products(one + share * more + noise * e, other[:, None], groups)
-    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    (naming,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})
     return naming
 
 
@@ -229,6 +232,6 @@ def test_a_column_that_is_nearly_the_base_s_is_not_held_for_that() -> None:
     step = 0.9 * bent + 0.4 * rng.standard_normal(2000)
     groups = [Group(name="step", shapes=(step[:, None],)), Group(name="curve", shapes=((line + 3e-4 * bent)[:, None],))]
     products = cross_products(step + 0.3 * e, line[:, None], groups)
-    (naming,) = name_effects(products, Ranking(products, 500.0).result([0]), 500.0, {})
+    (naming,) = name_effects(products, result_of(Ranking(products, 500.0), [0]), 500.0, {})
     assert not naming.rivals[0].held
     assert naming.alternatives == ()

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.omnibus import FEW_TO_TEST, LEAST_CLUSTERS, cut_cycles, even_weights
-from friction_audit.discrepancy.search import Group
 
 
 def test_many_cycles_stay_whole() -> None:

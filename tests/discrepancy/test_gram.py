@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
+from friction_audit.discrepancy.cross_products import cross_products
 from friction_audit.discrepancy.gram import (
     SAMPLES_AT_A_TIME,
     Known,
@@ -11,7 +12,8 @@ from friction_audit.discrepancy.gram import (
     products_with_all,
     products_within,
 )
-from friction_audit.discrepancy.search import Group, Ranking, cross_products
+from friction_audit.discrepancy.groups import Group
+from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.joint_log import Float
 
 

@@ -8,12 +8,13 @@ import pytest
 
 from friction_audit.discrepancy.alternatives import evidence
 from friction_audit.discrepancy.candidate import Baseline, Shape
+from friction_audit.discrepancy.cross_products import cross_products
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.discrepancy.naming import Names, find_names, with_moments_of_all_cycles, worth
-from friction_audit.discrepancy.search import Ranking, cross_products
+from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
 from tests.discrepancy.toy_candidates import BUMP, SQUARE, STEP, TOYS

@@ -11,6 +11,7 @@ from statsmodels.api import OLS
 from statsmodels.stats.sandwich_covariance import S_crosssection
 
 from friction_audit.discrepancy.cycle_scores import CycleScores, marginal_evidence
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.omnibus import (
     FEW_CYCLES,
     WEBB,
@@ -21,7 +22,6 @@ from friction_audit.discrepancy.omnibus import (
     omnibus_test,
     step_down,
 )
-from friction_audit.discrepancy.search import Group
 from friction_audit.errors import AnalysisError
 from tests.discrepancy.synthetic_columns import synthetic_columns
 

@@ -6,10 +6,10 @@ from statsmodels.api import OLS
 
 from friction_audit.discrepancy.axes import AXES, curve, knots_of
 from friction_audit.discrepancy.curves import Curve
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.omnibus import Omnibus
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.result import Profile
-from friction_audit.discrepancy.search import Group
 from friction_audit.joint_log import Float
 
 CYCLES, PER_CYCLE = 40, 120

@@ -9,7 +9,10 @@ from hypothesis import strategies as st
 from scipy.stats import chi2
 from statsmodels.api import OLS
 
-from friction_audit.discrepancy.search import Group, Ranking, Search, cross_products, search
+from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.groups import Group
+from friction_audit.discrepancy.ranking import Ranking
+from friction_audit.discrepancy.search import Search, result_of, search, settle
 from friction_audit.errors import AnalysisError
 from tests.discrepancy.synthetic_columns import SyntheticColumns, synthetic_columns
 
@@ -107,7 +110,7 @@ def test_a_stand_in_that_came_first_leaves_when_the_two_real_effects_are_in() ->
     found = search(cross_products(y, np.ones((n, 1)), groups), float(n))
     assert sorted(names(found)) == ["a", "b"]
     ranking = Ranking(cross_products(both, np.ones((n, 1)), groups), float(n))
-    assert names(ranking.result(ranking.settle([1, 2]))) == ["both"]  # and two that stand in for one leave too
+    assert names(result_of(ranking, settle(ranking, [1, 2]))) == ["both"]  # and two that stand in for one leave too
 
 
 def test_impossible_factors_are_skipped_for_the_next_best() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.discrepancy.search import Group
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.wanted_curves import wanted_curves
 from friction_audit.joint_log import Float
 

@@ -15,7 +15,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from friction_audit.discrepancy.search import CrossProducts, Index, Ranking, Search
+from friction_audit.discrepancy.cross_products import CrossProducts
+from friction_audit.discrepancy.gram import Index
+from friction_audit.discrepancy.ranking import Ranking
+from friction_audit.discrepancy.search import Search, result_of
 from friction_audit.joint_log import Float
 
 CLEARLY = 1e-6
@@ -169,7 +172,7 @@ def preferred(products: CrossProducts, found: Search, n_eff: float) -> Search:
         ]
         if better:
             active[place] = min(better, key=lambda rival: rival.delta_bic).unit
-    return ranking.result(active)
+    return result_of(ranking, active)
 
 
 def _rivals(products: CrossProducts, active: list[int], unit: int, n_eff: float) -> tuple[Rival, ...]:

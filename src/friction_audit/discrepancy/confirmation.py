@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from friction_audit.discrepancy.declared import least_squares
 from friction_audit.discrepancy.ground import Clusters, Ground
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.omnibus import omnibus_test
-from friction_audit.discrepancy.search import Group
 from friction_audit.joint_log import Float
 
 LEAST_GAIN = 0.005

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.discrepancy.axes import AXES, KNOTS, Axis, curve, knots_of
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.omnibus import FEW_TO_TEST
 from friction_audit.discrepancy.rows import Rows
-from friction_audit.discrepancy.search import Group
 from friction_audit.joint_log import Float
 
 CYCLES_PER_COLUMN = 3

@@ -12,7 +12,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.search import MIN_FRACTION_LEFT, Group
+from friction_audit.discrepancy.cross_products import MIN_FRACTION_LEFT
+from friction_audit.discrepancy.groups import Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 

@@ -15,6 +15,7 @@ from friction_audit.discrepancy.contacts import (
     leave_out_contacts,
     without_contacts,
 )
+from friction_audit.discrepancy.cross_products import CrossProducts
 from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
@@ -44,7 +45,6 @@ from friction_audit.discrepancy.ringing import find_ringing, rings
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
-from friction_audit.discrepancy.search import CrossProducts
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError

@@ -11,11 +11,11 @@ from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline
 from friction_audit.discrepancy.curves import Curve, build_curves, build_surface
 from friction_audit.discrepancy.declared import Declared, declare, least_squares
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import integral_time, runs_of
 from friction_audit.discrepancy.omnibus import cut_cycles, neighbours_remember
 from friction_audit.discrepancy.rows import CORNER_HZ, Rows, corner_for, make_rows
-from friction_audit.discrepancy.search import Group
 from friction_audit.discrepancy.split import split_cycles
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import JointModel

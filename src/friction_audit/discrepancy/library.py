@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.groups import Group, not_zero
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.rows import Rows
-from friction_audit.discrepancy.search import Group, not_zero
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import side_by_side
 

@@ -9,13 +9,16 @@ from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, 
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
+from friction_audit.discrepancy.cross_products import CrossProducts, cross_products
 from friction_audit.discrepancy.driving import driving
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.groups import Group, not_zero
 from friction_audit.discrepancy.library import Entry, Library, extend_library, plainer, rebuild_library
 from friction_audit.discrepancy.mending import may_mend
+from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
-from friction_audit.discrepancy.search import CrossProducts, Group, Ranking, Search, cross_products, not_zero, search
+from friction_audit.discrepancy.search import Search, result_of, search
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import side_by_side
 
@@ -137,7 +140,7 @@ def _named_anew(
     names = [f.candidate.name for f in accepted]
     if len(names) == len(units) or not units.keys() >= set(names):
         return accepted
-    kept = ranking.result([units[name] for name in names])
+    kept = result_of(ranking, [units[name] for name in names])
     namings = {one.name: one for one in name_effects(ranking.products, kept, ranking.n_eff, same)}
     return tuple(replace(f, naming=namings[f.candidate.name]) for f in accepted)
 
@@ -162,7 +165,7 @@ def _within(
         rival = next((r for r in alike if r.held or numbers[r.unit] < numbers[units[k]]), None)
         if rival is None or any(rival.name == chosen.name for chosen in outcome.chosen):
             continue
-        swapped = ranking.result([*units[:k], rival.unit, *units[k + 1 :]])
+        swapped = result_of(ranking, [*units[:k], rival.unit, *units[k + 1 :]])
         naming_of = {one.name: one for one in name_effects(ranking.products, swapped, ranking.n_eff, same)}
         entry = library.entry(rival.name)
         effect = Found(

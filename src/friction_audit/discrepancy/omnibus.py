@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.cycle_scores import CycleScores
-from friction_audit.discrepancy.search import Group
+from friction_audit.discrepancy.groups import Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import side_by_side

@@ -16,8 +16,8 @@ import numpy as np
 from friction_audit.discrepancy.alternatives import WRONG_NAME
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.groups import not_zero
 from friction_audit.discrepancy.naming import LEAST_SHARE
-from friction_audit.discrepancy.search import not_zero
 from friction_audit.joint_log import Float
 
 TINY = float(np.finfo(float).tiny)

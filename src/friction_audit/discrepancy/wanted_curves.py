@@ -9,8 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.noise import Index, integral_time
-from friction_audit.discrepancy.search import Group, cross_products, search
+from friction_audit.discrepancy.search import search
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4

@@ -7,11 +7,12 @@ import pytest
 
 from friction_audit.discrepancy.candidates import torque_bias
 from friction_audit.discrepancy.candidates.torque_drift import CANDIDATE, SHORTEST_S
+from friction_audit.discrepancy.cross_products import cross_products
 from friction_audit.discrepancy.declared import declare, least_squares
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.rows import make_rows
-from friction_audit.discrepancy.search import cross_products, search
+from friction_audit.discrepancy.search import search
 from friction_audit.joint_log import Float
 from tests.discrepancy.moved_joint import moved_joint
 
