@@ -1,5 +1,6 @@
 """Intervals of factors and shapes of a grown model: exact without noise, and they cover."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -63,6 +64,20 @@ def test_several_effects_keep_their_own_numbers() -> None:
     wave, hump = parameters_of(ground, both, ground.baseline()).effects
     assert (wave["factor_1_nm"].value, wave["factor_2_nm"].value) == pytest.approx((0.05, -0.02), rel=1e-6)
     assert hump["factor_1_nm"].value == pytest.approx(SIZE, rel=1e-6)
+
+
+def test_what_a_shape_assumes_widens_the_interval_on_its_side() -> None:
+    ground = make_ground(moved_joint(bump, noise_nm=0.02, duration_s=20.0), None, 0)
+    shape = {"place_rad": PLACE, "width_rad": 0.2}
+    loose = replace(BUMP, loose=lambda _shape: {"factor_1_nm": (1.0, 4.0)})
+    (told,), (wider,) = (
+        parameters_of(ground, [found_effect(ground, candidate, shape)], ground.baseline()).effects
+        for candidate in (BUMP, loose)
+    )
+    assert wider["factor_1_nm"].value == told["factor_1_nm"].value
+    assert wider["factor_1_nm"].low == told["factor_1_nm"].low
+    assert wider["factor_1_nm"].high == 4.0 * told["factor_1_nm"].high
+    assert wider["place_rad"] == told["place_rad"]
 
 
 def test_nothing_found_leaves_the_declared_model() -> None:

@@ -42,6 +42,10 @@ def _sharp(_baseline: Baseline, _shape: Shape) -> float:
     return 0.0
 
 
+def _firm(_shape: Shape) -> Mapping[str, tuple[float, float]]:
+    return {}
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Candidate:
     """One effect, as a detector sees it.
@@ -74,6 +78,8 @@ class Candidate:
         moment: Name of the number of its shape that is a moment, which a locked cycle may hide; empty without one.
         exact: Whether its formula cannot be wrong, as that of a constant cannot.
         blur: ``blur(baseline, shape)``: how far off that number is whatever the log says, for what its formula assumes.
+        loose: ``loose(shape)``: names of numbers that may be so many times what is told, at least and at most, whatever
+            the log says, for what a shape assumes.
         fading: Name of the number of its shape that is a time constant; empty without one.
         noisy: Name of the number of its shape that noise of the motion moves; empty without one.
         along_noise: Names of the numbers, above zero, that noise moves with it.
@@ -99,6 +105,7 @@ class Candidate:
     moment: str = ""
     exact: bool = False
     blur: Callable[[Baseline, Shape], float] = _sharp
+    loose: Callable[[Shape], Mapping[str, tuple[float, float]]] = _firm
     fading: str = ""
     noisy: str = ""
     along_noise: tuple[str, ...] = ()

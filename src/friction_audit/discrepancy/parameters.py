@@ -6,7 +6,7 @@ instead. The values stay those with which the torque was computed: a step along 
 give factors that belong to no shape.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,7 +55,8 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
         named = zip(_factor_names(f), linear[at : at + width], np.any(f.columns != 0.0, axis=0), strict=True)
         values = {name: coefficient for name, coefficient, there in named if there}
         values |= {name: around(value, free[name]) for name, value in f.shape.items()}
-        effects.append(_through_noise(_reaching_both(values), f, found, ground, baseline) | numbers)
+        reached = _through_noise(_reaching_both(values), f, found, ground, baseline) | numbers
+        effects.append(_loosened(reached, f.candidate.loose(f.shape)))
         at += width
     return Parameters(declared=declared, effects=tuple(effects))
 
@@ -129,6 +130,16 @@ def _through_noise(
         name: reach.widen(values[name]),
         **{factor: reach.widen(values[factor], power) for factor, power in twice.items()},
     }
+
+
+def _loosened(values: dict[str, Coefficient], loose: Mapping[str, tuple[float, float]]) -> dict[str, Coefficient]:
+    """The numbers, those above zero that a shape tells too large or too small with intervals that reach as far."""
+    wider = {
+        name: replace(values[name], low=values[name].low * least, high=values[name].high * most)
+        for name, (least, most) in loose.items()
+        if values[name].low > 0.0
+    }
+    return values | wider
 
 
 def _factor_names(found: Found) -> list[str]:

@@ -16,7 +16,7 @@ from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.backlash import CONTACTS_HZ
 from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
-from friction_audit.discrepancy.candidates.joint_elasticity import all_springs
+from friction_audit.discrepancy.candidates.joint_elasticity import HIGHER, all_springs
 from friction_audit.discrepancy.curves import build_curves
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, build_library
@@ -36,8 +36,6 @@ CORNER_HZ = 60.0
 so that a jump is as steep in the columns as in the torque."""
 FILTER_S = 0.05
 """Reach of that low-pass to either side."""
-HIGHER = 2.0
-"""How much higher a spring rings than its far side alone would on it, at most: its other end may be light."""
 LEAST_EXPLAINED = 0.5
 """Of a vibration's power, on the locked cycles: what its name must explain."""
 

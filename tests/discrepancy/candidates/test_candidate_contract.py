@@ -136,6 +136,16 @@ def test_a_candidate_and_its_term_are_one(candidate: Candidate) -> None:
 
 
 @with_term
+def test_what_a_shape_leaves_loose_are_numbers_of_the_term(candidate: Candidate) -> None:
+    assert candidate.term is not None
+    names = {parameter.name for parameter in (*candidate.term.linear, *candidate.term.shape)}
+    for shape in candidate.tried(MOVING):
+        for name, (least, most) in candidate.loose(shape).items():
+            assert name in names
+            assert 0.0 < least <= 1.0 <= most
+
+
+@with_term
 def test_what_is_admissible_a_model_can_hold(candidate: Candidate) -> None:
     term = candidate.term
     assert term is not None

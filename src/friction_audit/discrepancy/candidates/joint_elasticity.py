@@ -34,6 +34,8 @@ noise at its resonance by ten, and the ringing of friction's jumps drowns in it.
 FAR_SHARES = (0.8, 0.6)
 """Of the inertia that is behind the spring, where a rotor before it moves with the measured side, and its torque is
 measured too."""
+HIGHER = 2.0
+"""How much higher a spring rings than its far side alone would on it, at most: its other end may be light."""
 RINGING_SEEN_HZ = 25.0
 """Highest corner of the rows. A spring that rings faster shows by what it twists alone, which noise of the position
 must leave to be seen."""
@@ -111,6 +113,15 @@ def untestable(data: JointData, baseline: Baseline) -> str | None:
     return reversals(data, baseline, FEWEST_REVERSALS) or inertia_behind(baseline)
 
 
+def told_too_stiff(shape: Shape) -> dict[str, tuple[float, float]]:
+    """How far off a spring along a smooth motion may be: its other end is held there, and rings along in truth.
+
+    A spring between two ends rings higher than one whose other end is held, so that it is told stiffer than it is.
+    """
+    softer = {"spring_nm_per_rad": (HIGHER**-2, 1.0), "compliance_rad_per_nm": (1.0, HIGHER**2)}
+    return softer if "motion_below_hz" in shape else {}
+
+
 def admissible(factors: Float, shape: Shape) -> bool:
     """Sign and size that are physically possible."""
     return bool(LEAST_SHARE < factors[0] * shape["spring_nm_per_rad"] <= LARGEST_SHARE)
@@ -128,6 +139,7 @@ CANDIDATE = Candidate(
     axis="acceleration",
     term=TERM,
     leans_on_model=True,
+    loose=told_too_stiff,
     noisy="spring_nm_per_rad",
     along_noise=("damping_ratio",),
     assumed=("damping_ratio", "far_share"),
