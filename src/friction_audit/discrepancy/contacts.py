@@ -6,6 +6,7 @@ fitted to its rows is not a property of the joint.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,12 @@ from friction_audit.discrepancy.candidates.contact_event import (
 from friction_audit.discrepancy.declared import FRICTION, INERTIA, least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, keep_rows, without
-from friction_audit.discrepancy.naming import Names, search_library, with_moments_of_all_cycles
+from friction_audit.discrepancy.naming import Found, Names, search_library, with_moments_of_all_cycles
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.joint_log import Float
+
+SHIFTED = 2.0
+"""Times a torque what is left where it is told at a moment and comes at another one, at most."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -67,14 +71,35 @@ def contacts_beside(ground: Ground, undisturbed: Undisturbed, names: Names) -> t
     """The contacts that still stand out of what a joint's names leave of all its rows.
 
     None is new: beside a name whose numbers are not quite right something always stands out. A moment at which
-    something changes is refined once more with the rows of the contacts, for it may lie in one of them.
+    something changes is refined once more with the rows of the contacts, for it may lie in one of them. Nor is a
+    contact what flanks that strike or a spring that rings would leave if they did so at another moment.
     """
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
     found = [replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True)]
     told = with_moments_of_all_cycles(ground, replace(names, found=tuple(found)))
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
-    beside = _beside(replace(ground, working=np.ones_like(ground.working)), [f.columns for f in told], fine)
-    return tuple(contact for contact in undisturbed.contacts if any(overlap(contact, other) for other in beside))
+    every = replace(ground, working=np.ones_like(ground.working))
+    torques = _torques(every, [f.columns for f in told], fine)
+    beside = find_contacts(ground.data, np.sum(torques[1:], axis=0))
+    left = ground.data.torque - ground.declared.stated - np.sum(torques, axis=0)
+    shaken = [torque for f, torque in zip(told, torques[-len(told) :], strict=True) if _shakes(f)]
+    return tuple(
+        contact
+        for contact in undisturbed.contacts
+        if any(overlap(contact, other) for other in beside)
+        and not any(_within(contact, ground.data.t, left, torque) for torque in shaken)
+    )
+
+
+def _shakes(found: Found) -> bool:
+    """Whether noise of the motion shifts when an effect's torque comes."""
+    return bool(found.candidate.rugged or found.candidate.noisy)
+
+
+def _within(contact: Contact, t: Float, left: Float, torque: Float) -> bool:
+    """Whether what stands out is no more than a torque that comes at another moment: twice itself at most."""
+    inside = (t >= contact.start_s) & (t <= contact.stop_s)
+    return float(np.sum(left[inside] ** 2)) < SHIFTED**2 * float(np.sum(torque[inside] ** 2))
 
 
 def without_contacts(ground: Ground, library: Library, contacts: tuple[Contact, ...]) -> Undisturbed:
@@ -90,11 +115,18 @@ def _beside(ground: Ground, effects: Sequence[Float], fine: Sequence[Float]) -> 
 
     What a model file declares beside inertia and friction is there as well.
     """
+    return find_contacts(ground.data, np.sum(_torques(ground, effects, fine)[1:], axis=0))
+
+
+def _torques(ground: Ground, effects: Sequence[Float], fine: Sequence[Float]) -> list[Float]:
+    """Torque of inertia and friction, of what else a model file declares, and of each effect, shape (n,) each."""
     columns = np.hstack([ground.base, *effects])
     factors = least_squares(columns[ground.working], ground.y[ground.working])
     own = _of_a_file(ground)
-    known = np.hstack([ground.declared.fine[:, own], *fine])
-    return find_contacts(ground.data, known @ factors[[*own, *range(ground.base.shape[1], len(factors))]])
+    plain = [k for k in range(ground.base.shape[1]) if k not in own]
+    ends = np.cumsum([ground.base.shape[1], *(effect.shape[1] for effect in effects)]).tolist()
+    declared = [ground.declared.fine[:, some] @ factors[some] for some in (plain, own)]
+    return [*declared, *(one @ factors[i:j] for one, (i, j) in zip(fine, pairwise(ends), strict=True))]
 
 
 def _of_a_file(ground: Ground) -> list[int]:
