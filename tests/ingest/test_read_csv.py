@@ -267,7 +267,14 @@ def test_a_last_line_cut_short_is_left_out(tmp_path: Path, end: str) -> None:
     log = read_log(path)
     assert len(log.t) == 299
     assert [(f.code, f.damaged) for f in log.source.findings] == [("truncated", True)]
-    assert "line 301" in log.source.findings[0].message
+    assert "line 301, the last one, is cut short (9 of 10 fields)" in log.source.findings[0].message
+
+
+def test_a_last_line_whose_last_number_is_cut_says_what_stands_there(tmp_path: Path) -> None:
+    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
+    log = read_log(write(tmp_path / "run.csv", text[: text.rindex(",") + 1] + "-"))
+    assert len(log.t) == 299
+    assert "line 301, the last one, is cut short ('-' where a number belongs)" in log.source.findings[0].message
 
 
 def test_no_newline_at_the_end_is_no_damage(tmp_path: Path) -> None:

@@ -165,15 +165,17 @@ def _without_cut_line(
     body = block.rstrip(b"\0").rstrip(b"\r\n")
     before, newline, last = body.rpartition(b"\n")
     fields = split_line(last.decode(errors="replace"), dialect.separator)
-    whole = len(fields) == dialect.width and all(
-        is_number(fields[c], dialect.decimal) for c in kinds if kinds[c] is not str
-    )
-    if whole or not last.strip():
+    found = f"{len(fields)} of {dialect.width} fields"
+    if len(fields) == dialect.width:
+        numbers = (fields[c] for c in kinds if kinds[c] is not str)
+        wrong = next((field for field in numbers if not is_number(field, dialect.decimal)), None)
+        found = "" if wrong is None else f"{wrong!r} where a number belongs"
+    if not found or not last.strip():
         return body + b"\n", None
     number = line + before.count(b"\n") + len(newline)
     return before + newline, Finding(
         code="truncated",
-        message=f"line {number}, the last one, is cut short ({len(fields)} of {dialect.width} fields); it is left out",
+        message=f"line {number}, the last one, is cut short ({found}); it is left out",
         amount=1.0,
         damaged=True,
     )
