@@ -11,7 +11,6 @@ from friction_audit.discrepancy.groups import Group, not_zero
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.rows import Rows
 from friction_audit.joint_log import Float
-from friction_audit.per_joint import side_by_side
 
 ROOM_BYTES = 2**22
 """Larger arrays come from the system each time, which clears them page by page."""
@@ -51,20 +50,19 @@ class Library:
 def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Baseline, rows: Rows) -> Library:
     """Ask every candidate whether the log can show it, and build its columns."""
     untestable = {candidate.name: candidate.untestable(data, baseline) for candidate in candidates}
-    shown = [candidate for candidate in candidates if untestable[candidate.name] is None]
     return Library(
-        entries=tuple(side_by_side(lambda candidate: _entry(candidate, data, baseline, rows), shown)),
+        entries=tuple(_entry(c, data, baseline, rows) for c in candidates if untestable[c.name] is None),
         untestable={name: reason for name, reason in untestable.items() if reason is not None},
     )
 
 
 def rebuild_library(library: Library, data: JointData, baseline: Baseline, rows: Rows) -> Library:
     """Build again what leans on the declared model, whose factors are better known."""
-
-    def again(entry: Entry) -> Entry:
-        return _entry(entry.candidate, data, baseline, rows) if entry.candidate.leans_on_model else entry
-
-    return Library(entries=tuple(side_by_side(again, library.entries)), untestable=library.untestable)
+    entries = (
+        _entry(entry.candidate, data, baseline, rows) if entry.candidate.leans_on_model else entry
+        for entry in library.entries
+    )
+    return Library(entries=tuple(entries), untestable=library.untestable)
 
 
 def extend_library(library: Library, found: Iterable[tuple[str, Shape, Float]]) -> Library:

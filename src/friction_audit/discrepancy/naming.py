@@ -20,7 +20,6 @@ from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import Search, result_of, search
 from friction_audit.joint_log import Float
-from friction_audit.per_joint import side_by_side
 
 MOST_ROUNDS = 4
 """Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
@@ -303,33 +302,25 @@ def _columns(library: Library, outcome: Search) -> list[Float]:
 
 def _sharpened(
     ground: Ground, library: Library, outcome: Search, products: CrossProducts, n_eff: float
-) -> list[Sharper]:
+) -> Iterator[Sharper]:
     """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
-    asked = list(_asked(_columns(library, outcome), outcome, products, n_eff))
-    refined = side_by_side(lambda one: _sharper(ground, library, *one), asked)
-    return [one for one in refined if one is not None]
-
-
-def _asked(
-    columns: Sequence[Float], outcome: Search, products: CrossProducts, n_eff: float
-) -> Iterator[tuple[str, int, Sequence[Float]]]:
-    """What is to be refined: names, shapes of the grid, and columns of the effects beside which they are."""
+    columns = _columns(library, outcome)
     ranking = Ranking(products, n_eff)
     alone = dict(ranking.nearly([], np.inf))
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
         others = [*columns[:k], *columns[k + 1 :]]
         near = [r for r in naming.rivals if r.delta_bic < max(NEAR, HALF * chosen.score)][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
-            yield name, at, others
+            yield from _sharper(ground, library, name, at, others)
         if others and chosen.name in alone:
             # Beside companions that only mend its coarse shape it would never become sharp enough to need none.
-            yield chosen.name, alone[chosen.name], []
+            yield from _sharper(ground, library, chosen.name, alone[chosen.name], [])
     for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
-        yield name, at, columns
+        yield from _sharper(ground, library, name, at, columns)
 
 
-def _sharper(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Sharper | None:
-    """One shape of the grid refined beside other effects, with its columns; None where the grid has the best.
+def _sharper(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:
+    """One shape of the grid refined beside other effects, with its columns; nothing where the grid has the best.
 
     What leans on the declared model leans on it as fitted beside this very effect: beside a rival that stands in for
     it, inertia and friction are wrong.
@@ -338,9 +329,8 @@ def _sharper(ground: Ground, library: Library, name: str, at: int, others: Seque
     baseline = ground.baseline(*others, entry.columns[at])
     base = np.hstack([ground.base, *others])
     shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
-    if shape == entry.shapes[at] and not entry.candidate.leans_on_model:
-        return None
-    return name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+    if shape != entry.shapes[at] or entry.candidate.leans_on_model:
+        yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
 
 
 def _refined(

@@ -23,7 +23,6 @@ from friction_audit.discrepancy.cycle_scores import CycleScores
 from friction_audit.discrepancy.groups import Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.per_joint import side_by_side
 
 Index = NDArray[np.int64]
 FEW_CYCLES = 13
@@ -109,7 +108,7 @@ def omnibus_test(  # noqa: PLR0913
     _check(cycles, base.shape[1], groups)
     weights = bootstrap_weights(rng, draws, cycles, remember=remember)
     scores = CycleScores(*_weighted(y, base, weight), number, cycles, weights, weight, at)
-    largest = side_by_side(scores.largest, groups)
+    largest = [scores.largest(group) for group in groups]
     observed, drawn = balanced(np.array([own for own, _ in largest]), np.array([drawn for _, drawn in largest]))
     return Omnibus(
         p_value=float((1 + np.sum(drawn.max(axis=0) >= observed.max())) / (draws + 1)),
