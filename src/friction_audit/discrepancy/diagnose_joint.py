@@ -238,8 +238,7 @@ def _told(
     # A step whose moment lies in a locked cycle is put where all cycles have it: else a stroke there seems to scatter.
     grown, fine = [f.columns for f in told], [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
-    rung = _as_told(names, numbers)
-    restless = find_restless(ground, grown, fine, over, lambda vibration: rings(rung, events, vibration))
+    restless = find_restless(ground, grown, fine, over, lambda shake: rings(_as_told(names, numbers), events, shake))
     limit = _detection_limit(ground, names, gap, alpha)
     doubts = _doubts(ground, names, rng)
     open_end = restless.decides or bool(doubts)
