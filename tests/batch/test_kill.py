@@ -50,7 +50,8 @@ def finished(output: Path) -> int:
     path = output / "ledger.sqlite"
     if not path.exists():
         return 0
-    with closing(sqlite3.connect(path, timeout=30.0)) as database:
+    with closing(sqlite3.connect(path, timeout=30.0, isolation_level=None)) as database:
+        database.execute("BEGIN")  # A run goes on writing beside: all that is counted is counted at one moment.
         if not database.execute("SELECT 1 FROM sqlite_master WHERE name = 'coefficients'").fetchone():
             return 0
         assert database.execute("PRAGMA integrity_check").fetchone() == ("ok",)
@@ -76,13 +77,12 @@ def many(recordings: tuple[JointLog, ...], tmp_path_factory: pytest.TempPathFact
 def test_killed_at_any_moment_nothing_finished_is_lost_or_done_again(many: Path, tmp_path: Path) -> None:
     moments, output, before = random.Random(6), tmp_path / "out", 0
     for kill in range(KILLS):
-        process = start(many, output)
         target, begin = before + moments.randint(0, LOGS // KILLS - 1), time.monotonic()
-        while finished(output) <= target and process.poll() is None:
-            assert time.monotonic() < begin + PATIENCE_S
-            time.sleep(moments.uniform(0.0, 0.05))
-        process.send_signal(signal.SIGKILL)
-        process.communicate()
+        with start(many, output) as process:
+            while finished(output) <= target and process.poll() is None:
+                assert time.monotonic() < begin + PATIENCE_S
+                time.sleep(moments.uniform(0.0, 0.05))
+            process.send_signal(signal.SIGKILL)
         after = finished(output)
         assert after >= before, kill
         before = after
