@@ -112,6 +112,17 @@ def test_two_effects_are_both_in_the_answer(names: tuple[str, ...]) -> None:
         assert any(name in one for one in said(found)), said(found)
 
 
+def test_a_play_in_sinusoids_is_not_named_a_delay() -> None:
+    """On the grid of widths a delay explains four times as much; between its points the play explains more."""
+    play = recorded("backlash:gap_rad=0.0014", "torque_bias:torque_nm=0.1", scenario="joint-sine", seed=9014)
+    found = diagnosed(play)
+    assert len(found.effects) == 2
+    assert "torque_bias" in said(found)[0]
+    assert said(found)[1] == {"backlash"}
+    width = found.effects[1].parameters["gap_rad"]
+    assert width.low < 0.0014 < width.high
+
+
 def turned(log: JointLog) -> JointLog:
     return replace(log, dq=-log.dq)
 

@@ -7,7 +7,8 @@ from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.backlash import flank_twist
 from friction_audit.discrepancy.ground import make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.profile_likelihood import FARTHEST, profile_number
+from friction_audit.discrepancy.profile_likelihood import profile_number
+from friction_audit.discrepancy.valleys import FARTHEST
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide, Transmission, added_torque
 from tests.discrepancy.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
@@ -26,7 +27,7 @@ def test_the_width_is_found_from_far_off_and_its_interval_holds_it(begin: float)
     ground = make_ground(moved_joint(play, noise_nm=0.02, duration_s=60.0), None, 0)
     shape = {"gap_rad": begin * GAP_RAD, "contact_hz": 22.0}
     baseline = ground.baseline(ground.rows.of(play(ground.data)[:, None]))
-    found = profile_number(BACKLASH, "gap_rad", shape, ground, baseline, ground.base)
+    found = profile_number(BACKLASH, shape, ground, baseline, ground.base)
     assert found.number.value == pytest.approx(GAP_RAD, rel=0.06)
     assert found.number.low < GAP_RAD < found.number.high
     assert found.shape["gap_rad"] == found.number.value
@@ -37,7 +38,7 @@ def test_no_value_is_tried_beyond_the_farthest() -> None:
     ground = make_ground(moved_joint(play, duration_s=20.0), None, 0)
     shape = {"gap_rad": 3.0 * GAP_RAD, "contact_hz": 22.0}
     baseline = ground.baseline()
-    found = profile_number(BACKLASH, "gap_rad", shape, ground, baseline, ground.base)
+    found = profile_number(BACKLASH, shape, ground, baseline, ground.base)
     assert found.number.value >= shape["gap_rad"] / FARTHEST * (1.0 - 1e-9)
 
 

@@ -5,7 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.discrepancy.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred, with_wholes
+from friction_audit.discrepancy.alternatives import (
+    ALIKE,
+    Naming,
+    Rival,
+    best_shapes,
+    name_effects,
+    preferred,
+    with_wholes,
+)
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.confirmation import confirm
@@ -19,6 +27,7 @@ from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import Search, result_of, search
+from friction_audit.discrepancy.valleys import lowest_valley
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -26,7 +35,10 @@ MOST_ROUNDS = 4
 SETTLED = 0.05
 NEAR, HALF = 60.0, 0.5
 """Difference in BIC up to which a rival may win once its shape is as good as that of what was found: so much, or so
-much of all that speaks for what was found. The best width of a play lies between the points of any grid."""
+much of all that speaks for what was found."""
+FAR = 0.75
+"""The same share for a rival whose misfit has many valleys, narrower than the steps of any grid: the best width of a
+play lies between its points, and where flanks strike out of time most of what it explains is lost."""
 MOST_RIVALS = 2
 NEARLY = 10.0
 """What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
@@ -312,11 +324,22 @@ def _sharpened(
         near = [r for r in naming.rivals if r.delta_bic < max(NEAR, HALF * chosen.score)][:MOST_RIVALS]
         for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
             yield from _sharper(ground, library, name, at, others)
+        for rival in naming.rivals:
+            if library.entry(rival.name).candidate.rugged and rival.delta_bic < FAR * chosen.score:
+                yield _in_its_valley(ground, library, rival, others)
         if others and chosen.name in alone:
             # Beside companions that only mend its coarse shape it would never become sharp enough to need none.
             yield from _sharper(ground, library, chosen.name, alone[chosen.name], [])
     for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
         yield from _sharper(ground, library, name, at, columns)
+
+
+def _in_its_valley(ground: Ground, library: Library, rival: Rival, others: Sequence[Float]) -> Sharper:
+    """A rugged rival with the number that leaves least near that of the grid."""
+    entry = library.entry(rival.name)
+    beside = np.hstack([np.zeros((len(ground.y), 0)), *others])
+    shape, columns = entry.shapes[rival.shape], entry.columns[rival.shape]
+    return rival.name, *lowest_valley(entry.candidate, shape, columns, ground, beside)
 
 
 def _sharper(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:

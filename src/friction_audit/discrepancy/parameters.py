@@ -91,7 +91,7 @@ def _with_profiles(
         if not name:
             profiled.append({})
             continue
-        best = profile_number(f.candidate, name, f.shape, ground, baseline, others)
+        best = profile_number(f.candidate, f.shape, ground, baseline, others)
         columns = ground.rows.of(f.candidate.columns(ground.data, baseline, best.shape))
         told[k] = replace(f, shape=best.shape, columns=columns)
         profiled.append({name: best.number})

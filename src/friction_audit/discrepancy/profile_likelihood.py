@@ -1,8 +1,7 @@
 """The number of a shape on which the misfit has many valleys: its best value, and an interval, by profile likelihood.
 
-When a play is crossed a moment sooner its flanks ring out of step, so that the misfit goes up and down with the width.
-No derivative tells how well such a number is known, and no descent finds the lowest valley. So many values are tried,
-each with the best of the other numbers of the shape, and those are kept that the log does not rule out:
+No derivative tells how well such a number is known. Of the values that are tried those are kept that the log does not
+rule out:
 
     n_eff ln(RSS / RSS_best) < chi2_1 quantile at 0.95
 
@@ -20,12 +19,10 @@ from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.declared import CONFIDENCE
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.valleys import around, valleys
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
-FARTHEST = 1.8
-"""Values are tried from so many times less to so many times more than the one that was found."""
-VALUES = 21
 BETWEEN = 4
 """Values that are tried once more between the neighbours of the best one."""
 
@@ -38,14 +35,11 @@ class Profiled:
     number: Coefficient
 
 
-def profile_number(
-    candidate: Candidate, name: str, shape: Shape, ground: Ground, baseline: Baseline, base: Float
-) -> Profiled:
-    """Profile one number, above zero, of a shape on all rows.
+def profile_number(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, base: Float) -> Profiled:
+    """Profile the rugged number, above zero, of a shape on all rows.
 
     Args:
         candidate: The effect.
-        name: The number.
         shape: The shape that was found.
         ground: The joint.
         baseline: What columns may lean on.
@@ -53,21 +47,10 @@ def profile_number(
     """
     from scipy.special import chdtri
 
-    best: dict[float, tuple[float, Shape]] = {}
     beside = Beside(base, ground.y)
-
-    def look(values: Sequence[float]) -> None:
-        tried = [{**shape, name: value, **others} for value in values for others in ({}, *candidate.beside_rugged)]
-        for place, columns in candidate.each(ground.data, baseline, tried):
-            one = tried[place]
-            factors, left = beside.fit(ground.rows.of(columns))
-            misfit = left if candidate.admissible(factors, one) else beside.without
-            if one[name] not in best or misfit < best[one[name]][0]:
-                best[one[name]] = misfit, one
-
-    look((shape[name] * np.geomspace(1.0 / FARTHEST, FARTHEST, VALUES)).tolist())
-    low, high = _around(sorted(best), min(best, key=lambda value: best[value][0]))
-    look(np.geomspace(low, high, BETWEEN + 2)[1:-1].tolist())
+    best = valleys(candidate, shape, around(shape[candidate.rugged]), ground, baseline, beside)
+    low, high = _neighbours(sorted(best), min(best, key=lambda value: best[value][0]))
+    best |= valleys(candidate, shape, np.geomspace(low, high, BETWEEN + 2)[1:-1].tolist(), ground, baseline, beside)
     value = min(best, key=lambda value: best[value][0])
     worth = len(ground.y) / ground.memory(
         base, ground.rows.of(candidate.columns(ground.data, baseline, best[value][1]))
@@ -80,7 +63,7 @@ def profile_number(
     return Profiled(shape=best[value][1], number=Coefficient(value=value, low=max(low - blur, 0.0), high=high + blur))
 
 
-def _around(every: Sequence[float], value: float) -> tuple[float, float]:
+def _neighbours(every: Sequence[float], value: float) -> tuple[float, float]:
     """The neighbours of a value."""
     at = every.index(value)
     return every[max(at - 1, 0)], every[min(at + 1, len(every) - 1)]

@@ -1,0 +1,81 @@
+"""The number of a shape on which the misfit has many valleys: which of many values leave least.
+
+When a play is crossed a moment sooner its flanks ring out of step, so that the misfit goes up and down with the width.
+No descent finds the lowest valley, and no grid over all widths is fine enough. So many values are tried near one, each
+with the best of the other numbers of the shape.
+"""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from friction_audit.discrepancy.beside import Beside
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.joint_log import Float
+
+FARTHEST = 1.8
+"""Values are tried from so many times less to so many times more than the one that was found."""
+VALUES = 21
+TURNS = 3
+"""Of the width and of the declared model, which an effect that is a little off makes a little wrong."""
+
+Valleys = dict[float, tuple[float, Shape]]
+"""What is left of the rows' squares by the best shape with each value of a number, and that shape."""
+
+
+def around(value: float) -> list[float]:
+    """Values to either side of one above zero."""
+    return [float(v) for v in value * np.geomspace(1.0 / FARTHEST, FARTHEST, VALUES)]
+
+
+def valleys(
+    candidate: Candidate, shape: Shape, values: Iterable[float], ground: Ground, baseline: Baseline, beside: Beside
+) -> Valleys:
+    """Try values of the rugged number of a shape, each with those of other numbers that go with it.
+
+    Args:
+        candidate: The effect.
+        shape: What all others of its numbers are.
+        values: Of the rugged number.
+        ground: The joint.
+        baseline: What columns may lean on.
+        beside: The rows of the ground with all other columns of the model.
+    """
+    name, best = candidate.rugged, Valleys()
+    tried = [{**shape, name: value, **others} for value in values for others in ({}, *candidate.beside_rugged)]
+    for place, columns in candidate.each(ground.data, baseline, tried):
+        one = tried[place]
+        factors, left = beside.fit(ground.rows.of(columns))
+        misfit = left if candidate.admissible(factors, one) else beside.without
+        if one[name] not in best or misfit < best[one[name]][0]:
+            best[one[name]] = misfit, one
+    return best
+
+
+def lowest_valley(
+    candidate: Candidate, shape: Shape, columns: Float, ground: Ground, others: Float
+) -> tuple[Shape, Float]:
+    """The shape with the value, near its own, that leaves least on the working rows, and its columns.
+
+    Itself if none leaves less.
+
+    Args:
+        candidate: The effect.
+        shape: One of its shapes.
+        columns: Those of this shape on the rows, shape (m, p).
+        ground: The joint.
+        others: All other effects in the model, shape (m, e).
+    """
+    working = ground.keep(ground.working)
+    beside = Beside(np.hstack([working.base, others[ground.working]]), working.y)
+    least, best = beside.fit(columns[ground.working])[1], shape
+    for _ in range(TURNS):
+        baseline = ground.baseline(others, columns)
+        found = valleys(candidate, best, around(best[candidate.rugged]), working, baseline, beside)
+        left, lowest = min(found.values(), key=lambda one: one[0])
+        if left >= least:
+            break
+        least, best = left, lowest
+        columns = ground.rows.of(candidate.columns(ground.data, baseline, best))
+    return best, columns
