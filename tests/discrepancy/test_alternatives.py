@@ -6,12 +6,12 @@ import pytest
 from friction_audit.discrepancy.alternatives import (
     Naming,
     Rival,
-    evidence,
     name_effects,
     preferred,
     with_wholes,
 )
 from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.evidence import evidence
 from friction_audit.discrepancy.groups import Group
 from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.search import result_of, search

@@ -1,5 +1,7 @@
 """What people are told, word by word, and the sizes of effects."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -80,6 +82,11 @@ def test_an_alternative_that_is_in_the_answer_itself_is_told_as_what_it_may_be_a
     assert told("ambiguous", effect("x", alternatives), effect("y")) == (
         f"x (the x) and y (the y): x cannot be told from {words} in this log"
     )
+
+
+def test_two_that_may_be_it_only_together_are_told_so() -> None:
+    both = replace(effect("x", ("p", "q", "r")), together=(("q", "r"),))
+    assert told("ambiguous", both) == "x (the x): x cannot be told from p, q with r in this log"
 
 
 def test_what_nothing_explains_is_told_with_its_place() -> None:

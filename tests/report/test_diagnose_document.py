@@ -68,6 +68,7 @@ def test_a_vibration_is_told_where_there_is_one() -> None:
 def test_alternatives_come_with_what_decides() -> None:
     (effect,) = checked(diagnose_document(diagnosis()))["joints"][1]["effects"]
     assert effect["alternatives"] == ["asymmetric_coulomb"]
+    assert effect["alternatives_together"] == []
     assert "rest" in effect["decide"]
 
 

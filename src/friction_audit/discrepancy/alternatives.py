@@ -1,8 +1,6 @@
 """Which other names would explain an effect as well.
 
 References:
-    E. I. George, D. P. Foster, Calibration and empirical Bayes variable selection, Biometrika 87 (2000) 731: what a
-    number costs if its usual size is that which the data show.
     G. E. Mizon, J.-F. Richard, The encompassing principle and its application to testing non-nested hypotheses,
     Econometrica 54 (1986) 657: a model is better than another only if it tells something beside it.
     R. E. Kass, A. E. Raftery, Bayes factors, Journal of the American Statistical Association 90 (1995) 773: a
@@ -13,12 +11,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from friction_audit.discrepancy.cross_products import CrossProducts
+from friction_audit.discrepancy.evidence import evidence, evidence_of
 from friction_audit.discrepancy.gram import Index
 from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.search import Search, result_of
+from friction_audit.discrepancy.two_for_one import two_for_one
 from friction_audit.joint_log import Float
 
 CLEARLY = 1e-6
@@ -79,11 +78,13 @@ class Naming:
         name: Name of the effect.
         rivals: All other candidates that could take its place, the best first.
         alternatives: Names of those that this log does not tell apart from it.
+        together: Pairs of them that may be it only together.
     """
 
     name: str
     rivals: tuple[Rival, ...]
     alternatives: tuple[str, ...]
+    together: tuple[tuple[str, str], ...] = ()
 
 
 def name_effects(
@@ -120,8 +121,10 @@ def name_effects(
         by_chance = _by_chance(products, chosen.unit, len(alike))
         close = [r.name for r in alike if r.held or not (r.idle or r.beaten(by_chance))]
         same = [name for one in (chosen.name, *close) for name in same_as.get(one, ()) if name not in taken]
-        names = dict.fromkeys([*close, *same])
-        entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names)))
+        pairs = two_for_one(Ranking(products, n_eff), [c.unit for c in found.chosen], chosen.unit, BEATEN_BY)
+        together = tuple(pair for pair in pairs if not {*close, *same} & set(pair))
+        names = dict.fromkeys([*close, *same, *(name for pair in together for name in pair)])
+        entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names), together=together))
     return tuple(entries)
 
 
@@ -192,7 +195,7 @@ def best_shapes(ranking: Ranking, others: list[int]) -> dict[int, int]:
     """
     scores, possible = ranking.tried(others)
     units = ranking.products.units
-    worth = _worth(scores + ranking.penalty, ranking.width + np.array([unit.numbers for unit in units]))
+    worth = evidence_of(scores + ranking.penalty, ranking.width + np.array([unit.numbers for unit in units]))
     best: dict[int, int] = {}
     for u in np.argsort(-worth, kind="stable").tolist():
         there = ranking.width[u] > 0 and np.isfinite(scores[u])
@@ -219,23 +222,6 @@ def _rival(ranking: Ranking, others: list[int], unit: int, rival: int, own: floa
         brings=ranking.n_eff * float(np.log(beside / both)),
         idle=holds and not held and hardly,
     )
-
-
-def evidence(ranking: Ranking, others: list[int], unit: int) -> float:
-    """What speaks for a unit beside others: L - k ln(L / k), L = n_eff ln(RSS without / RSS with).
-
-    Its k numbers are its factors and what its shape leaves free. A number costs the logarithm of prior over posterior
-    variance. With the effect's own mean square as the prior (George and Foster 2000) that is ln(L / k), where the prior
-    of BIC, as large as the noise, gives ln(n_eff): weak effects would lose to any with fewer numbers, unseen.
-    """
-    gain = ranking.n_eff * np.log(ranking.rss(others) / ranking.rss([*others, unit]))
-    return float(_worth(gain, ranking.width[unit] + ranking.products.units[unit].numbers))
-
-
-def _worth(gain: ArrayLike, numbers: ArrayLike) -> Float:
-    """Evidence from n_eff ln(RSS without / RSS with) and how many numbers it took; either may be of many units."""
-    gain, numbers = np.asarray(gain, float), np.maximum(numbers, 1)
-    return np.asarray(gain - numbers * np.log(np.maximum(gain / numbers, 1.0)))
 
 
 def _likeness(ranking: Ranking, others: list[int], unit: int, rival: int) -> tuple[float, bool, bool]:

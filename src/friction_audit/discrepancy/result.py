@@ -89,6 +89,7 @@ class Effect:
         name: From the vocabulary.
         label: A few words for people.
         alternatives: Names that this log does not tell apart from it.
+        together: Pairs of these that may be it only together.
         decide: The motion that would decide between them; empty without alternatives.
         parameters: Values with 95 % intervals by name, unit behind it: linear factors, then shape.
         p_value: Family-wise p-value of its improvement on cycles that no choice was made on.
@@ -116,6 +117,7 @@ class Effect:
     torque: Float
     curve: Profile
     evidence: tuple[Evidence, ...]
+    together: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -173,10 +175,12 @@ class SimulationGap:
 
 
 def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
-    """Return what an effect may be instead, in words: a part of what is in the answer itself, or another name."""
+    """Return what an effect may be instead, in words: another name, two, or a part of what is in the answer itself."""
     there = {one.name for one in effects}
-    names = [name for name in effect.alternatives if name not in there]
-    return (*names, *(f"a part of {name}" for name in effect.alternatives if name in there))
+    in_pairs = {name for pair in effect.together for name in pair}
+    names = [name for name in effect.alternatives if name not in there | in_pairs]
+    parts = [f"a part of {name}" for name in effect.alternatives if name in there]
+    return (*names, *map(" with ".join, effect.together), *parts)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -56,6 +56,7 @@ def _effect(
         name=f.candidate.name,
         label=f.candidate.label,
         alternatives=f.naming.alternatives,
+        together=f.naming.together,
         decide=motion_to_decide(f.candidate.name, f.naming.alternatives),
         parameters=parameters,
         p_value=f.p_value,

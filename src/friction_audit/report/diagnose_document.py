@@ -61,6 +61,7 @@ def _effect(effect: Effect) -> Document:
         "name": effect.name,
         "label": effect.label,
         "alternatives": list(effect.alternatives),
+        "alternatives_together": [list(pair) for pair in effect.together],
         "decide": effect.decide or None,
         "parameters": {name: to_json(number.value) for name, number in effect.parameters.items()},
         "parameters_ci95": {name: _interval(number) for name, number in effect.parameters.items()},
