@@ -12,6 +12,7 @@ from friction_audit.report.html.batch_captions import TITLES
 from friction_audit.report.html.batch_page import write_page
 from tests.opened_page import Opened
 from tests.report import batch_by_hand as by_hand
+from tests.report.html.batch_pages import hostile_page, plain_page
 from tests.report.html.conftest import Open
 from tests.report.html.paper import check_paper, check_window
 
@@ -29,7 +30,7 @@ CASES = (
 def page_of(case: str) -> str:
     match case:
         case "hostile":
-            return write_page(by_hand.hostile())
+            return hostile_page()
         case "one joint":
             return write_page(by_hand.batch(by_hand.arm(3, 1, dated=False)))
         case "twenty joints":
@@ -38,7 +39,7 @@ def page_of(case: str) -> str:
                 return write_page(by_hand.batch(by_hand.arm(4, 20)))
         case "nothing":
             return write_page(by_hand.empty())
-    return write_page(by_hand.batch())
+    return plain_page()
 
 
 @pytest.mark.parametrize("case", CASES)

@@ -19,10 +19,10 @@ from friction_audit.report.html.parts import Cell, Command, Page, Part, Section,
 from friction_audit.report.html.settings_section import flattened
 from friction_audit.report.html.svg import draw_inline
 from tests.report import batch_by_hand as by_hand
+from tests.report.html.batch_pages import SMALL, blank_figures, plain_page, small_page
 
 MOST_BYTES = 3_000_000
 VOID = {"meta", "link", "br"}
-SMALL = by_hand.batch(by_hand.arm(4, 2))
 
 
 class Outline(HTMLParser):
@@ -53,7 +53,7 @@ def outline(html: str) -> Outline:
 
 
 def test_a_page_is_whole_small_and_points_nowhere() -> None:
-    html = write_page(by_hand.batch())
+    html = plain_page()
     assert len(html.encode()) < MOST_BYTES
     parsed = outline(html)
     assert parsed.open == []
@@ -72,18 +72,19 @@ def test_a_page_of_a_thousand_sessions_is_small_and_says_what_it_leaves_out() ->
 
 
 def test_a_page_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_page, "MOST_BYTES", 50_000)  # the figures of one arm: they take long to draw
-    html = write_page(by_hand.batch(*(by_hand.arm(30, 7, robot=f"arm-{k}") for k in range(40))))
+    monkeypatch.setattr(batch_page, "MOST_BYTES", 50_000)  # the figures of one arm
+    arms = [by_hand.arm(30, 7, robot=f"arm-{k}") for k in range(40)]
+    html = write_page(by_hand.batch(*arms), blank_figures(40, letters=75_000))
     assert len(html.encode()) < MOST_BYTES
     assert "the last 21 of 30" in html
 
 
 def test_the_same_batch_gives_the_same_page() -> None:
-    assert write_page(SMALL) == write_page(SMALL)
+    assert write_page(SMALL) == small_page()
 
 
 def test_everything_that_must_be_on_it_is() -> None:
-    html = write_page(SMALL)
+    html = small_page()
     for said in (
         "drift.alpha",
         "0.05",
@@ -125,7 +126,7 @@ def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
     steady = replace(by_hand.arm(4, 1, robot="steady"), drift=False)
     drifting = replace(by_hand.arm(4, 2, robot="moving"), drift=True)
-    html = write_page(by_hand.batch(steady, drifting))
+    html = write_page(by_hand.batch(steady, drifting), blank_figures(2, letters=20_000))
     assert html.count('<figure class="drawing"') == len(BATCH_FIGURES)
     assert "those of steady are in files beside it" in html
 
