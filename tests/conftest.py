@@ -11,6 +11,7 @@ import typer
 from hypothesis import settings
 
 from tests.chromium import NoChromiumError, find_chromium
+from tests.sketches import sketch
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
@@ -69,6 +70,13 @@ def one_command_line() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
         yield
+
+
+@pytest.fixture
+def sketched(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make figures and do not paint them, unless asked to be thorough: see ``sketches.py``."""
+    if not request.config.getoption("thorough"):
+        monkeypatch.setattr("matplotlib.figure.Figure.savefig", sketch)
 
 
 @pytest.fixture(scope="session")

@@ -20,10 +20,7 @@ import pytest
 from friction_audit.cli import choices
 from friction_audit.cli.batch_files import RESULTS
 from friction_audit.export import write_log
-from friction_audit.report import batch_drawings
 from friction_audit.report.figures.batch import BATCH_FIGURES
-from friction_audit.report.html import batch_page
-from friction_audit.report.html.batch_captions import TITLES
 from friction_audit.simulate import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
@@ -54,11 +51,8 @@ def rig(written: Path, run: Run, tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def here(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Start no processes for the logs and the figures, and draw the first alone: they take longest."""
-    one = dict(list(TITLES.items())[:1])
-    for module in (batch_drawings, batch_page):
-        monkeypatch.setattr(module, "TITLES", one)
+def here(sketched: None) -> Iterator[None]:  # noqa: ARG001 - it takes effect by being there
+    """Start no processes for the logs and the figures, and paint no figure: they take longest."""
     with in_this_process():
         yield
 

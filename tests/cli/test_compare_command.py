@@ -8,6 +8,7 @@ from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
 from friction_audit.compare import METHODS, SCENES, draw
 from tests.cli.conftest import Run
 
+NO_MARGINS = ("--margin-seeds", "0", "-q")
 SHORT = ("--seeds", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 
 
@@ -45,8 +46,9 @@ def test_document(run: Run) -> None:
     assert none["stable_share"] == 1.0
 
 
+@pytest.mark.usefixtures("sketched")
 def test_sweep_is_told_and_drawn(run: Run, tmp_path: Path) -> None:
-    answer = run("compare", *SHORT[:5], "none,torque_regulation", "-q", "--json", "--format", "svg")
+    answer = run("compare", *SHORT[:5], "none,torque_regulation", *NO_MARGINS, "--json", "--format", "svg")
     document = answer.document()
     (sweep,) = document["sweeps"]
     assert sweep["method"] == "torque_regulation"

@@ -42,6 +42,7 @@ def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> N
     assert answer.out.count("cycles that no choice was made on") == 1
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_hidden_effect_is_named_sized_and_added_to_the_model(run: Run, tmp_path: Path) -> None:
     clean = build_estimate(1, count=40, rate=500.0).log
     assert clean.tau_interaction is not None
@@ -77,6 +78,7 @@ def test_the_same_seed_gives_the_same_answer(run: Run, logs: Path) -> None:
     assert first == again
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("diagnose", logs / "moved1.csv", "-o", "out/deep", "--json", *FEW)
     folder = tmp_path / "out" / "deep"
@@ -101,6 +103,7 @@ def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, 
     assert (tmp_path / "out" / name).read_text() == "old"
 
 
+@pytest.mark.usefixtures("sketched")
 def test_overwrite_replaces_it(run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "model.toml").write_text("old")

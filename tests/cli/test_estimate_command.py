@@ -31,6 +31,7 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert document["settings"]["joints"] == [2]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_folder_gets_document_history_and_figures(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("estimate", logs / "moved1.csv", "-o", "out/deep", "--json")
     folder = tmp_path / "out" / "deep"
@@ -51,6 +52,7 @@ def test_an_older_result_is_refused_before_the_log_is_read(name: str, run: Run, 
     assert [path.read_text() for path in (tmp_path / "out").iterdir()] == ["old"]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_an_older_result_is_replaced_if_asked(run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "out").mkdir()
     (tmp_path / "out" / "estimate.json").write_text("old")

@@ -18,6 +18,7 @@ TABLES = {
 }
 
 
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("command", TABLES)
 def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
     figures = () if command == "report" else ("--figures", "svg")
@@ -41,6 +42,7 @@ def test_a_folder_is_needed(run: Run, logs: Path) -> None:
     assert "--export mcap: no folder to write to; name one with --output DIR" in answer.err
 
 
+@pytest.mark.usefixtures("sketched")
 def test_nothing_is_replaced_unasked(run: Run, logs: Path) -> None:
     Path("out").mkdir()
     Path("out/cycles.csv").write_text("mine")
@@ -70,6 +72,7 @@ def test_a_misspelt_format_suggests_the_near_one(run: Run, logs: Path) -> None:
     assert "did you mean mcap?" in answer.err
 
 
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("window", [(), ("--t-start", "1.5")])
 def test_topics_lie_beside_the_log_that_they_were_made_from(window: tuple[str, ...], run: Run) -> None:
     original = Path(__file__).parents[2] / "sample_logs" / "formats" / "mcap-franka-robot-state.mcap"

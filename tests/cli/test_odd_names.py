@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.cli.conftest import Run
+
 
 def call(*words: str | bytes, encoding: str = "utf-8") -> "subprocess.CompletedProcess[bytes]":
     return subprocess.run(
@@ -27,11 +29,18 @@ def odd(logs: Path, tmp_path: Path) -> bytes:
     return name
 
 
-def test_a_name_that_is_no_text(odd: bytes, tmp_path: Path) -> None:
-    done = call("estimate", odd, "--json", "-q", "-o", os.fsencode(tmp_path) + b"/out", "--figures", "svg")
+def test_a_name_that_is_no_text(odd: bytes) -> None:
+    done = call("estimate", odd, "--json", "-q")
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["source"]["path"].endswith("run\udcff.csv")
-    assert json.loads((tmp_path / "out" / "estimate.json").read_text()) == json.loads(done.stdout)
+
+
+@pytest.mark.usefixtures("sketched")
+def test_a_document_that_names_it(odd: bytes, run: Run, tmp_path: Path) -> None:
+    answer = run("estimate", os.fsdecode(odd), "--json", "-q", "-o", os.fsdecode(os.fsencode(tmp_path) + b"/\xff"))
+    assert answer.code == 0, answer.err
+    assert answer.document()["source"]["path"].endswith("run\udcff.csv")
+    assert json.loads((tmp_path / "\udcff" / "estimate.json").read_text()) == answer.document()
 
 
 def test_an_error_about_it() -> None:

@@ -1,5 +1,7 @@
 from pathlib import Path
 
+import pytest
+
 from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
 from tests.cli.conftest import Run
 
@@ -11,6 +13,7 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
     assert all((tmp_path / path).stat().st_size > 10_000 for path in answer.out.split())
 
 
+@pytest.mark.usefixtures("sketched")
 def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
     answer = run(
         "plot", logs / "moved2.csv", "--joints", "2", "--kind", "all", "--format", "svg,pdf", "-o", "x", "--json"
@@ -32,6 +35,7 @@ def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_pat
     assert "energy-joint5.png: exists already" in answer.err
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
     answer = run("plot", logs / "still.csv", "--kind", "all")
     assert answer.code == 0

@@ -32,6 +32,7 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert joint["energy_with_j"] < joint["energy_without_j"]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_folder_gets_document_history_and_figures(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("replay", logs / "moved1.csv", "-o", "out/deep", "--json")
     folder = tmp_path / "out" / "deep"
@@ -110,6 +111,7 @@ def test_an_assumption_that_the_log_does_not_carry(run: Run, logs: Path) -> None
     assert "impedance" in answer.err or "inertia" in answer.err
 
 
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("kind", ["replay", "replay-velocity-torque"])
 def test_plot_draws_a_replay(kind: str, run: Run, logs: Path) -> None:
     answer = run("plot", logs / "moved2.csv", "--kind", kind, "-o", "x")

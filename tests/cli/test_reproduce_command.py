@@ -21,6 +21,7 @@ def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["fig3.png", "fig6.png"]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_document(run: Run, tmp_path: Path) -> None:
     answer = run("reproduce", "--figures", "7", "--format", "svg", "--seeds", "2", "--json")
     document = answer.document()
@@ -31,6 +32,7 @@ def test_document(run: Run, tmp_path: Path) -> None:
     assert (tmp_path / "reproduced" / "fig7.svg").read_text().startswith("<?xml")
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("friction_audit.reproduce.fig6.BOUND", 0.0)
     answer = run("reproduce", "--figures", "6", "-q")
@@ -40,6 +42,7 @@ def test_a_claim_that_does_not_hold_is_a_result(run: Run, monkeypatch: pytest.Mo
     assert "6: cycle 4 dissipates" in answer.out
 
 
+@pytest.mark.usefixtures("sketched")
 def test_older_figures_are_refused_before_anything_is_simulated(run: Run, tmp_path: Path) -> None:
     older = tmp_path / "reproduced" / "fig6.png"
     older.parent.mkdir()
