@@ -42,6 +42,10 @@ class RigidBody:
         self._half = 0.5 * mechanism.clock.dt
         self._last = len(mechanism.out) - 1
         self._joints = len(settings.joints)
+        # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
+        body, n = mechanism.body, self._joints
+        link = body.inner[:n] if settings.driven else slice(n)
+        self._link, self._y, self._v, self._a = link, body.y, body.v, body.a
 
     def _load_flange(self, carried_kg: float, held_kg: float) -> None:
         flange = self._model.frames[self._frame]
@@ -51,9 +55,8 @@ class RigidBody:
 
     def predict(self, k: int) -> tuple[Float, Float]:
         """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
-        body, n, ahead = self.mechanism.body, self._joints, self._half if k > 0 else 0.0
-        link = body.inner[:n] if self.settings.driven else slice(n)
-        y, v, a = body.y[link], body.v[link], body.a[link]
+        ahead = self._half if k > 0 else 0.0
+        y, v, a = self._y[self._link], self._v[self._link], self._a[self._link]
         return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
 
     def support(self, q: Float) -> Float:
