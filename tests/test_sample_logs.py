@@ -62,8 +62,7 @@ def test_samples_are_small() -> None:
 @pytest.mark.parametrize("name", TRUTH)
 def test_estimate_finds_the_friction(name: str) -> None:
     truth = TRUTH[name]
-    result = estimate_log(read_log(FOLDER / name), AuditSettings())
-    (joint,) = (joint for joint in result.friction.joints if joint.joint == truth["joint"])
+    (joint,) = estimate_log(read_log(FOLDER / name), AuditSettings(joints=(truth["joint"],))).friction.joints
     assert_allclose(joint.coulomb.value, truth["coulomb_nm"], rtol=0.05)
     for found, key in ((joint.coulomb, "coulomb_nm"), (joint.viscous, "viscous_nms_per_rad")):
         # One interval in twenty misses the truth, and these are thirty; how often they hold it is a benchmark's matter.

@@ -2,7 +2,8 @@
 
 import json
 import shlex
-from dataclasses import asdict
+from dataclasses import asdict, replace
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, NoReturn
@@ -16,7 +17,10 @@ from friction_audit.export import WRITERS, Writer
 from friction_audit.ingest import read_log
 from friction_audit.ingest.fingerprint import files_of, sha256_of
 from friction_audit.report.schemas import load_schema
+from friction_audit.simulate import Simulation, dispatch, simulate
 from friction_audit.simulate.assign import paths
+from friction_audit.simulate.bench import Progress
+from friction_audit.simulate.dispatch import AnySettings
 from friction_audit.simulate.effects import EFFECTS
 from friction_audit.simulate.scenario import Scenario
 from friction_audit.simulate.scenarios import SCENARIOS
@@ -66,6 +70,24 @@ def test_every_scenario_gives_a_log(scenario: Scenario, run: Run, tmp_path: Path
     assert truth["log_sha256"] == document["output"]["sha256"]
 
 
+@cache
+def simulated(settings: AnySettings, seed: int) -> Simulation:
+    return simulate(settings, seed)
+
+
+@pytest.fixture
+def simulated_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Simulate the same settings and seed once: what matters here is how it is written."""
+
+    def once(settings: AnySettings, seed: int, *, path: str, progress: Progress | None) -> Simulation:
+        assert progress is None  # nobody watches
+        found = simulated(settings, seed)
+        return replace(found, log=replace(found.log, source=replace(found.log.source, path=path)))
+
+    monkeypatch.setattr(dispatch, "simulate", once)
+
+
+@pytest.mark.usefixtures("simulated_once")
 @EACH_WRITER
 def test_every_dialect_is_written_without_a_trace_of_the_truth(writer: Writer, run: Run, tmp_path: Path) -> None:
     out = tmp_path / f"run{writer.suffix}"
@@ -81,6 +103,7 @@ def test_every_dialect_is_written_without_a_trace_of_the_truth(writer: Writer, r
     assert [trace for trace in traces if trace in told] == []
 
 
+@pytest.mark.usefixtures("simulated_once")
 @EACH_WRITER
 def test_same_seed_same_bytes(writer: Writer, run: Run, tmp_path: Path) -> None:
     def written(folder: str, seed: int) -> str:

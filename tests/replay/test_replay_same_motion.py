@@ -86,7 +86,7 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
 
 @pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
 @pytest.mark.parametrize("window", [2, 4])
-@pytest.mark.parametrize("logs", [7, pytest.param(20, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("logs", [3, pytest.param(20, marks=pytest.mark.thorough)])
 def test_with_the_noise_of_a_panda_little_is_left(logs: int, window: int, operator: Operator) -> None:
     noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)
     found = [joint_of(log_of(noisy, seed), energy_compensator(window=window)).numbers for seed in range(logs)]
@@ -214,6 +214,7 @@ OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("co
 """Model and window k."""
 
 
+@pytest.mark.parametrize("logs", [1, pytest.param(3, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
 @pytest.mark.parametrize(
     ("model", "k", "sensors"),
@@ -224,13 +225,13 @@ OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("co
     ],
 )
 def test_a_step_of_friction_is_overcome_after_a_window_and_a_cycle(
-    model: str, k: int, operator: Operator, sensors: Sensors
+    model: str, k: int, operator: Operator, sensors: Sensors, logs: int
 ) -> None:
     """The estimate is within 5 % of the friction at the speed of each cycle, from k + 1 cycles after the step on."""
     joint = ONE_BY_ONE[model]
     step = Hidden(friction_step=FrictionStep(change=1.0))
     stepped = replace(BENCH, joints=(joint,), sensors=(sensors,), operator=operator, hidden=(step,), duration_s=60.0)
-    for seed in range(3):
+    for seed in range(logs):
         found = joint_of(log_of(stepped, seed), EnergyCompensator(model=model, window=k))
         history, recovery = found.history, found.recovery
         assert history is not None

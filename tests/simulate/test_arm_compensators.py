@@ -11,10 +11,10 @@ from friction_audit.replay.compensators import EnergyCompensator, FixedCompensat
 from friction_audit.simulate import IDEAL_SENSORS, ArmSettings, JointParameters, Motion, Simulation, simulate
 
 JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)
-ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=20.0)
+ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=14.0)
 TRUE_VALUES = FixedCompensation(coulomb_nm=0.3, viscous_nms_per_rad=0.06)
 SEED = 1
-LATER_S = 12.0
+LATER_S = 9.0
 
 
 @pytest.fixture(scope="module")

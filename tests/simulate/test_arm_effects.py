@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.simulate import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Simulation, simulate
+from friction_audit.simulate import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Motion, Simulation, simulate
 from friction_audit.simulate.effects.backlash import Backlash
 from friction_audit.simulate.effects.inertial_coupling import InertialCoupling
 from friction_audit.simulate.effects.joint_elasticity import JointElasticity
@@ -70,6 +70,12 @@ def test_inertial_coupling_pulls_at_the_neighbour() -> None:
     assert_allclose(pulled[:, 2:], 0.0, atol=1e-12)
 
 
+@cache
+def moved(inside: Hidden, driven: bool) -> Motion:
+    """Return how an arm moves that hides the same in all joints."""
+    return simulate(replace(IDEAL, hidden=(inside,) * 7, driven=driven), SEED).truth.motion
+
+
 SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compliance_rad_per_nm=1e-4)
 
 
@@ -86,18 +92,14 @@ SOFT, STIFF = JointElasticity(compliance_rad_per_nm=1e-3), JointElasticity(compl
     ids=["soft", "stiff", "undamped", "backlash", "stiff with backlash"],
 )
 def test_transmissions_of_all_joints_stay_calm(inside: Hidden, driven: bool) -> None:
-    rigid, soft = (
-        simulate(replace(IDEAL, hidden=(hidden,) * 7, driven=driven), SEED).truth.motion
-        for hidden in (Hidden(), inside)
-    )
+    rigid, soft = (moved(hidden, driven) for hidden in (Hidden(), inside))
     assert np.abs(soft.q - rigid.q).max() < 0.1
     assert np.abs(soft.inner_dq).max() < 1.5 * np.abs(rigid.inner_dq).max()
     assert np.abs(soft.interaction_nm).max() < 4.0 * np.abs(rigid.interaction_nm).max()
 
 
 def test_elastic_joints_balance_their_energy() -> None:
-    settings = replace(IDEAL, hidden=(Hidden(joint_elasticity=SOFT),) * 7)
-    motion = simulate(settings, SEED).truth.motion
+    motion = moved(Hidden(joint_elasticity=SOFT), driven=False)
     power = motion.interaction_nm * motion.inner_dq
     put_in = np.cumsum(0.5e-3 * (power[1:] + power[:-1]), axis=0)
     kept = motion.dissipated_j + 0.5 * ROTORS * motion.inner_dq**2

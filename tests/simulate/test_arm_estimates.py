@@ -11,7 +11,7 @@ from friction_audit.simulate.panda import PANDA_JOINTS
 from friction_audit.simulate.streams import make_streams
 
 COULOMB = np.array([joint.coulomb_nm for joint in PANDA_JOINTS])
-DRIVEN = ArmSettings(driven=True, duration_s=20.0)
+DRIVEN = ArmSettings(driven=True, duration_s=15.0)
 SEED = 3
 
 
@@ -39,7 +39,7 @@ def test_friction_of_a_driven_arm_is_found(driven: Simulation) -> None:
 
 
 def test_friction_of_a_guided_arm_is_found_with_default_settings() -> None:
-    simulation = simulate(ArmSettings(duration_s=40.0), SEED)
+    simulation = simulate(ArmSettings(duration_s=30.0), SEED)
     estimate = estimate_log(simulation.log, AuditSettings())
     assert np.abs(coulomb(estimate) - COULOMB)[1:].max() < 0.03
     truths = [

@@ -50,7 +50,9 @@ def test_hand_follows_its_path(guided: Simulation) -> None:
     assert hand.turned_rad.max() < 0.2
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize(
+    "seed", [*range(4), *(pytest.param(seed, marks=pytest.mark.thorough) for seed in range(4, 20))]
+)
 def test_motion_keeps_the_limits_of_a_panda(seed: int) -> None:
     motion = simulate(replace(GUIDED, duration_s=3.0), seed).truth.motion
     assert (motion.q > LOWEST_RAD + 0.1).all()
