@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.discrepancy.gram import Index, Known, places_of, products_with_all, products_within
+from friction_audit.discrepancy.gram import Index, fill_in, places_of, products_within
 from friction_audit.discrepancy.groups import Group
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -49,6 +49,7 @@ class CrossProducts:
     Attributes:
         gram: Shape (k, k).
         filled: Columns whose products with all others are known, shape (k,).
+        begun: Columns of which an earlier search knew the products with all others that it had, shape (k,).
         kept: Samples that count, all if None, shape (n,).
         scale: Root mean square of each column, shape (k,).
         columns: Response, base and candidates that they are of, shape (n, p) each.
@@ -61,6 +62,7 @@ class CrossProducts:
 
     gram: Float
     filled: NDArray[np.bool_]
+    begun: NDArray[np.bool_]
     kept: NDArray[np.bool_] | None
     scale: Float
     columns: tuple[Float, ...]
@@ -78,11 +80,10 @@ class CrossProducts:
     def fill(self, units: Sequence[int]) -> None:
         """Compute the products of the columns of some units with all others, as far as they are not known."""
         wanted = [column for unit in units for column in self.units[unit].columns if not self.filled[column]]
-        if not wanted:
-            return
-        rows = products_with_all(self.columns, wanted, self.kept) / (self.scale[wanted, None] * self.scale)
-        self.gram[wanted], self.gram[:, wanted] = rows, rows.T
-        self.filled[wanted] = True
+        for begun in (True, False):  # those that lack fewer products by themselves
+            if some := [column for column in wanted if self.begun[column] == begun]:
+                fill_in(self.gram, self.columns, some, self.kept, self.scale)
+                self.filled[some] = True
 
     def fill_pairs(self, units: Sequence[int]) -> None:
         """Compute the products of the columns of some units with each other."""
@@ -112,10 +113,10 @@ def cross_products(
     columns, units = _columns(y, base, groups)
     shapes = [[unit.columns for unit in units if unit.group == g] for g in range(len(groups))]
     always = list(range(1 + base.shape[1]))
-    gram = _within_groups(columns, units, kept, earlier)
+    gram, begun = _known(columns, earlier)
     with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
-        gram[always] = products_with_all(columns, always, kept)
-    gram[:, always] = gram[always].T
+        _within_groups(gram, columns, units, kept)
+        fill_in(gram, columns, always, kept)
     scale = np.sqrt(np.diag(gram) / (len(y) if kept is None else np.count_nonzero(kept)))
     if not np.all(np.isfinite(scale)):
         raise AnalysisError("search: response, base or candidates hold values that are not finite; leave them out")
@@ -124,6 +125,7 @@ def cross_products(
     return CrossProducts(
         gram=gram,
         filled=np.arange(len(gram)) < len(always),
+        begun=begun,
         kept=kept,
         scale=scale,
         columns=tuple(columns),
@@ -149,24 +151,29 @@ def _columns(y: Float, base: Float, groups: Sequence[Group]) -> tuple[list[Float
     return columns, tuple(units)
 
 
+def _known(columns: Sequence[Float], earlier: CrossProducts | None) -> tuple[Float, NDArray[np.bool_]]:
+    """Products of columns that an earlier search knew, no numbers for others, (k, k); and where it had begun, (k,)."""
+    own = places_of(columns)
+    gram, begun = np.full((sum(map(len, own)),) * 2, np.nan), np.zeros(sum(map(len, own)), np.bool_)
+    if earlier is not None:
+        places = {id(column): place for column, place in zip(earlier.columns, places_of(earlier.columns), strict=True)}
+        known = [k for k, column in enumerate(columns) if id(column) in places]
+        here = np.concatenate([own[k] for k in known])
+        there = np.concatenate([places[id(columns[k])] for k in known])
+        scale = earlier.scale[there]
+        gram[np.ix_(here, here)] = earlier.gram[np.ix_(there, there)] * (scale[:, None] * scale)
+        begun[here] = earlier.filled[there]
+    return gram, begun
+
+
 def _within_groups(
-    columns: Sequence[Float], units: Sequence[Unit], kept: NDArray[np.bool_] | None, earlier: CrossProducts | None
-) -> Float:
-    """Products of the columns of each candidate with each other, no numbers for the others, shape (k, k)."""
-    known = None if earlier is None else _known(earlier)
-    gram = np.full((sum(map(len, places_of(columns))),) * 2, np.nan)
+    gram: Float, columns: Sequence[Float], units: Sequence[Unit], kept: NDArray[np.bool_] | None
+) -> None:
+    """Write the products of the columns of each candidate with each other where they are not known."""
     for group in dict.fromkeys(unit.group for unit in units):
         numbers = [k for k, unit in enumerate(units) if unit.group == group]
         own = np.concatenate([units[k].columns for k in numbers])
-        with np.errstate(invalid="ignore", over="ignore"):  # what is not finite stays so, and is told
-            gram[np.ix_(own, own)] = products_within([columns[2 + k] for k in numbers], kept, known)
-    return gram
-
-
-def _known(products: CrossProducts) -> Known:
-    """Products of each candidate's columns with each other, of the columns as they were."""
-    places = {id(column): unit.columns for column, unit in zip(products.columns[2:], products.units, strict=True)}
-    return Known(gram=products.gram, scale=products.scale, places=places)
+        gram[np.ix_(own, own)] = products_within([columns[2 + k] for k in numbers], kept, gram[np.ix_(own, own)])
 
 
 def _trials(gram: Float, base: int, shapes: Sequence[Index]) -> float:

@@ -3,8 +3,7 @@
 Columns that lie one behind the other in one array are multiplied at one go: what takes the time is to read them.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -19,58 +18,56 @@ SAMPLES_AT_A_TIME = 4096
 """So many of a candidate's columns fit the cache that cores share."""
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Known:
-    """Products that were computed before.
-
-    Attributes:
-        gram: Products of columns over their scales, shape (k, k).
-        scale: Scale of each column, shape (k,).
-        places: Where each array has its columns among these, by the identity of the array.
-    """
-
-    gram: Float
-    scale: Float
-    places: Mapping[int, Index]
-
-
-def products_within(columns: Sequence[Float], kept: Kept, known: Known | None = None) -> Float:
+def products_within(columns: Sequence[Float], kept: Kept, known: Float | None = None) -> Float:
     """Products of the columns of some arrays, shape (n, p) each or (n,), with each other, shape (k, k).
 
     Args:
         columns: The arrays.
         kept: Samples that count.
-        known: Products of which those of two known arrays are taken.
+        known: Those of arrays that are known, not numbers at the others, shape (k, k).
     """
-    own, places = places_of(columns), {} if known is None else known.places
-    old = [k for k, column in enumerate(columns) if id(column) in places]
-    new = [k for k, column in enumerate(columns) if id(column) not in places]
-    gram = np.zeros((sum(map(len, own)),) * 2)
-    if known is not None and old:
-        here, there = np.concatenate([own[k] for k in old]), np.concatenate([places[id(columns[k])] for k in old])
-        scale = known.scale[there]
-        gram[np.ix_(here, here)] = known.gram[np.ix_(there, there)] * (scale[:, None] * scale)
+    own = places_of(columns)
+    gram = np.full((sum(map(len, own)),) * 2, np.nan) if known is None else known.copy()
+    there = np.isfinite(np.diag(gram))
+    old, new = ([k for k, places in enumerate(own) if there[places].all() == is_old] for is_old in (True, False))
     if new:
         added = np.concatenate([own[k] for k in new])
         gram[np.ix_(added, added)] = _among([columns[k] for k in new], kept)
     if old and new:
+        here = np.concatenate([own[k] for k in old])
         both = _with_all(_counted(np.concatenate([_across(columns[k]) for k in new]), kept), [columns[k] for k in old])
         gram[np.ix_(added, here)], gram[np.ix_(here, added)] = both, both.T
     return gram
 
 
-def products_with_all(columns: Sequence[Float], wanted: Sequence[int], kept: Kept) -> Float:
-    """Products of some columns, by their number among those of all arrays, with all of them, shape (w, k).
+def fill_in(gram: Float, columns: Sequence[Float], wanted: list[int], kept: Kept, scale: Float | None = None) -> None:
+    """Write the products of some columns with all others that lack one of them.
 
     Args:
+        gram: Products over the scales, no numbers where they are not known, shape (k, k).
         columns: All arrays, shape (n, p) each or (n,).
         wanted: Numbers of columns.
         kept: Samples that count.
+        scale: Of each column, shape (k,); 1 if None.
     """
+    places, unknown = places_of(columns), np.asarray(np.isnan(gram[wanted]).any(axis=0))
+    lacking = [k for k, own in enumerate(places) if unknown[own].any()]
+    if not lacking:
+        return
+    there = np.concatenate([places[k] for k in lacking])
+    rows = _with_all(_counted(_rows_of(columns, wanted), kept), [columns[k] for k in lacking])
+    if scale is not None:
+        rows /= scale[wanted, None] * scale[there]
+    here = np.asarray(wanted)
+    gram[np.ix_(here, there)], gram[np.ix_(there, here)] = rows, rows.T
+
+
+def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
+    """Some columns, by their number among those of all arrays, as rows, shape (w, n)."""
     ends = np.cumsum([_across(column).shape[0] for column in columns])
     arrays = np.searchsorted(ends, wanted, side="right").tolist()
     own = [_across(columns[k])[column - int(ends[k])] for k, column in zip(arrays, wanted, strict=True)]
-    return _with_all(_counted(np.stack(own), kept), columns)
+    return np.stack(own)
 
 
 def places_of(columns: Sequence[Float]) -> list[Index]:
