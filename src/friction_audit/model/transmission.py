@@ -34,6 +34,8 @@ HIGHEST_HZ = 150.0
 spring with more inertia, behind flanks that give way more."""
 LANES = 16
 """Transmissions that are followed side by side: so many fill the registers of a processor."""
+Lanes = tuple[float, ...]
+"""As many zeros as there are lanes: numba compiles a loop for each length of a tuple."""
 MANY_SAMPLES = 4096
 """So many, spread evenly, tell inertia and friction."""
 
@@ -129,13 +131,14 @@ def added_torques(motion: Motion, far: FarSide, links: Sequence[Transmission]) -
     if far.inertia_kg_m2 == 0.0:
         yield from ((place, np.zeros(len(motion.t))) for place in range(len(links)))
         return
-    coulomb, viscous = far.coulomb_nm * motion.direction, far.viscous_nms_per_rad * motion.dq
+    friction = far.coulomb_nm * motion.direction + far.viscous_nms_per_rad * motion.dq
     heavy = [slow_enough(part_of(far, link.far_share), link.stiffness_nm_per_rad) for link in links]
+    rigid: dict[float, Float] = {}  # of the last inertia, for neighbours often have the same
     for place, torque in _all_transmitted(motion, heavy, links):
-        added = np.subtract(torque, heavy[place].inertia_kg_m2 * motion.ddq, out=torque)
-        added -= coulomb
-        added -= viscous
-        yield place, added
+        inertia = heavy[place].inertia_kg_m2
+        if inertia not in rigid:
+            rigid = {inertia: inertia * motion.ddq + friction}
+        yield place, np.subtract(torque, rigid[inertia], out=torque)
 
 
 def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
@@ -179,7 +182,8 @@ def _all_transmitted(
         ]
         play = links[places[0]].gap_rad > 0.0
         far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
-        torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, play)
+        lanes = (0.0,) * len(places)
+        torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, play, lanes)
         yield from ((k, torque[lane]) for lane, k in enumerate(dict.fromkeys(places)))
 
 
@@ -213,47 +217,54 @@ def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[fl
 
 
 @compiled()
-def _follow(
-    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool
+def _follow(  # noqa: PLR0913
+    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool, lanes: Lanes
 ) -> Float:
     """Integrate far sides (3, m) behind transmissions (4, m), side by side, so that a processor takes several at once.
 
     Returns the torque of each, shape (m, n): all that follows takes them one by one. The measured side moves along the
-    cubic through its samples and their slopes.
+    cubic through its samples and their slopes. There are as many as lanes, a number that the compiler is told.
     """
-    steps, many = len(between), far.shape[1]
+    steps, many = len(between), len(lanes)
     h = step / steps
-    stiffness, damping, half, soft = links[0], links[1], links[2], links[3]
-    keep, gain, held = _pace(far, damping, h)
-    keep_apart, gain_apart, held_apart = _pace(far, np.zeros(many), h)
+    # Rows of one array of a known size: the compiler then need not ask at every step whether they overlap.
+    table = np.zeros((14, len(lanes)))
+    stiffness, damping, half, soft = table[0], table[1], table[2], table[3]
+    keep, gain, held, keep_apart, gain_apart, held_apart = table[4], table[5], table[6], table[7], table[8], table[9]
+    theta, omega = table[10], table[11]
     torque = np.empty((many, len(q)))
-    theta, omega = np.empty(many), np.full(many, dq[0])
     # About the last sample and about the next one, from half a sample before to half a sample after.
-    about = np.zeros((2, many))
+    last, next_one = 12, 13
     for j in range(many):
-        theta[j] = q[0] - twisted(load[0], stiffness[j], half[j], soft[j])
+        stiffness[j], damping[j], half[j], soft[j] = links[0, j], links[1, j], links[2, j], links[3, j]
+        keep[j], gain[j], held[j] = _pace(far[:, j], damping[j], h)
+        keep_apart[j], gain_apart[j], held_apart[j] = _pace(far[:, j], 0.0, h)
+        theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], soft[j]), dq[0]
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
             place, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
             borne = load[k] + (i + 0.5) / steps * more
-            felt = about[0 if 2 * i < steps else 1]
+            felt = last if 2 * i < steps else next_one
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
             if play:
                 for j in range(many):
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
                     twist = place - behind
                     engaged = twist - min(max(twist, -half[j]), half[j])
-                    push = pushed(stiffness[j] * engaged, soft[j])
+                    push, drag = pushed(stiffness[j] * engaged, soft[j]), damping[j]
                     # Neither spring nor damping within the play and where flanks would pull.
-                    apart = engaged * (push + damping[j] * (speed - before)) <= 0.0
-                    push, drag = 0.0 if apart else push, 0.0 if apart else damping[j]
-                    slip = held_apart[j] if apart else held[j]
-                    free = (keep_apart[j] if apart else keep[j]) * before
-                    free += (gain_apart[j] if apart else gain[j]) * (push + drag * speed - borne)
+                    apart = engaged * (push + drag * (speed - before)) <= 0.0
+                    push, drag = 0.0 if apart else push, 0.0 if apart else drag
+                    # All are read before one is taken: what is read on a condition, is read one by one.
+                    kept, kept_apart, given, given_apart = keep[j], keep_apart[j], gain[j], gain_apart[j]
+                    slip, slip_apart = held[j], held_apart[j]
+                    slip = slip_apart if apart else slip
+                    free = (kept_apart if apart else kept) * before
+                    free += (given_apart if apart else given) * (push + drag * speed - borne)
                     omega[j] = free - min(max(free, -slip), slip)
                     theta[j] = behind + 0.5 * h * omega[j]
-                    felt[j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
+                    table[felt, j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
             else:
                 for j in range(many):
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
@@ -261,11 +272,11 @@ def _follow(
                     free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
                     omega[j] = free - min(max(free, -held[j]), held[j])
                     theta[j] = behind + 0.5 * h * omega[j]
-                    felt[j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
+                    table[felt, j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
         for j in range(many):
-            torque[j, k] = about[0, j] / steps
-            about[0, j], about[1, j] = about[1, j], 0.0
-    _end(torque, about[0] / steps)
+            torque[j, k] = table[last, j] / steps
+            table[last, j], table[next_one, j] = table[next_one, j], 0.0
+    _end(torque, table[last] / steps)
     return torque
 
 
@@ -284,8 +295,8 @@ def pushed(straight: float, soft: float) -> float:
 
 
 @compiled()
-def _pace(far: Float, drag: Float, h: float) -> tuple[Float, Float, Float]:
-    """Return for a step what is left of velocities, what a torque gives to them, and what Coulomb friction takes."""
+def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
+    """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
     gain = h / (far[0] + loss)
     return (far[0] - loss) / (far[0] + loss), gain, gain * far[1]

@@ -6,6 +6,8 @@ compliance as long as the joint rings faster than it is moved, and no longer doe
 
 from collections.abc import Iterator, Sequence
 
+import numpy as np
+
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 from friction_audit.model.terms.far_share import FAR_SHARE
@@ -28,7 +30,7 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
         for stiffness, soft, damping_ratio, share in shapes
     ]
     for place, added in added_torques(motion, far_side(motion), links):
-        yield place, links[place].stiffness_nm_per_rad * added[:, None]
+        yield place, np.multiply(added, links[place].stiffness_nm_per_rad, out=added)[:, None]
 
 
 TERM = Term(
