@@ -34,6 +34,8 @@ def test_every_row_is_the_filter_about_its_sample(n: int, half: int, every: int,
     for k in range(2):
         assert rows[:, k] == pytest.approx(filtered_by_hand(columns[:, k], kernel, every), abs=1e-12)
     assert filter_rows(columns[:, 0], kernel, every) == pytest.approx(rows[:, 0])
+    wanted = np.flatnonzero(rng.random(len(rows)) < 0.8)
+    assert filter_rows(columns, kernel, every, wanted) == pytest.approx(rows[wanted])
     assert filter_rows(columns[:, :0], kernel, every).shape == (len(rows), 0)
 
 

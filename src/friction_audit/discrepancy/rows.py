@@ -197,17 +197,27 @@ def filter_rows(
 
 @compiled(any_order=True)
 def _filter(columns: Float, kernel: Float, centre: int, every: int, rows: NDArray[np.int64], out: Float) -> None:
-    last = columns.shape[1] - 1
+    reach, last = len(kernel), columns.shape[1] - 1
     for j in range(len(columns)):
-        column = columns[j]
-        for k in range(len(rows)):
+        column, k = columns[j], 0
+        while k < len(rows):
             first = rows[k] * every - centre
-            total = 0.0
-            if first >= 0 and first + len(kernel) <= last + 1:
-                window = column[first : first + len(kernel)]
-                for i in range(len(kernel)):
-                    total += kernel[i] * window[i]
+            second, third, fourth = first + every, first + 2 * every, first + 3 * every
+            if first >= 0 and k + 3 < len(rows) and rows[k + 3] == rows[k] + 3 and fourth + reach <= last + 1:
+                # Four rows in a line share the weights that were read.
+                a, b = column[first : first + reach], column[second : second + reach]
+                c, d = column[third : third + reach], column[fourth : fourth + reach]
+                total_a = total_b = total_c = total_d = 0.0
+                for i in range(reach):
+                    total_a += kernel[i] * a[i]
+                    total_b += kernel[i] * b[i]
+                    total_c += kernel[i] * c[i]
+                    total_d += kernel[i] * d[i]
+                out[j, k], out[j, k + 1], out[j, k + 2], out[j, k + 3] = total_a, total_b, total_c, total_d
+                k += 4
             else:
-                for i in range(len(kernel)):
+                total = 0.0
+                for i in range(reach):
                     total += kernel[i] * column[min(max(first + i, 0), last)]
-            out[j, k] = total
+                out[j, k] = total
+                k += 1
