@@ -20,6 +20,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from friction_audit.cli import main
+from tests.diagnosed_once import diagnosed_once
 from tests.in_this_process import in_this_process
 
 ROOT = Path(__file__).parents[1]
@@ -109,6 +110,7 @@ class Terminal:
             contextlib.chdir(self.folder),
             _columns(),
             in_this_process(),
+            diagnosed_once(),
             contextlib.redirect_stdout(out),
             contextlib.redirect_stderr(err),
         ):

@@ -23,14 +23,16 @@ from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.report.estimate_document import estimate_document
 from friction_audit.report.figures import FIGURES
 from friction_audit.report.schemas import KINDS, load_schema
+from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 
 DOCS = ROOT / "docs"
 COEFFICIENTS = ("coulomb", "viscous")
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-LONG = (DOCS / "paper.md", DOCS / "recording.md", DOCS / "commands" / "report.md", DOCS / "tables.md")
-"""Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, reports as in
-``index.md``, tables of results."""
+COMMANDS = DOCS / "commands"
+LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md", DOCS / "tables.md")
+"""Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, a comparison,
+reports as in ``index.md``, tables of results."""
 EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
 """Pages whose one command ``test_docs_effects.py`` runs."""
 SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
@@ -43,6 +45,7 @@ def cells(page: Path) -> list[list[str]]:
     return [[cell.strip() for cell in row.strip("|").split(" | ")] for row in rows]
 
 
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("page", SHOWN, ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) -> None:
     terminal = Terminal(tmp_path)
@@ -53,6 +56,7 @@ def test_commands_run_and_print_what_the_page_shows(page: Path, tmp_path: Path) 
             assert same(example.output, shown), f"$ {example.command}\n{shown}"
 
 
+@pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("page", IMAGINED, ids=lambda page: str(page.relative_to(ROOT)))
 def test_commands_on_imagined_logs_run(page: Path, tmp_path: Path) -> None:
     terminal = Terminal(tmp_path)
@@ -63,11 +67,12 @@ def test_commands_on_imagined_logs_run(page: Path, tmp_path: Path) -> None:
         assert terminal.code == 0, f"$ {command}\n{shown}"
 
 
+@pytest.mark.usefixtures("sketched")
 @ON_PAGES
 def test_python_runs(page: Path, tmp_path: Path) -> None:
     Terminal(tmp_path)
     for body in blocks(page.read_text(), "python"):
-        with chdir(tmp_path), redirect_stdout(io.StringIO()) as said:
+        with chdir(tmp_path), diagnosed_once(), redirect_stdout(io.StringIO()) as said:
             exec(compile(body, str(page), "exec"), {})
         assert said.getvalue()
 

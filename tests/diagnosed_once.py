@@ -1,0 +1,33 @@
+"""Pages show the same log diagnosed in several commands: it is diagnosed once, which takes longest of all they do."""
+
+import pickle
+from collections.abc import Iterator
+from contextlib import contextmanager
+from hashlib import sha256
+from typing import Any
+
+import pytest
+
+from friction_audit.discrepancy import diagnose
+from friction_audit.discrepancy.result import Discrepancy
+
+FOUND: dict[str, Discrepancy] = {}
+"""What was found, by all that it was found from."""
+_diagnose = diagnose.diagnose
+
+
+def _remembering(log: Any, interaction: Any, cycles: Any, friction: Any, settings: Any, arm: Any) -> Discrepancy:
+    """Diagnose what was not diagnosed before; the name of the file is no part of what a diagnosis is made from."""
+    given = (log.t, log.channels(), log.joint_names, interaction, cycles, friction, settings, arm)
+    key = sha256(pickle.dumps(given)).hexdigest()
+    if key not in FOUND:
+        FOUND[key] = _diagnose(log, interaction, cycles, friction, settings, arm)
+    return FOUND[key]
+
+
+@contextmanager
+def diagnosed_once() -> Iterator[None]:
+    """Diagnose the same numbers with the same settings once."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(diagnose, "diagnose", _remembering)
+        yield
