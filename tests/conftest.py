@@ -7,6 +7,7 @@ from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
+import threadpoolctl
 import typer
 from hypothesis import settings
 
@@ -18,8 +19,14 @@ if TYPE_CHECKING:
 
 FLAGS = ("--disable-background-networking", "--disable-component-update", "--disable-sync", "--no-first-run")
 
-WITHOUT_LOOPS = ("test_architecture.py", "test_site.py", "test_site_in_browser.py", "test_page_in_browser.py")
-"""Files of long tests that compile no loops of the program."""
+WITHOUT_LOOPS = (
+    "test_architecture.py",
+    "test_site.py",
+    "test_site_in_browser.py",
+    "test_page_in_browser.py",
+    "test_page_text.py",
+)
+"""Files of long tests that compile no loops of the program; the last two read the same pages."""
 WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")
 """Files of long tests that compile most of them."""
 
@@ -69,6 +76,14 @@ def one_command_line() -> Iterator[None]:
     """Build the commands and their options once: a program does it once, and tests call it a thousand times."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(typer.main, "get_command", cache(typer.main.get_command))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_look_for_libraries() -> Iterator[None]:
+    """Look once which libraries for matrices are loaded; they have one thread each, and every estimate looks again."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(threadpoolctl, "ThreadpoolController", cache(threadpoolctl.ThreadpoolController))
         yield
 
 
