@@ -61,7 +61,8 @@ def figure_style(*, mathematics: bool = False) -> Iterator[None]:
     from matplotlib import rc_context, rcParamsDefault
 
     # The user's own matplotlibrc must not change what a result looks like.
-    settings: Any = {name: value for name, value in rcParamsDefault.items() if name != "backend"} | RC
+    defaults: dict[Any, Any] = rcParamsDefault  # told the type of every name, mypy looks at this line for seconds
+    settings = {name: value for name, value in defaults.items() if name != "backend"} | RC
     settings["text.parse_math"] = mathematics
     with rc_context(settings), warnings.catch_warnings():
         # Names of joints may be in any script; there is nothing that the user could do about the font.
