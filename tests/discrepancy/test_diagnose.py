@@ -40,7 +40,7 @@ def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
         pytest.param("torque_drift", marks=pytest.mark.thorough),
         "time_delay",
         pytest.param("warm_up", marks=pytest.mark.thorough),
-        "friction_step",
+        pytest.param("friction_step", marks=pytest.mark.thorough),
         "backlash",
         pytest.param("cable_spring", marks=pytest.mark.thorough),
     ],

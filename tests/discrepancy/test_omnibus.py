@@ -44,7 +44,7 @@ def rejections(cycles: int, memory: float, size: float = 0.0, sets: int = SETS) 
 @pytest.mark.parametrize(
     ("cycles", "memory"),
     [
-        (12, 0.0),
+        pytest.param(12, 0.0, marks=pytest.mark.thorough),
         (12, 0.98),
         pytest.param(24, 0.9, marks=pytest.mark.thorough),
         pytest.param(60, 0.98, marks=pytest.mark.thorough),

@@ -159,7 +159,7 @@ def test_instruments_of_a_parabola_are_exact(rate_hz: float) -> None:
     np.testing.assert_allclose(found.acceleration, 3.0, rtol=1e-6)
 
 
-@pytest.mark.parametrize("logs", [16, pytest.param(40, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("logs", [8, pytest.param(40, marks=pytest.mark.thorough)])
 def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> None:
     settings = BenchSettings(duration_s=40.0)
     held = []
@@ -168,5 +168,5 @@ def test_the_intervals_hold_the_truth_about_as_often_as_they_say(logs: int) -> N
         assert found is not None
         for value, truth in ((found.coulomb, 0.30), (found.viscous, 0.07), (found.inertia, 0.30)):
             held.append(value.low <= truth <= value.high)
-    # Of 120, 95 % are 114 with a standard deviation of 2.4: five of these are left to chance; of 48, three.
+    # Of 120, 95 % are 114 with a standard deviation of 2.4: five of these are left to chance; of 24, two or three.
     assert sum(held) >= 0.85 * len(held)

@@ -279,10 +279,11 @@ def test_bad_files(tmp_path: Path, content: bytes, message: str) -> None:
         read(path)
 
 
-def test_every_place_to_break_off_gives_a_log_or_a_message(tmp_path: Path) -> None:
+@pytest.mark.parametrize("step", [491, pytest.param(97, marks=pytest.mark.thorough)])
+def test_every_place_to_break_off_gives_a_log_or_a_message(step: int, tmp_path: Path) -> None:
     path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, samples(60))], chunk_size=4096)
     whole = path.read_bytes()
-    for size in range(0, len(whole), 97):
+    for size in range(0, len(whole), step):
         path.write_bytes(whole[:size])
         with suppress(InputError):
             assert len(read(path).t) <= 60

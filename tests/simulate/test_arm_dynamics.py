@@ -121,7 +121,7 @@ def guided(carried_kg: float) -> Guided:
     return Guided(settings, simulation, pull(settings, SEED, simulation.truth.motion))
 
 
-LOADS = pytest.mark.parametrize("carried_kg", [0.0, 2.0])
+LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pytest.mark.thorough)])
 
 
 @LOADS
