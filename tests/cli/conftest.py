@@ -27,7 +27,7 @@ class Answer:
     def document(self) -> dict[str, Any]:
         """Return the one document on standard output, its schema held against it."""
         document: dict[str, Any] = json.loads(self.out)
-        jsonschema.validate(document, load_schema(document["schema"].split("/")[1]))
+        jsonschema.Draft202012Validator(load_schema(document["schema"].split("/")[1])).validate(document)
         return document
 
 

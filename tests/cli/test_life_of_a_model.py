@@ -2,10 +2,13 @@
 
 from pathlib import Path
 
+import pytest
+
 from friction_audit.model import load_model
 from tests.cli.conftest import Run
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_grown_model_is_simulated_and_misses_nothing(run: Run, tmp_path: Path) -> None:
     words = ("--duration", "60", "-q")
     assert run("simulate", "joint", "-o", "first.parquet", "--seed", "5", "--effect", "stribeck", *words).code == 0

@@ -47,6 +47,7 @@ def test_a_better_model_buys_more(run: Run, log: str) -> None:
     assert better["fitted_joint"] is None
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_model_of_a_diagnosis_is_taken(run: Run, log: str) -> None:
     assert run("diagnose", log, "--candidates", "stribeck", "-o", "found", "-q").code == 0
     words = ("--compensator", "model", "--joint-model", "found/model.toml", "--json")
@@ -90,6 +91,7 @@ def test_a_model_by_hand_has_no_origin(run: Run, log: str) -> None:
     assert "joint 1 by hand.toml (its origin is not said): inertia 0.3 kg m²" in run("replay", log, *words).out
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_folder_gets_figures_with_a_model_too(run: Run, log: str, tmp_path: Path) -> None:
     assert run("replay", log, *APPLIED, *OPERATOR, "-o", "out", "-q").code == 0
     assert {"replay.json", "replay.png"} <= {path.name for path in (tmp_path / "out").iterdir()}

@@ -18,6 +18,7 @@ def no_answer(*_: object) -> None:
     raise AnalysisError(WHY)
 
 
+@pytest.mark.usefixtures("sketched")
 def test_every_format_is_written_and_the_document_is_the_file(run: Run, logs: Path, tmp_path: Path) -> None:
     answer = run("report", logs / "moved1.csv", "-o", "out", "--format", "html,json,markdown,pdf", "--json")
     assert answer.code == 0

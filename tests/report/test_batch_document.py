@@ -95,6 +95,7 @@ def test_a_row_says_what_the_session_says() -> None:
     assert "does not move" in still["reason"]
 
 
+@pytest.mark.usefixtures("sketched")
 def test_a_name_that_no_encoding_knows_is_written_with_its_bytes(tmp_path: Path) -> None:
     sessions = (replace(ARM.sessions[0], path="r\udcff.csv"), *ARM.sessions[1:])
     summary = by_hand.batch(replace(ARM, sessions=sessions))

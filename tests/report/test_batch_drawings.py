@@ -3,6 +3,8 @@
 import pickle
 from dataclasses import replace
 
+import pytest
+
 from friction_audit.report.batch_drawings import ON_A_SHEET, Drawing, draw, drawings_of
 from friction_audit.report.figures.batch import BATCH_FIGURES
 from friction_audit.report.html.batch_page import write_page
@@ -41,6 +43,7 @@ def test_an_arm_without_joints_is_not_drawn() -> None:
     assert list(drawings_of([replace(TWO, joints=())], {}, ["png"])) == []
 
 
+@pytest.mark.usefixtures("sketched")
 def test_the_page_takes_what_others_have_drawn() -> None:
     summary = by_hand.batch(TWO)
     done = [draw(pickle.loads(pickle.dumps(one))) for one in drawings_of([TWO], {"two": ""}, ["svg"])]

@@ -20,7 +20,7 @@ NARROWEST_FIGURE = 300
 THOROUGH = pytest.mark.thorough
 CASES = (
     "hostile",
-    "forty joints",
+    "twenty joints",
     *(pytest.param(case, marks=THOROUGH) for case in ("plain", "one joint", "no cycles")),
 )
 """The worst, and those that are harmless beside them."""
@@ -34,10 +34,10 @@ def page_of(case: str) -> str:
             return hostile_page()
         case "one joint":
             return write_log_page(part_of(report(), (2,)))
-        case "forty joints":
+        case "twenty joints":
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
-                return write_log_page(by_hand.many(40))
+                return write_log_page(by_hand.many(20))
         case "no cycles":
             return write_log_page(by_hand.still())
     return page()
@@ -87,10 +87,10 @@ def test_a_log_without_cycles_says_why(open_page: Open) -> None:
     assert opened.page.locator("figure svg").count() == 0
 
 
-def test_forty_joints_have_a_verdict_each_and_figures_on_several_sheets(open_page: Open) -> None:
-    opened = open_page(page_of("forty joints"))
-    assert opened.page.locator("#verdicts .badge").count() == 40
-    assert opened.page.locator("figure svg").count() == 5
+def test_twenty_joints_have_a_verdict_each_and_figures_on_several_sheets(open_page: Open) -> None:
+    opened = open_page(page_of("twenty joints"))
+    assert opened.page.locator("#verdicts .badge").count() == 20
+    assert opened.page.locator("figure svg").count() == 3
 
 
 @pytest.mark.parametrize(
