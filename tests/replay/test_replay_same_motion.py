@@ -161,8 +161,15 @@ TOO_MUCH: dict[str, dict[str, Any]] = {
 
 
 @pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
-@pytest.mark.parametrize("closed", [False, True], ids=["recorded without", "recorded with it"])
-@pytest.mark.parametrize("how", ["forced", "factor"])
+@pytest.mark.parametrize(
+    ("how", "closed"),
+    [
+        pytest.param("forced", True, id="forced, recorded with it"),
+        pytest.param("factor", False, id="factor, recorded without"),
+        pytest.param("forced", False, id="forced, recorded without", marks=pytest.mark.thorough),
+        pytest.param("factor", True, id="factor, recorded with it", marks=pytest.mark.thorough),
+    ],
+)
 @pytest.mark.parametrize("model", ["viscous", "coulomb", "combined"])
 def test_over_compensation_by_half_is_taken_back(model: str, how: str, closed: bool, operator: Operator) -> None:
     """No cycle ends below zero by more than a sample's energy, and two cycles later the estimate is within 2 %."""

@@ -1,5 +1,6 @@
 """Pages of batches made by hand, each drawn once; figures that nobody draws, where only their room matters."""
 
+from collections.abc import Iterable
 from functools import cache
 
 from friction_audit.report.html.batch_captions import TITLES
@@ -26,9 +27,9 @@ def small_page() -> str:
     return write_page(SMALL)
 
 
-def blank_figures(arms: int, *, letters: int) -> dict[str, Figure]:
-    """Return the figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
+def blank_figures(arms: int, *, letters: int, kinds: Iterable[str] = tuple(TITLES)) -> dict[str, Figure]:
+    """Return figures of so many arms of up to eight joints, by their anchors, each of so many letters."""
     svg = f"<svg>{'<g></g>' * (letters // 7)}</svg>"
     picture = InlinePicture(svg=svg, width=100.0, description="", colours=frozenset())
-    anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in TITLES}
+    anchors = {f"arm-{number}-{kind}-1": kind for number in range(1, arms + 1) for kind in kinds}
     return {anchor: Figure(picture=picture, title=kind, caption="") for anchor, kind in anchors.items()}
