@@ -10,6 +10,8 @@ import pytest
 import threadpoolctl
 import typer
 from hypothesis import settings
+from rosbags.serde import cdr, ros1
+from rosbags.serde.utils import compile_lines
 
 from tests.chromium import NoChromiumError, find_chromium
 from tests.sketches import sketch
@@ -84,6 +86,16 @@ def one_look_for_libraries() -> Iterator[None]:
     """Look once which libraries for matrices are loaded; they have one thread each, and every estimate looks again."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(threadpoolctl, "ThreadpoolController", cache(threadpoolctl.ThreadpoolController))
+        yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def one_reader_of_each_message() -> Iterator[None]:
+    """Compile what reads and writes a message once: rosbags does it anew for every file, for half of a test's time."""
+    compiled = cache(lambda text: compile_lines([text]))
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (cdr, ros1):
+            patch.setattr(module, "compile_lines", lambda lines: compiled("\n".join(lines)))
         yield
 
 
