@@ -59,7 +59,7 @@ def here(sketched: None) -> Iterator[None]:  # noqa: ARG001 - it takes effect by
 
 def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
-    answer = run("batch-report", rig, "--json", "-q", "--workers", "2")
+    answer = run("batch-report", rig, "--json", "-q", "--workers", "1")
     assert answer.code == 6
     document = answer.document()
     assert (document["computed"], document["known"]) == (DAYS + 1, 0)
