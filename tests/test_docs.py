@@ -25,6 +25,7 @@ from friction_audit.report.figures import FIGURES
 from friction_audit.report.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
+from tests.source_tree import nodes
 
 DOCS = ROOT / "docs"
 COEFFICIENTS = ("coulomb", "viscous")
@@ -121,15 +122,14 @@ def spelled(code: ast.expr) -> Iterator[str]:
 
 def codes_in_the_source() -> set[str]:
     found: set[str] = set()
-    for path in (ROOT / "src").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text())):
-            if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
-                continue
-            if node.func.id in ("Finding", "Caution"):
-                given = [keyword.value for keyword in node.keywords if keyword.arg == "code"]
-                found |= {code for value in given for code in spelled(value)}
-            elif node.func.id == "Notice" and isinstance(node.args[0], ast.Constant):
-                found.add(str(node.args[0].value))
+    for _, node in nodes():
+        if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
+            continue
+        if node.func.id in ("Finding", "Caution"):
+            given = [keyword.value for keyword in node.keywords if keyword.arg == "code"]
+            found |= {code for value in given for code in spelled(value)}
+        elif node.func.id == "Notice" and isinstance(node.args[0], ast.Constant):
+            found.add(str(node.args[0].value))
     return found
 
 

@@ -3,10 +3,10 @@
 import ast
 import re
 from collections.abc import Iterator
-from functools import cache
 
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from tests.documented_commands import ROOT
+from tests.source_tree import nodes
 from tests.test_docs import codes_in_the_source
 
 PAGE = ROOT / "docs" / "troubleshooting.md"
@@ -25,13 +25,6 @@ def words(text: ast.expr) -> str:
     if isinstance(text, ast.JoinedStr):
         return "".join(str(part.value) if isinstance(part, ast.Constant) else PUT_IN for part in text.values)
     return ""
-
-
-@cache
-def nodes() -> tuple[tuple[str, ast.AST], ...]:
-    """Return all nodes of the program with the file they are in."""
-    files = sorted((ROOT / "src").rglob("*.py"))
-    return tuple((path.name, node) for path in files for node in ast.walk(ast.parse(path.read_text())))
 
 
 def errors() -> Iterator[str]:

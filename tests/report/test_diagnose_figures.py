@@ -144,7 +144,7 @@ def test_a_joint_without_an_answer_says_why(kind: DiagnosisFigure) -> None:
 @KINDS
 def test_a_dollar_sign_in_a_word_of_the_log_is_a_dollar_sign(kind: DiagnosisFigure, tmp_path: Path) -> None:
     """As mathematics these words would be an error."""
-    joints = tuple(replace(one, name=ODD, message=ODD) for one in ALL.discrepancy.joints)
+    joints = tuple(replace(one, name=ODD, message=ODD) for one in (NAMED, NOT_TESTABLE, DATA_FAULT))
     odd = replace(ALL, discrepancy=replace(ALL.discrepancy, joints=joints))
     for number, joint in enumerate((None, 1, 5, 6)):
         figure = kind.draw(odd, joint)
