@@ -33,20 +33,20 @@ def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
 
 
 @pytest.mark.parametrize(
-    "name",
+    ("name", "duration_s"),
     [
-        "stribeck",
-        pytest.param("presliding", marks=pytest.mark.thorough),
-        pytest.param("torque_drift", marks=pytest.mark.thorough),
-        "time_delay",
-        pytest.param("warm_up", marks=pytest.mark.thorough),
-        pytest.param("friction_step", marks=pytest.mark.thorough),
-        "backlash",
-        pytest.param("cable_spring", marks=pytest.mark.thorough),
+        ("stribeck", 40.0),
+        pytest.param("presliding", 60.0, marks=pytest.mark.thorough),
+        pytest.param("torque_drift", 60.0, marks=pytest.mark.thorough),
+        ("time_delay", 40.0),
+        pytest.param("warm_up", 60.0, marks=pytest.mark.thorough),
+        pytest.param("friction_step", 60.0, marks=pytest.mark.thorough),
+        ("backlash", 40.0),
+        pytest.param("cable_spring", 60.0, marks=pytest.mark.thorough),
     ],
 )
-def test_an_effect_is_named(name: str) -> None:
-    found = diagnosed(recorded(name))
+def test_an_effect_is_named(name: str, duration_s: float) -> None:
+    found = diagnosed(recorded(name, duration_s=duration_s))
     assert found.verdict in ("named", "ambiguous")
     assert len(found.effects) == 1
     assert name in said(found)[0]
@@ -100,12 +100,14 @@ def coloured(memory: float, noise_nm: float, n: int) -> Float:
 
 
 @pytest.mark.parametrize(
-    "names",
-    [pytest.param(("stribeck", "gravity_error"), marks=pytest.mark.thorough), ("presliding", "torque_drift")],
-    ids="+".join,
+    ("names", "duration_s"),
+    [
+        pytest.param(("stribeck", "gravity_error"), 60.0, marks=pytest.mark.thorough),
+        (("presliding", "torque_drift"), 40.0),
+    ],
 )
-def test_two_effects_are_both_in_the_answer(names: tuple[str, ...]) -> None:
-    found = diagnosed(recorded(*names))
+def test_two_effects_are_both_in_the_answer(names: tuple[str, ...], duration_s: float) -> None:
+    found = diagnosed(recorded(*names, duration_s=duration_s))
     assert found.verdict in ("named", "ambiguous")
     assert len(found.effects) == 2
     for name in names:
