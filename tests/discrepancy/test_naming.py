@@ -6,9 +6,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.alternatives import evidence
 from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.cross_products import cross_products
+from friction_audit.discrepancy.evidence import evidence
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.library import build_library
