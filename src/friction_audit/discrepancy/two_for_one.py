@@ -33,10 +33,10 @@ def two_for_one(ranking: Ranking, active: Sequence[int], unit: int, beaten_by: f
 
 
 def _simple(ranking: Ranking, active: Sequence[int]) -> Iterator[int]:
-    """Units of one number, of candidates that are not in the model."""
+    """Units of one factor and no shape, of candidates that are not in the model; of zeros there is no factor."""
     taken = {ranking.products.units[u].group for u in active}
     for u, entry in enumerate(ranking.products.units):
-        if ranking.width[u] + entry.numbers == 1 and entry.group not in taken:
+        if ranking.width[u] == 1 and not entry.numbers and entry.group not in taken:
             yield u
 
 
