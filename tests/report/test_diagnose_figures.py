@@ -341,6 +341,14 @@ def test_rivals_that_cannot_be_told_apart_are_marked() -> None:
     assert [mark_of(effect, rival) for rival in rivals] == [CHOSEN, ALIKE, BEATEN, ELSEWHERE]
 
 
+def test_one_of_a_pair_is_told_apart_where_both_together_are_not() -> None:
+    (effect,) = AMBIGUOUS.effects
+    pair = ("asymmetric_coulomb", "inertia_error")
+    one = replace(effect, alternatives=pair, together=(pair,))
+    assert mark_of(one, Evidence(name="inertia_error", delta_bic=126.0, correlation=0.7)) == BEATEN
+    assert not_drawn(one, (one,)) == "nor told from asymmetric_coulomb with inertia_error"
+
+
 def test_a_sheet_leaves_out_only_rivals_that_are_told_apart() -> None:
     (effect,) = AMBIGUOUS.effects
     last = Evidence(name="asymmetric_coulomb", delta_bic=50.0, correlation=1.0)

@@ -119,6 +119,12 @@ class Effect:
     evidence: tuple[Evidence, ...]
     together: tuple[tuple[str, str], ...] = ()
 
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """The alternatives that may be it by themselves."""
+        in_pairs = {name for pair in self.together for name in pair}
+        return tuple(name for name in self.alternatives if name not in in_pairs)
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Traces:
@@ -177,9 +183,8 @@ class SimulationGap:
 def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
     """Return what an effect may be instead, in words: another name, two, or a part of what is in the answer itself."""
     there = {one.name for one in effects}
-    in_pairs = {name for pair in effect.together for name in pair}
-    names = [name for name in effect.alternatives if name not in there | in_pairs]
-    parts = [f"a part of {name}" for name in effect.alternatives if name in there]
+    names = [name for name in effect.alone if name not in there]
+    parts = [f"a part of {name}" for name in effect.alone if name in there]
     return (*names, *map(" with ".join, effect.together), *parts)
 
 

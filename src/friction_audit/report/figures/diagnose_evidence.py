@@ -77,7 +77,7 @@ def _nearest(joint: JointDiscrepancy) -> JointDiscrepancy:
 def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     """Return the best candidates in the place of an effect, and all that cannot be told from it."""
     ranked = enumerate(effect.evidence)
-    return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alternatives)
+    return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alone)
 
 
 def _height_in(effect: Effect, effects: Sequence[Effect]) -> float:
@@ -151,6 +151,6 @@ def mark_of(effect: Effect, rival: Evidence) -> Mark:
     """Return how a candidate in the place of an effect is marked."""
     if rival.name == effect.name:
         return CHOSEN
-    if rival.name in effect.alternatives:
+    if rival.name in effect.alone:
         return ALIKE
     return ELSEWHERE if rival.delta_bic < STRONG else BEATEN
