@@ -113,7 +113,7 @@ def name_effects(
     Returns:
         One entry for each effect, in the order of the search.
     """
-    taken = {chosen.name for chosen in found.chosen}
+    taken, ranking = {chosen.name for chosen in found.chosen}, Ranking(products, n_eff)
     entries = []
     for chosen in found.chosen:
         rivals = _rivals(products, [c.unit for c in found.chosen], chosen.unit, n_eff)
@@ -121,7 +121,7 @@ def name_effects(
         by_chance = _by_chance(products, chosen.unit, len(alike))
         close = [r.name for r in alike if r.held or not (r.idle or r.beaten(by_chance))]
         same = [name for one in (chosen.name, *close) for name in same_as.get(one, ()) if name not in taken]
-        pairs = two_for_one(Ranking(products, n_eff), [c.unit for c in found.chosen], chosen.unit, BEATEN_BY)
+        pairs = two_for_one(ranking, [c.unit for c in found.chosen], chosen.unit, BEATEN_BY)
         together = tuple(pair for pair in pairs if not {*close, *same} & set(pair))
         names = dict.fromkeys([*close, *same, *(name for pair in together for name in pair)])
         entries.append(Naming(name=chosen.name, rivals=rivals, alternatives=tuple(names), together=together))

@@ -172,7 +172,8 @@ def _within(
     units = [chosen.unit for chosen in outcome.chosen]
     numbers = [len(unit.columns) + unit.numbers for unit in ranking.products.units]
     for k, naming in enumerate(namings):
-        alike = (r for r in naming.rivals if r.name in naming.alternatives and r.correlation > ALIKE)
+        alone = set(naming.alternatives).difference(*naming.together)
+        alike = (r for r in naming.rivals if r.name in alone and r.correlation > ALIKE)
         rival = next((r for r in alike if r.held or numbers[r.unit] < numbers[units[k]]), None)
         if rival is None or any(rival.name == chosen.name for chosen in outcome.chosen):
             continue

@@ -122,7 +122,7 @@ class Effect:
     @property
     def alone(self) -> tuple[str, ...]:
         """The alternatives that may be it by themselves."""
-        in_pairs = {name for pair in self.together for name in pair}
+        in_pairs = set[str]().union(*self.together)
         return tuple(name for name in self.alternatives if name not in in_pairs)
 
 

@@ -13,6 +13,7 @@ from friction_audit.report.log_report import LogReport
 from friction_audit.report.tables import diagnose_tables, report_tables
 from friction_audit.tidy_table import TidyTable
 from tests.report import log_report_by_hand as by_hand
+from tests.report.diagnosis_by_hand import AMBIGUOUS
 
 UNITLESS = {
     "joint", "name", "model", "cycles", "left_out_cycles", "condition_number", "correlation", "reason", "cycle",
@@ -90,6 +91,18 @@ def test_residual_is_measured_less_model() -> None:
     assert rows.columns["grown_nm"] == pytest.approx(0.48)
     assert rows.columns["residual_before_nm"] == pytest.approx(0.1)
     assert rows.columns["residual_after_nm"] == pytest.approx(0.02)
+
+
+def test_two_that_are_an_alternative_only_together_are_one_word() -> None:
+    found = report().diagnosis
+    assert found is not None
+    (effect,) = AMBIGUOUS.effects
+    pair = ("torque_drift", "inertia_error")
+    told = replace(effect, alternatives=("asymmetric_coulomb", *pair), together=(pair,))
+    joints = (replace(AMBIGUOUS, effects=(told,)),)
+    made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=joints)))
+    (rows,) = next(table for table in made if table.name == "effects").rows
+    assert list(rows.columns["alternatives"]) == ["asymmetric_coulomb torque_drift+inertia_error"]
 
 
 def test_a_part_without_an_answer_has_no_tables() -> None:

@@ -158,7 +158,7 @@ def _effects(joint: JointDiscrepancy) -> list[dict[str, Any]]:
             "rank": rank,
             "effect": effect.name,
             "label": effect.label,
-            "alternatives": " ".join(effect.alternatives),
+            "alternatives": " ".join((*effect.alone, *map("+".join, effect.together))),
             "p_value": effect.p_value,
             "gap_before_nm": effect.gap_before_nm,
             "gap_after_nm": effect.gap_after_nm,
