@@ -28,11 +28,16 @@ def one_joint_at_a_time() -> Iterator[None]:
         _ALONE.reset(token)
 
 
+def is_alone() -> bool:
+    """Return True in a block of ``one_joint_at_a_time``."""
+    return _ALONE.get()
+
+
 def per_joint(work: Callable[[int], Result], joints: int) -> list[Result]:
     """Return the result of the work for each joint (0-based), in order."""
     from threadpoolctl import threadpool_limits
 
-    if _ALONE.get():
+    if is_alone():
         return [work(joint) for joint in range(joints)]
     # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
     with (

@@ -1,5 +1,7 @@
 import json
 import re
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -71,6 +73,13 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     assert joint["gap"]["baseline_rms_nm"] == pytest.approx(joint["gap"]["noise_floor_rms_nm"], rel=0.05)
     assert joint["gap"]["held_out_cycles"] >= 0.3 * 24 - 1
     assert joint["declared"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
+
+
+def test_a_process_of_its_own_which_works_in_copies_says_the_same(run: Run, logs: Path) -> None:
+    words = ("diagnose", str(logs / "moved2.csv"), "--json", *FEW)
+    command = [sys.executable, "-m", "friction_audit", *words]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    assert (done.stdout, done.stderr) == (run(*words).out, "")
 
 
 def test_the_same_seed_gives_the_same_answer(run: Run, logs: Path) -> None:

@@ -13,6 +13,7 @@ from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.friction.history import Coefficient, FrictionHistory
+from friction_audit.in_copies import in_copies, workers_for
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import JointLog
 from friction_audit.per_joint import per_joint
@@ -54,7 +55,10 @@ def diagnose(
         for data in prepared
     ]
     one = partial(_one, subjects, candidates, settings)
-    return Discrepancy(joints=tuple(per_joint(one, len(subjects))))
+    workers = workers_for(len(subjects))
+    # Half of the work is in the interpreter, for which threads would wait.
+    found = in_copies(one, len(subjects), workers) if workers > 1 else per_joint(one, len(subjects))
+    return Discrepancy(joints=tuple(found))
 
 
 def _one(
