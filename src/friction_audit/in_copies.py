@@ -2,7 +2,7 @@
 
 Threads wait for each other wherever the work is in the interpreter; copies do not. A copy begins with all that this
 process holds, so that only results are sent. What no copy delivers, for it was killed or the work raised an error
-there, is done here: nothing is lost, and errors are raised where they are expected.
+there, is done here when its turn comes: nothing is lost, and errors are raised where they are expected.
 
 A copy has none of the threads of this process, and whatever they held at that moment is never let go. So only a process
 that is known all through is copied, which is a command of friction-audit: no program that uses it as a library.
@@ -69,7 +69,11 @@ def in_copies(work: Callable[[int], Result], pieces: int, workers: int) -> Itera
 def _more(work: Callable[[int], Result], numbers: int, arrived: Arrived, piece: int) -> dict[int, Result]:
     """What there is next: sent by a copy, done here, or, where nothing is left to wait for, the piece asked for."""
     if arrived.empty() and (mine := _number(numbers)) is not None:
-        return {mine: work(mine)}
+        if mine == piece:
+            return {mine: work(mine)}
+        with suppress(Exception):  # an error waits for its turn, as one in a copy does
+            return {mine: work(mine)}
+        return {}
     message = arrived.get()
     if message is not None:
         return _opened(message)

@@ -75,7 +75,7 @@ def draw_files(
     overwrite: bool,
     voice: Voice,
 ) -> list[FigureFile]:
-    """Draw figures of a sheet or of single joints.
+    """Draw figures of a sheet or of single joints, several at a time where the process may be copied.
 
     Args:
         kinds: By name, what draws one joint, given by its number, or with None all of them.
@@ -86,17 +86,48 @@ def draw_files(
         overwrite: If True, files that exist are replaced.
         voice: Told what is drawn.
     """
+    from friction_audit.in_copies import in_copies, workers_for
+    from friction_audit.report.figures.save import load_matplotlib
+
     # A sheet of one joint is that joint's figure.
     sheet = numbers[0] if len(numbers) == 1 else None
     alone = numbers if each_joint and sheet is None else ()
+    figures = [
+        (kind, name, joint)
+        for kind in kinds
+        for name, joint in ((kind, sheet), *((f"{kind}-joint{number}", number) for number in alone))
+    ]
+    load_matplotlib(formats)  # once, and not by every copy
+    contents = in_copies(partial(_content, kinds, figures, formats), len(figures), workers_for(len(figures)))
     files = []
-    for kind, draw in kinds.items():
-        for name, drawn, joint in ((kind, sheet, sheet), *((f"{kind}-joint{n}", n, n) for n in alone)):
-            with voice.step(f"draw {name}"):
-                paths = [folder / f"{name}.{suffix}" for suffix in formats]
-                save_everywhere(draw(drawn), paths, overwrite=overwrite)
-            files += [FigureFile(kind, joint, path) for path in paths]
+    for kind, name, joint in figures:
+        paths = [folder / f"{name}.{suffix}" for suffix in formats]
+        with voice.step(f"draw {name}"):
+            _write(next(contents), paths, overwrite=overwrite)
+        files += [FigureFile(kind, joint, path) for path in paths]
     return files
+
+
+def _content(
+    kinds: "Mapping[str, Callable[[int | None], Figure]]",
+    figures: Sequence[tuple[str, str, int | None]],
+    formats: Sequence[str],
+    number: int,
+) -> list[bytes]:
+    """Draw one of the figures: what its files hold."""
+    from friction_audit.report.figures.save import figure_bytes
+
+    kind, _, joint = figures[number]
+    figure = kinds[kind](joint)
+    return [figure_bytes(figure, suffix) for suffix in formats]
+
+
+def _write(contents: Sequence[bytes], paths: Sequence[Path], *, overwrite: bool) -> None:
+    from friction_audit.whole_file import whole_file
+
+    for content, path in zip(contents, paths, strict=True):
+        with whole_file(path, overwrite=overwrite) as draft:
+            draft.write_bytes(content)
 
 
 def save_everywhere(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:

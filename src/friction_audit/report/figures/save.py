@@ -1,6 +1,8 @@
 """Figure -> file, the same bytes for the same result."""
 
 import io
+from collections.abc import Iterable
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +14,13 @@ if TYPE_CHECKING:
 FORMATS = ("png", "svg", "pdf")
 UNDATED = {"png": {"Software": None}, "svg": {"Date": None, "Creator": None}, "pdf": {"CreationDate": None}}
 """Metadata that would change from run to run or from one matplotlib to the next, left out."""
+BACKENDS = {"png": "agg", "svg": "svg", "pdf": "pdf"}
+
+
+def load_matplotlib(formats: Iterable[str]) -> None:
+    """Load what it takes to draw figures in these formats, before the process is copied."""
+    for kind in formats:
+        import_module(f"matplotlib.backends.backend_{BACKENDS[kind]}")
 
 
 def save_figure(figure: "Figure", path: Path) -> None:
