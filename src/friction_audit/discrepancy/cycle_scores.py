@@ -47,7 +47,7 @@ class CycleScores:
         order = np.argsort(number, kind="stable")
         self.at = order if at is None else at[order]
         self.bounds = np.searchsorted(number[order], np.arange(cycles + 1))
-        self.weights, self.squares = weights, weights**2
+        self.weights = weights
         even = sample_weight is None or bool(np.all(sample_weight == 1.0))
         self.sample_weight = None if sample_weight is None or even else sample_weight[order]
         rows = base.T[:, order]
@@ -57,8 +57,10 @@ class CycleScores:
         self.with_residual = np.ascontiguousarray(np.concatenate([residual[None], rows]).T)
         own = self._per_cycle(rows)
         self.base_score, self.base_gram = own[:, :, 0], own[:, :, 1:]
-        self.moved = weights @ self.base_score @ self.inverse
-        self.moved_twice = (self.moved[:, :, None] * self.moved[:, None, :]).reshape(len(weights), -1)
+        moved = weights @ self.base_score @ self.inverse
+        # What the products in ``_spread`` are multiplied by: g_c^2, h h' and -g_c h'.
+        terms = (weights**2, moved[:, :, None] * moved[:, None, :], -weights[:, :, None] * moved[:, None, :])
+        self.factors = np.concatenate([term.reshape(len(weights), -1) for term in terms], axis=1)
 
     def _per_cycle(self, rows: Float) -> Float:
         """Cross products of rows (k, n) with residual and base in every cycle, shape (c, k, 1 + b)."""
@@ -115,13 +117,14 @@ class CycleScores:
     def _spread(self, s: Float, A: Float) -> Float:
         """Sum over cycles of s*_c s*_c' for every draw, (draws, s, p, p), from products of small matrices only."""
         cycles, shapes, p, b = A.shape
-        ss = self.squares @ (s[:, :, :, None] * s[:, :, None, :]).reshape(cycles, -1)
-        cross = self.weights @ (s[:, :, :, None, None] * A[:, :, None, :, :]).reshape(cycles, -1)
-        mixed = np.einsum("dkb,db->dk", cross.reshape(len(cross), -1, b), self.moved).reshape(-1, shapes, p, p)
+        products = np.empty((cycles + b * b + cycles * b, shapes, p, p))
+        np.multiply(s[:, :, :, None], s[:, :, None, :], out=products[:cycles])
         flat = A.transpose(1, 2, 3, 0).reshape(shapes, p * b, cycles)
-        AA = (flat @ flat.transpose(0, 2, 1)).reshape(shapes, p, b, p, b).transpose(0, 1, 3, 2, 4)
-        hh = self.moved_twice @ AA.reshape(-1, b * b).T
-        spread: Float = (ss + hh).reshape(mixed.shape) - mixed - mixed.transpose(0, 1, 3, 2)
+        AA = (flat @ flat.transpose(0, 2, 1)).reshape(shapes, p, b, p, b).transpose(2, 4, 0, 1, 3)
+        products[cycles : cycles + b * b] = AA.reshape(b * b, shapes, p, p)
+        sA = s[:, None, :, :, None] * A.transpose(0, 3, 1, 2)[:, :, :, None, :]
+        np.add(sA, sA.transpose(0, 1, 2, 4, 3), out=products[-cycles * b :].reshape(sA.shape))
+        spread: Float = (self.factors @ products.reshape(len(products), -1)).reshape(-1, shapes, p, p)
         return spread
 
 

@@ -64,7 +64,7 @@ def fill_in(gram: Float, columns: Sequence[Float], wanted: list[int], kept: Kept
 
 def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
     """Some columns, by their number among those of all arrays, as rows, shape (w, n)."""
-    ends = np.cumsum([_across(column).shape[0] for column in columns])
+    ends = np.cumsum([_width(column) for column in columns])
     arrays = np.searchsorted(ends, wanted, side="right").tolist()
     own = [_across(columns[k])[column - int(ends[k])] for k, column in zip(arrays, wanted, strict=True)]
     return np.stack(own)
@@ -72,12 +72,19 @@ def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
 
 def places_of(columns: Sequence[Float]) -> list[Index]:
     """Where each array has its columns among those of all."""
-    ends = np.cumsum([0, *(_across(column).shape[0] for column in columns)]).tolist()
-    return [np.arange(i, j) for i, j in pairwise(ends)]
+    ends = np.cumsum([0, *(_width(column) for column in columns)]).tolist()
+    every = np.arange(ends[-1])
+    return [every[i:j] for i, j in pairwise(ends)]
+
+
+def _width(column: Float) -> int:
+    return 1 if column.ndim == 1 else column.shape[1]
 
 
 def _across(column: Float) -> Float:
-    return np.atleast_2d(np.asarray(column, float).T)
+    """An array (n, p) or (n,) as rows, shape (p, n)."""
+    rows = np.asarray(column, float)
+    return rows[None] if rows.ndim == 1 else rows.T
 
 
 def _counted(rows: Float, kept: Kept) -> Float:
@@ -126,28 +133,33 @@ def _stretches(kept: NDArray[np.bool_]) -> list[tuple[list[tuple[int, int]], int
 
 def _stacks(columns: Sequence[Float]) -> Iterator[Float]:
     """All columns as rows, shape (k, n), as many in one array as lie one behind the other."""
-    stack: Float | None = None
+    run: list[Float] = []
+    end = 0
     for column in columns:
         own = _across(column)
-        joined = None if stack is None else _joined(stack, own)
-        if joined is None and stack is not None:
-            yield stack
-        stack = own if joined is None else joined
-    if stack is not None:
-        yield stack
+        begin = _address(own) if _whole(own) else 0
+        if run and not (begin and begin == end and own.base is run[0].base and own.shape[1] == run[0].shape[1]):
+            yield _joined(run)
+            run = []
+        run.append(own)
+        end = begin + own.nbytes if begin else 0
+    if run:
+        yield _joined(run)
 
 
-def _joined(first: Float, second: Float) -> Float | None:
-    """Two views of one array as one, where the second begins where the first ends; None where it does not."""
-    whole = first.base
-    if whole is None or second.base is not whole or not whole.flags.c_contiguous:
-        return None
-    if not (first.flags.c_contiguous and second.flags.c_contiguous and whole.shape[-1] == first.shape[1]):
-        return None
-    if _address(second) != _address(first) + first.nbytes:
-        return None
-    row = (_address(first) - _address(whole)) // (first.shape[1] * first.itemsize)
-    return np.asarray(whole.reshape(-1, first.shape[1])[row : row + len(first) + len(second)])
+def _whole(rows: Float) -> bool:
+    """Whether rows are whole rows of an array that may hold others behind them."""
+    base = rows.base
+    return base is not None and base.flags.c_contiguous and rows.flags.c_contiguous and base.shape[-1] == rows.shape[1]
+
+
+def _joined(run: Sequence[Float]) -> Float:
+    """Rows that lie one behind the other in one array as one view of it."""
+    first = run[0]
+    if len(run) == 1 or first.base is None:
+        return first
+    row = (_address(first) - _address(first.base)) // (first.shape[1] * first.itemsize)
+    return np.asarray(first.base.reshape(-1, first.shape[1])[row : row + sum(map(len, run))])
 
 
 def _address(array: Float) -> int:
