@@ -26,15 +26,15 @@ def products_within(columns: Sequence[Float], kept: Kept, known: Float | None = 
         kept: Samples that count.
         known: Those of arrays that are known, not numbers at the others, shape (k, k).
     """
-    own = places_of(columns)
-    gram = np.full((sum(map(len, own)),) * 2, np.nan) if known is None else known.copy()
-    there = np.isfinite(np.diag(gram))
-    old, new = ([k for k, places in enumerate(own) if there[places].all() == is_old] for is_old in (True, False))
+    widths = _widths(columns)
+    gram = np.full((widths.sum(),) * 2, np.nan) if known is None else known.copy()
+    lacks = _any_of(~np.isfinite(np.diag(gram)), widths)
+    old, new = np.flatnonzero(~lacks).tolist(), np.flatnonzero(lacks).tolist()
     if new:
-        added = np.concatenate([own[k] for k in new])
+        added = _places(lacks, widths)
         gram[np.ix_(added, added)] = _among([columns[k] for k in new], kept)
     if old and new:
-        here = np.concatenate([own[k] for k in old])
+        here = _places(~lacks, widths)
         both = _with_all(_counted(np.concatenate([_across(columns[k]) for k in new]), kept), [columns[k] for k in old])
         gram[np.ix_(added, here)], gram[np.ix_(here, added)] = both, both.T
     return gram
@@ -50,11 +50,12 @@ def fill_in(gram: Float, columns: Sequence[Float], wanted: list[int], kept: Kept
         kept: Samples that count.
         scale: Of each column, shape (k,); 1 if None.
     """
-    places, unknown = places_of(columns), np.asarray(np.isnan(gram[wanted]).any(axis=0))
-    lacking = [k for k, own in enumerate(places) if unknown[own].any()]
+    widths = _widths(columns)
+    lacks = _any_of(np.asarray(np.isnan(gram[wanted]).any(axis=0)), widths)
+    lacking = np.flatnonzero(lacks).tolist()
     if not lacking:
         return
-    there = np.concatenate([places[k] for k in lacking])
+    there = _places(lacks, widths)
     rows = _with_all(_counted(_rows_of(columns, wanted), kept), [columns[k] for k in lacking])
     if scale is not None:
         rows /= scale[wanted, None] * scale[there]
@@ -64,7 +65,7 @@ def fill_in(gram: Float, columns: Sequence[Float], wanted: list[int], kept: Kept
 
 def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
     """Some columns, by their number among those of all arrays, as rows, shape (w, n)."""
-    ends = np.cumsum([_width(column) for column in columns])
+    ends = np.cumsum(_widths(columns))
     arrays = np.searchsorted(ends, wanted, side="right").tolist()
     own = [_across(columns[k])[column - int(ends[k])] for k, column in zip(arrays, wanted, strict=True)]
     return np.stack(own)
@@ -72,13 +73,26 @@ def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
 
 def places_of(columns: Sequence[Float]) -> list[Index]:
     """Where each array has its columns among those of all."""
-    ends = np.cumsum([0, *(_width(column) for column in columns)]).tolist()
+    ends = np.append(0, np.cumsum(_widths(columns)))
     every = np.arange(ends[-1])
-    return [every[i:j] for i, j in pairwise(ends)]
+    return [every[i:j] for i, j in pairwise(ends.tolist())]
 
 
-def _width(column: Float) -> int:
-    return 1 if column.ndim == 1 else column.shape[1]
+def _widths(columns: Sequence[Float]) -> Index:
+    """How many columns each array has."""
+    return np.array([1 if column.ndim == 1 else column.shape[1] for column in columns], int)
+
+
+def _any_of(true: NDArray[np.bool_], widths: Index) -> NDArray[np.bool_]:
+    """Whether something is true of any column of an array, for each array."""
+    so_far = np.append(0, np.cumsum(true))
+    ends = np.cumsum(widths)
+    return np.asarray(so_far[ends] > so_far[ends - widths])
+
+
+def _places(chosen: NDArray[np.bool_], widths: Index) -> Index:
+    """Where the columns of chosen arrays lie among those of all."""
+    return np.flatnonzero(np.repeat(chosen, widths))
 
 
 def _across(column: Float) -> Float:
