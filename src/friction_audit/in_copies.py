@@ -44,13 +44,16 @@ def workers_for(pieces: int) -> int:
     return max(min(WORKERS, len(os.sched_getaffinity(0)), pieces), 1)
 
 
-def in_copies(work: Callable[[int], Result], pieces: int, workers: int) -> Iterator[Result]:
+def in_copies(
+    work: Callable[[int], Result], pieces: int, workers: int, begun: Sequence[int] | None = None
+) -> Iterator[Result]:
     """Yield the result of each piece of work (0-based), in order, each as soon as it is there.
 
     Args:
         work: Does one piece; results can be pickled. It writes nowhere: a copy may end at any time.
         pieces: How many there are.
         workers: Processes that share them, this one among them.
+        begun: All of them in the order in which several processes begin them, their own order if None.
     """
     from threadpoolctl import threadpool_limits
 
@@ -58,8 +61,9 @@ def in_copies(work: Callable[[int], Result], pieces: int, workers: int) -> Itera
         yield from map(work, range(pieces))
         return
     done: dict[int, Result] = {}
+    numbered = range(pieces) if begun is None else begun
     # Matrices of a joint are tall and narrow: threads inside a product would only wait for each other.
-    with threadpool_limits(limits=1, user_api="blas"), _copies(work, pieces, workers - 1) as (numbers, arrived):
+    with threadpool_limits(limits=1, user_api="blas"), _copies(work, numbered, workers - 1) as (numbers, arrived):
         for piece in range(pieces):
             while piece not in done:
                 done |= _more(work, numbers, arrived, piece)
@@ -82,10 +86,10 @@ def _more(work: Callable[[int], Result], numbers: int, arrived: Arrived, piece: 
 
 
 @contextmanager
-def _copies(work: Callable[[int], Any], pieces: int, many: int) -> Iterator[tuple[int, Arrived]]:
+def _copies(work: Callable[[int], Any], pieces: Sequence[int], many: int) -> Iterator[tuple[int, Arrived]]:
     """Start copies; yield the end of a pipe with the numbers of pieces that nobody has taken, and what arrives."""
     numbers, given = os.pipe()
-    os.write(given, b"".join(piece.to_bytes(NUMBER_BYTES) for piece in range(pieces)))
+    os.write(given, b"".join(piece.to_bytes(NUMBER_BYTES) for piece in pieces))
     os.close(given)
     arrived: Arrived = SimpleQueue()
     copies: list[Copy] = []

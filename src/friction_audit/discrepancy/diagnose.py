@@ -9,6 +9,7 @@ from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.data_audit import audit_data
 from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
 from friction_audit.discrepancy.known_inertia import known_inertias
+from friction_audit.discrepancy.likely_work import longest_first
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
@@ -57,8 +58,9 @@ def diagnose(
     one = partial(_one, subjects, candidates, settings)
     workers = workers_for(len(subjects))
     # Half of the work is in the interpreter, for which threads would wait.
-    found = in_copies(one, len(subjects), workers) if workers > 1 else per_joint(one, len(subjects))
-    return Discrepancy(joints=tuple(found))
+    if workers > 1:
+        return Discrepancy(joints=tuple(in_copies(one, len(subjects), workers, longest_first(prepared))))
+    return Discrepancy(joints=tuple(per_joint(one, len(subjects))))
 
 
 def _one(
