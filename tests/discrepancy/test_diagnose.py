@@ -125,6 +125,15 @@ def test_a_play_in_sinusoids_is_not_named_a_delay() -> None:
     assert width.low < 0.0014 < width.high
 
 
+def test_a_wide_play_has_no_delay_beside_it() -> None:
+    """Fitted by turns with friction and inertia it is told too narrow, and a delay takes the rest."""
+    found = diagnosed(recorded("backlash:gap_rad=0.002", scenario="joint-sine", seed=1))
+    assert found.verdict == "named"
+    assert said(found) == ({"backlash"},)
+    width = found.effects[0].parameters["gap_rad"]
+    assert width.low < 0.002 < width.high
+
+
 def turned(log: JointLog) -> JointLog:
     return replace(log, dq=-log.dq)
 

@@ -131,3 +131,10 @@ def test_flanks_ring_upwards() -> None:
     at = Vibration(frequency_hz=30.0, low_hz=28.0, high_hz=32.0, rms_nm=0.1)
     assert rings(flanks, (), at)
     assert not rings(flanks, (), replace(at, low_hz=10.0, high_hz=14.0))
+
+
+@pytest.mark.parametrize(("low_hz", "expected"), [(18.5, True), (17.0, False)])
+def test_a_name_along_a_smooth_motion_says_nothing_of_what_rings_above_that(low_hz: float, expected: bool) -> None:
+    smooth = named("backlash", {"gap_rad": 1e-3, "contact_hz": 60.0, "motion_below_hz": 18.0})
+    at = Vibration(frequency_hz=28.0, low_hz=low_hz, high_hz=36.0, rms_nm=0.1)
+    assert rings(smooth, (), at) is expected

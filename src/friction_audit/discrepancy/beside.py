@@ -19,7 +19,7 @@ class Beside:
         """Take the columns (n, b) and the response (n,)."""
         left, size, _ = np.linalg.svd(columns / _scale(columns), full_matrices=False)
         self.span = left[:, size > COPY * size[0]] if size.size else left
-        self.response = self._free(y)
+        self.response = self.free(y)
 
     @property
     def without(self) -> float:
@@ -30,7 +30,7 @@ class Beside:
         """Factors of an effect's columns (n, p), the smallest of those that do alike, (p,), and the sum of squares."""
         scale = _scale(own)
         # The triangle of columns and response has all that is asked of them, in p + 1 rows.
-        both = np.vstack([self._free(own / scale).T, self.response]).T
+        both = np.vstack([self.free(own / scale).T, self.response]).T
         triangle = np.asarray(np.linalg.qr(both, mode="r"))
         left, size, right = np.linalg.svd(triangle[:, :-1], full_matrices=False)
         there = size > COPY * np.sqrt(len(own))
@@ -45,7 +45,7 @@ class Beside:
         from scipy.optimize import nnls
 
         # The triangle of columns and response has their cross products, and few rows.
-        _, triangle = np.linalg.qr(np.column_stack([self._free(own / _scale(own)), self.response]))
+        _, triangle = np.linalg.qr(np.column_stack([self.free(own / _scale(own)), self.response]))
         _, rest = nnls(triangle[:, :-1], triangle[:, -1])
         return float(rest) ** 2
 
@@ -53,11 +53,12 @@ class Beside:
         """What an effect's columns (n, p) leave, shape (n,)."""
         if not own.shape[1]:
             return self.response
-        left, size, _ = np.linalg.svd(self._free(own / _scale(own)), full_matrices=False)
+        left, size, _ = np.linalg.svd(self.free(own / _scale(own)), full_matrices=False)
         span = left[:, size > COPY * np.sqrt(len(own))]
         return np.asarray(self.response - span @ (span.T @ self.response))
 
-    def _free(self, signal: Float) -> Float:
+    def free(self, signal: Float) -> Float:
+        """What the columns alone leave of signals, shape (n,) or (n, p)."""
         # Of transposes, for columns lie one behind the other.
         return np.asarray((signal.T - (signal.T @ self.span) @ self.span.T).T)
 

@@ -1,11 +1,12 @@
 """What a candidate is: an effect that may be missing in a model, by the columns that it adds to a regression."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Term
+from friction_audit.model.transmission import FarSide
 
 Shape = Mapping[str, float]
 """Values of the numbers that enter a candidate nonlinearly."""
@@ -83,6 +84,9 @@ class Candidate:
         fading: Name of the number of its shape that is a time constant; empty without one.
         noisy: Name of the number of its shape that noise of the motion moves; empty without one.
         along_noise: Names of the numbers, above zero, that noise moves with it.
+        behind: ``behind(data, far, shapes)``: the same for many shapes, each with what is behind it, of an effect that
+            hands on the torque of inertia and friction, and is fitted together with these; None for all others.
+        sought: From where to where numbers of the shape are looked for with them, by name, beside the rugged one.
         assumed: Names of numbers that a shape may lack, where they are as usual; intervals take them for unknown too.
     """
 
@@ -112,6 +116,8 @@ class Candidate:
     assumed: tuple[str, ...] = ()
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None
+    behind: Callable[[JointData, Sequence[FarSide], Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
+    sought: Mapping[str, tuple[float, float]] = field(default_factory=dict)
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         """Yield the place of each shape, in any order, and its columns, shape (n, p)."""

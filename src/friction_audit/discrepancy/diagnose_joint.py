@@ -203,8 +203,6 @@ def _without_disproved(
         library = without(library, name)
     searched = search_library(ground, library, earlier)
     again = find_names(ground, candidates, library, settings.alpha, rng, searched)
-    if {f.candidate.name for f in again.found} <= {f.candidate.name for f in names.found}:
-        return names
     both = ([f.columns for f in one.found] for one in (names, again))
     worth_of_all = len(ground.y) / ground.memory(*(f.columns for f in again.found))
     first, second = (

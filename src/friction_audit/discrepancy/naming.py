@@ -8,7 +8,6 @@ import numpy as np
 from friction_audit.discrepancy.alternatives import (
     ALIKE,
     Naming,
-    Rival,
     best_shapes,
     name_effects,
     preferred,
@@ -27,22 +26,12 @@ from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.refine import refine
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.search import Search, result_of, search
-from friction_audit.discrepancy.valleys import lowest_valley
+from friction_audit.discrepancy.sharpen import columns_of, sharpened
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
 """Of search and counting what the rows are worth; the memory of the residual shrinks as effects are found."""
 SETTLED = 0.05
-NEAR, HALF = 60.0, 0.5
-"""Difference in BIC up to which a rival may win once its shape is as good as that of what was found: so much, or so
-much of all that speaks for what was found."""
-FAR = 0.75
-"""The same share for a rival whose misfit has many valleys, narrower than the steps of any grid: the best width of a
-play lies between its points, and where flanks strike out of time most of what it explains is lost."""
-MOST_RIVALS = 2
-NEARLY = 10.0
-"""What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
-MOST_NEARLY = 2
 LEAST_SHARE = 0.2
 """An effect that is smaller than this share of a larger one may be what that one's formula does not get right: not of
 an offset, which is right or not there."""
@@ -55,8 +44,6 @@ of a link that is wrong, which its first moments lack, come to a twentieth of it
 
 Searched = tuple[CrossProducts, Search, float]
 """Products of a library, what a search took of it, and what the rows are worth."""
-Sharper = tuple[str, Shape, Float]
-"""Name of a candidate, a refined shape of it, and its columns on the rows, shape (m, p)."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -121,17 +108,19 @@ def find_names(
         rejected: Whether the test of whether anything is missing says so; if not, a name must be plain by itself.
     """
     library, (products, outcome, n_eff) = _plainly(ground, library, searched or search_library(ground, library))
-    baseline = ground.baseline(*_columns(library, outcome))
+    baseline = ground.baseline(*columns_of(library, outcome))
     library = rebuild_library(library, ground.data, baseline, ground.rows)
-    library = extend_library(library, _sharpened(ground, library, outcome, products, n_eff))
-    library = with_scanned_orders(ground, library, *_columns(library, outcome)) if outcome.chosen else library
+    sharper = tuple(sharpened(ground, library, outcome, products, n_eff))
+    library = extend_library(library, ((one.name, one.shape, one.columns) for one in sharper))
+    jointly = [(one.shape, one.baseline) for one in sharper if one.baseline is not None]
+    library = with_scanned_orders(ground, library, *columns_of(library, outcome)) if outcome.chosen else library
     library, (products, outcome, n_eff) = _plainly(ground, library, search_library(ground, library, products))
     everything, worth_of_all = _on_all_cycles(ground, library, products, outcome, n_eff)
     outcome = preferred(everything, outcome, worth_of_all)
-    baseline = ground.baseline(*_columns(library, outcome))
+    baseline = _fitted_with(library, outcome, jointly) or ground.baseline(*columns_of(library, outcome))
     same = {candidate.name: candidate.same_as for candidate in candidates}
     namings = name_effects(everything, outcome, worth_of_all, same)
-    found = _refined(ground, library, outcome, namings, baseline)
+    found = _refined(ground, library, outcome, namings, baseline, jointly)
     ranking = Ranking(everything, worth_of_all)
     within = dict(_within(library, ranking, outcome, namings, same))
     price = {chosen.name: float(ranking.penalty[chosen.unit]) for chosen in outcome.chosen}
@@ -141,6 +130,12 @@ def find_names(
     part_of = {candidate.name: candidate.part_of for candidate in candidates}
     told = _with_wholes(_named_anew(accepted, outcome, ranking, same), part_of)
     return Names(found=told, library=library, baseline=baseline, disproved=disproved)
+
+
+def _fitted_with(library: Library, outcome: Search, jointly: Sequence[tuple[Shape, Baseline]]) -> Baseline | None:
+    """The declared model that one of the effects found was fitted with; None if none was."""
+    shapes = [library.entry(chosen.name).shapes[chosen.shape] for chosen in outcome.chosen]
+    return next((baseline for own, baseline in jointly if any(own is shape for shape in shapes)), None)
 
 
 def _named_anew(
@@ -226,7 +221,7 @@ def search_library(ground: Ground, library: Library, earlier: CrossProducts | No
     n_eff = worth(ground)
     outcome = search(products, n_eff)
     for _ in range(MOST_ROUNDS):
-        better = worth(ground, *_columns(library, outcome))
+        better = worth(ground, *columns_of(library, outcome))
         if abs(better - n_eff) < SETTLED * n_eff:
             break
         n_eff = better
@@ -259,7 +254,7 @@ def _on_all_cycles(
     gram, scale = np.zeros_like(products.gram), np.ones_like(products.scale)
     few.fill(range(len(few.units)))
     gram[np.ix_(place, place)], scale[place] = few.gram, few.scale
-    worth_of_all = len(ground.y) / ground.memory(*_columns(library, outcome))
+    worth_of_all = len(ground.y) / ground.memory(*columns_of(library, outcome))
     return replace(products, gram=gram, filled=np.ones(len(gram), bool), kept=None, scale=scale), worth_of_all
 
 
@@ -309,64 +304,25 @@ def free_numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
     return tuple(sum(len(values[name]) > 1 for name in shape) for shape in shapes)
 
 
-def _columns(library: Library, outcome: Search) -> list[Float]:
-    return [library.entry(chosen.name).group.shapes[chosen.shape] for chosen in outcome.chosen]
-
-
-def _sharpened(
-    ground: Ground, library: Library, outcome: Search, products: CrossProducts, n_eff: float
-) -> Iterator[Sharper]:
-    """Refined shapes of the effects found, of rivals that come near them and of what nearly came in, with columns."""
-    columns = _columns(library, outcome)
-    ranking = Ranking(products, n_eff)
-    alone = dict(ranking.nearly([], np.inf))
-    for k, (chosen, naming) in enumerate(zip(outcome.chosen, name_effects(products, outcome, n_eff, {}), strict=True)):
-        others = [*columns[:k], *columns[k + 1 :]]
-        near = [r for r in naming.rivals if r.delta_bic < max(NEAR, HALF * chosen.score)][:MOST_RIVALS]
-        for name, at in ((chosen.name, chosen.shape), *((rival.name, rival.shape) for rival in near)):
-            yield from _sharper(ground, library, name, at, others)
-        for rival in naming.rivals:
-            if library.entry(rival.name).candidate.rugged and rival.delta_bic < FAR * chosen.score:
-                yield _in_its_valley(ground, library, rival, others)
-        if others and chosen.name in alone:
-            # Beside companions that only mend its coarse shape it would never become sharp enough to need none.
-            yield from _sharper(ground, library, chosen.name, alone[chosen.name], [])
-    for name, at in ranking.nearly([chosen.unit for chosen in outcome.chosen], NEARLY)[:MOST_NEARLY]:
-        yield from _sharper(ground, library, name, at, columns)
-
-
-def _in_its_valley(ground: Ground, library: Library, rival: Rival, others: Sequence[Float]) -> Sharper:
-    """A rugged rival with the number that leaves least near that of the grid."""
-    entry = library.entry(rival.name)
-    beside = np.hstack([np.zeros((len(ground.y), 0)), *others])
-    shape, columns = entry.shapes[rival.shape], entry.columns[rival.shape]
-    return rival.name, *lowest_valley(entry.candidate, shape, columns, ground, beside)
-
-
-def _sharper(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:
-    """One shape of the grid refined beside other effects, with its columns; nothing where the grid has the best.
-
-    What leans on the declared model leans on it as fitted beside this very effect: beside a rival that stands in for
-    it, inertia and friction are wrong.
-    """
-    entry = library.entry(name)
-    baseline = ground.baseline(*others, entry.columns[at])
-    base = np.hstack([ground.base, *others])
-    shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
-    if shape != entry.shapes[at] or entry.candidate.leans_on_model:
-        yield name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
-
-
 def _refined(
-    ground: Ground, library: Library, outcome: Search, namings: Sequence[Naming], baseline: Baseline
+    ground: Ground,
+    library: Library,
+    outcome: Search,
+    namings: Sequence[Naming],
+    baseline: Baseline,
+    jointly: Sequence[tuple[Shape, Baseline]],
 ) -> list[Found]:
-    """The effects found, their shapes refined one after the other, the strongest first."""
-    columns = _columns(library, outcome)
+    """The effects found, their shapes refined one after the other, the strongest first.
+
+    What was fitted together with the declared model stays: beside others it would make room for them.
+    """
+    columns = columns_of(library, outcome)
     found = []
     for k, (chosen, naming) in enumerate(zip(outcome.chosen, namings, strict=True)):
         entry = library.entry(chosen.name)
-        base = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]])
-        shape = refine(entry.candidate, entry.shapes[chosen.shape], entry.shapes, ground, baseline, base)
+        base, shape = np.hstack([ground.base, *columns[:k], *columns[k + 1 :]]), entry.shapes[chosen.shape]
+        if not any(shape is own for own, _ in jointly):
+            shape = refine(entry.candidate, shape, entry.shapes, ground, baseline, base)
         if entry.candidate.moment:
             shape = _placed(ground, entry, shape, baseline, base)
         columns[k] = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))

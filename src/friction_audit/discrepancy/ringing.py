@@ -67,10 +67,13 @@ def rings(names: Names, events: Sequence[Effect], vibration: Vibration) -> bool:
 
     A spring's lies from its resonance with the far side up to twice that, for a light link on its other end makes it
     higher; that of flanks from where those of the model ring upwards, for the model's are as hard as rows can tell.
+    What lies above the motion that a name goes along is none of it: of the measured side's own ringing it says nothing.
     """
     if any(event.name in RINGING for event in events):
         return True
     for f in names.found:
+        if vibration.low_hz >= f.shape.get("motion_below_hz", np.inf):
+            return True
         if f.candidate.name == ELASTICITY.name:
             lowest = _resonance(names, f.shape["spring_nm_per_rad"] / f.shape.get("far_share", 1.0))
             if vibration.high_hz >= lowest and vibration.low_hz <= HIGHER * lowest:

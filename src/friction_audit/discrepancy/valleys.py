@@ -12,13 +12,10 @@ import numpy as np
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.joint_log import Float
 
 FARTHEST = 1.8
 """Values are tried from so many times less to so many times more than the one that was found."""
 VALUES = 21
-TURNS = 3
-"""Of the width and of the declared model, which an effect that is a little off makes a little wrong."""
 
 Valleys = dict[float, tuple[float, Shape]]
 """What is left of the rows' squares by the best shape with each value of a number, and that shape."""
@@ -51,31 +48,3 @@ def valleys(
         if one[name] not in best or misfit < best[one[name]][0]:
             best[one[name]] = misfit, one
     return best
-
-
-def lowest_valley(
-    candidate: Candidate, shape: Shape, columns: Float, ground: Ground, others: Float
-) -> tuple[Shape, Float]:
-    """The shape with the value, near its own, that leaves least on the working rows, and its columns.
-
-    Itself if none leaves less.
-
-    Args:
-        candidate: The effect.
-        shape: One of its shapes.
-        columns: Those of this shape on the rows, shape (m, p).
-        ground: The joint.
-        others: All other effects in the model, shape (m, e).
-    """
-    working = ground.keep(ground.working)
-    beside = Beside(np.hstack([working.base, others[ground.working]]), working.y)
-    least, best = beside.fit(columns[ground.working])[1], shape
-    for _ in range(TURNS):
-        baseline = ground.baseline(others, columns)
-        found = valleys(candidate, best, around(best[candidate.rugged]), working, baseline, beside)
-        left, lowest = min(found.values(), key=lambda one: one[0])
-        if left >= least:
-            break
-        least, best = left, lowest
-        columns = ground.rows.of(candidate.columns(ground.data, baseline, best))
-    return best, columns

@@ -84,10 +84,9 @@ def far_side(motion: Motion) -> FarSide:
         AnalysisError: If the motion says nothing of the simple model's torque.
     """
     every = max(len(motion.t) // MANY_SAMPLES, 1)
-    dq, torque = motion.dq[::every], simple_torque(motion)[::every]
-    columns = np.stack([motion.ddq[::every], np.sign(dq), dq])
+    columns = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
     gram = np.linalg.pinv(columns @ columns.T, rcond=1e-12, hermitian=True)
-    numbers = np.maximum(gram @ (columns @ torque), 0.0).tolist()
+    numbers = np.maximum(gram @ (columns @ simple_torque(motion)[::every]), 0.0).tolist()
     return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
 
 
@@ -119,26 +118,30 @@ def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usu
 
 def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
     """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
-    ((_, added),) = added_torques(motion, far, [transmission])
+    ((_, added),) = added_torques(motion, [far], [transmission])
     return added
 
 
-def added_torques(motion: Motion, far: FarSide, links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for many transmissions: the place of each, in any order, and what it adds, shape (n,). [N m]
+def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for pairs of a far side and a transmission: place in any order, and what it adds, shape (n,).
 
-    A far side without inertia is as heavy as it must be for its ringing to be followed.
+    A far side without inertia is as heavy as it must be for its ringing to be followed. [N m]
     """
-    if far.inertia_kg_m2 == 0.0:
-        yield from ((place, np.zeros(len(motion.t))) for place in range(len(links)))
-        return
+    there = [place for place, own in enumerate(far) if own.inertia_kg_m2 != 0.0]
+    yield from ((place, np.zeros(len(motion.t))) for place in sorted({*range(len(far))} - {*there}))
+    parts = [part_of(far[place], links[place].far_share) for place in there]
+    heavy = [slow_enough(part, links[place].stiffness_nm_per_rad) for part, place in zip(parts, there, strict=True)]
+    last, rigid = None, np.zeros(0)  # neighbours often have the same
+    for k, torque in _all_transmitted(motion, heavy, [links[place] for place in there]):
+        if heavy[k] != last:
+            last, rigid = heavy[k], rigid_torque(motion, heavy[k])
+        yield there[k], np.subtract(torque, rigid, out=torque)
+
+
+def rigid_torque(motion: Motion, far: FarSide) -> Float:
+    """Return the torque that moves a far side which moves as the measured one, shape (n,). [N m]"""
     friction = far.coulomb_nm * motion.direction + far.viscous_nms_per_rad * motion.dq
-    heavy = [slow_enough(part_of(far, link.far_share), link.stiffness_nm_per_rad) for link in links]
-    rigid: dict[float, Float] = {}  # of the last inertia, for neighbours often have the same
-    for place, torque in _all_transmitted(motion, heavy, links):
-        inertia = heavy[place].inertia_kg_m2
-        if inertia not in rigid:
-            rigid = {inertia: inertia * motion.ddq + friction}
-        yield place, np.subtract(torque, rigid[inertia], out=torque)
+    return np.asarray(far.inertia_kg_m2 * motion.ddq + friction)
 
 
 def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:

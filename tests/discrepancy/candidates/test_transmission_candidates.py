@@ -76,10 +76,12 @@ def test_a_spring_is_an_elasticity() -> None:
 
 
 def test_a_dead_zone_is_a_backlash() -> None:
-    torque = far_side_torque(1e4, 20.0, 2e-3)
-    own = share_seen(backlash.CANDIDATE, torque)
-    assert own > 0.85
-    assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < own - 0.3
+    """Of one width the grid has more than of another: flanks that strike a moment late ring out of step."""
+    torques = [far_side_torque(1e4, 20.0, half_gap) for half_gap in (1e-3, 2e-3, 2.5e-3)]
+    own = [share_seen(backlash.CANDIDATE, torque) for torque in torques]
+    assert np.median(own) > 0.9
+    for share, torque in zip(own, torques, strict=True):
+        assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < share - 0.3
 
 
 @pytest.mark.parametrize(

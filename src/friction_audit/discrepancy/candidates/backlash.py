@@ -4,13 +4,14 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, values_of
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, along_motions
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, by_motion, motion_below
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
-from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM
+from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM, plays
+from friction_audit.model.transmission import MANY_SAMPLES, FarSide
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
 """Widths of the play as shares of the span of the motion: close to each other: they set when the flanks strike."""
@@ -19,7 +20,8 @@ CONTACTS_HZ = (22.0, 50.0)
 FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
 """Flanks from which half of the speed bounces, and dead ones. What bounces strikes again at moments that noise of the
 position shifts, and each one shifts the next."""
-PROFILED_CONTACTS_HZ = np.geomspace(15.0, 75.0, 11)
+SOUGHT_CONTACTS_HZ, SOUGHT_DAMPINGS = (15.0, 75.0), (0.1, 0.7)
+PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FAR_SHARES = (0.8, 0.6)
 """Of the inertia that is behind the play, where a rotor before it moves with the measured side, and its torque is
@@ -59,8 +61,26 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
-    """The same for many plays."""
-    yield from along_motions(data, baseline, shapes, TERM)
+    """The same for many plays; friction that would push counts as none."""
+    far = FarSide(
+        inertia_kg_m2=max(baseline.inertia_kg_m2, 0.0),
+        coulomb_nm=max(baseline.coulomb_nm, 0.0),
+        viscous_nms_per_rad=max(baseline.viscous_nms_per_rad, 0.0),
+    )
+    yield from struck(data, [far] * len(shapes), shapes)
+
+
+def struck(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    """The same, each play with what is behind it."""
+    numbers = np.array([(own.inertia_kg_m2, own.coulomb_nm, own.viscous_nms_per_rad) for own in far])
+    for below_hz, places in by_motion(shapes).items():
+        motion = data.motion() if below_hz is None else motion_below(data, below_hz)
+        every = max(len(motion.t) // MANY_SAMPLES, 1)
+        simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
+        usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()
+        values = [values_of(TERM, shapes[place]) for place in places]
+        for k, column in plays(motion, [far[place] for place in places], usual, values):
+            yield places[k], column
 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
@@ -99,4 +119,6 @@ CANDIDATE = Candidate(
     rugged="gap_rad",
     beside_rugged=tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ),
     blur=lost_in_flanks,
+    behind=struck,
+    sought={"contact_hz": SOUGHT_CONTACTS_HZ, "flank_damping_ratio": SOUGHT_DAMPINGS},
 )

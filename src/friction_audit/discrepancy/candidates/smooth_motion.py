@@ -58,10 +58,15 @@ def along_motions(
         shapes: Those with ``motion_below_hz`` go along a smooth motion.
         term: What builds them.
     """
-    places: dict[float | None, list[int]] = {}
-    for place, shape in enumerate(shapes):
-        places.setdefault(shape.get("motion_below_hz"), []).append(place)
-    for below_hz, alike in places.items():
+    for below_hz, alike in by_motion(shapes).items():
         values = [values_of(term, shapes[place]) for place in alike]
         for k, column in term.regressors(smooth_motion(data, baseline, below_hz), values):
             yield alike[k], column
+
+
+def by_motion(shapes: Sequence[Shape]) -> dict[float | None, list[int]]:
+    """Places of shapes by the frequency below which their motion lies; None for the motion as measured. [Hz]"""
+    places: dict[float | None, list[int]] = {}
+    for place, shape in enumerate(shapes):
+        places.setdefault(shape.get("motion_below_hz"), []).append(place)
+    return places

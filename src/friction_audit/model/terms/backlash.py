@@ -11,6 +11,7 @@ from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 from friction_audit.model.terms.far_share import FAR_SHARE
 from friction_audit.model.transmission import (
+    FarSide,
     Transmission,
     added_torques,
     far_side,
@@ -33,7 +34,17 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
     """Yield the same for many shapes, behind which is one inertia."""
     far, torque = far_side(motion), simple_torque(motion)
     usual = sqrt(torque @ torque / len(torque))
-    flanks = [flank(part_of(far, shape[-1]).inertia_kg_m2, usual, shape) for shape in shapes]
+    yield from plays(motion, [far] * len(shapes), [usual] * len(shapes), shapes)
+
+
+def plays(
+    motion: Motion, far: Sequence[FarSide], usual_nm: Sequence[float], shapes: Sequence[Sequence[float]]
+) -> Iterator[tuple[int, Float]]:
+    """Yield the same for many shapes, each with what is behind it, and the usual torque of that."""
+    flanks = [
+        flank(part_of(own, shape[-1]).inertia_kg_m2, usual, shape)
+        for own, usual, shape in zip(far, usual_nm, shapes, strict=True)
+    ]
     for place, added in added_torques(motion, far, flanks):
         yield place, added[:, None]
 

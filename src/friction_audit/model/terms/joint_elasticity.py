@@ -29,7 +29,7 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
         Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
         for stiffness, soft, damping_ratio, share in shapes
     ]
-    for place, added in added_torques(motion, far_side(motion), links):
+    for place, added in added_torques(motion, [far_side(motion)] * len(links), links):
         yield place, np.multiply(added, links[place].stiffness_nm_per_rad, out=added)[:, None]
 
 

@@ -1,0 +1,102 @@
+"""Numbers that are looked for at once: those of a play's shape, and inertia and friction of what is behind it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.declared import FRICTION, INERTIA
+from friction_audit.discrepancy.ground import Ground
+from friction_audit.joint_log import Float
+from friction_audit.model.transmission import FarSide
+
+FARTHEST = 1.8
+"""The rugged number is looked for from so many times less to so many times more than it was found."""
+OFF = 1.4
+"""Inertia and Coulomb friction, fitted beside a play that is a little off, are at most so many times too small or too
+large."""
+VISCOUS_SHARE = 0.5
+"""Viscous friction is more than it seems by at most so much of Coulomb friction, at the usual speed; or it is none."""
+BEHIND = (INERTIA, *FRICTION.values())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Sought:
+    """k numbers: logarithms of some of a shape, then those of the declared model that nobody stated.
+
+    Attributes:
+        shape: The shape to begin with, whole.
+        of_shape: Names of its numbers that are looked for.
+        of_model: Names of those of the declared model, in its order.
+        baseline: The declared model to begin with.
+        start: The numbers to begin with, shape (k,).
+        low: The smallest that are allowed.
+        high: The largest.
+    """
+
+    shape: Shape
+    of_shape: tuple[str, ...]
+    of_model: tuple[str, ...]
+    baseline: Baseline
+    start: Float
+    low: Float
+    high: Float
+
+    def shape_at(self, numbers: Float) -> Shape:
+        """The shape with some of k numbers, shape (k,)."""
+        return {**self.shape, **dict(zip(self.of_shape, np.exp(self._split(numbers)[0]).tolist(), strict=True))}
+
+    def model_at(self, numbers: Float) -> Float:
+        """Those of k numbers, shape (k, ...), that are factors of the declared model."""
+        return self._split(numbers)[1]
+
+    def far_side_at(self, numbers: Float) -> FarSide:
+        """What is behind the play, for k numbers, shape (k,)."""
+        known = {name: getattr(self.baseline, name) for name in BEHIND}
+        return FarSide(**known | dict(zip(self.of_model, self.model_at(numbers).tolist(), strict=True)))
+
+    def _split(self, numbers: Float) -> tuple[Float, Float]:
+        return numbers[: len(self.of_shape)], numbers[len(self.of_shape) :]
+
+
+def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline) -> Sought:
+    """Return what is looked for, from a shape and the declared model as fitted beside it.
+
+    Args:
+        candidate: An effect with ``behind``.
+        shape: One of its shapes.
+        ground: The joint.
+        baseline: The declared model.
+    """
+    lacking = () if candidate.term is None else candidate.term.shape
+    whole = {p.name: p.default for p in lacking if p.name in candidate.sought} | dict(shape)
+    rugged = whole[candidate.rugged]
+    ranges = {candidate.rugged: (rugged / FARTHEST, rugged * FARTHEST), **candidate.sought}
+    behind = _ranges(baseline, _usual_speed(ground))
+    of_model = tuple(name for name in ground.declared.names if name in BEHIND)
+    start = [*(np.log(whole[name]) for name in ranges), *(getattr(baseline, name) for name in of_model)]
+    low, high = np.array([*(np.log(ends) for ends in ranges.values()), *(behind[name] for name in of_model)]).T
+    return Sought(
+        shape=whole,
+        of_shape=tuple(ranges),
+        of_model=of_model,
+        baseline=baseline,
+        start=np.clip(np.array(start), low, high),
+        low=low,
+        high=high,
+    )
+
+
+def _ranges(baseline: Baseline, usual_speed_rad_s: float) -> dict[str, tuple[float, float]]:
+    """From where to where each number of what is behind is looked for."""
+    inertia, coulomb = baseline.inertia_kg_m2, max(baseline.coulomb_nm, 0.0)
+    more = VISCOUS_SHARE * coulomb / usual_speed_rad_s
+    return {
+        INERTIA: (inertia / OFF, inertia * OFF),
+        FRICTION["coulomb"]: (coulomb / OFF, coulomb * OFF),
+        FRICTION["viscous"]: (0.0, max(baseline.viscous_nms_per_rad, 0.0) + more),
+    }
+
+
+def _usual_speed(ground: Ground) -> float:
+    return float(np.sqrt(np.mean(ground.data.dq[ground.data.used] ** 2)))
