@@ -87,7 +87,10 @@ def test_the_same_result_gives_the_same_bytes(kind: FigureKind, suffix: str, sin
     assert not re.search(rb"20\d\d-\d\d-\d\dT", first)
 
 
-@KINDS
+@pytest.mark.parametrize(
+    "kind",
+    [pytest.param(kind, id=kind.name, marks=[] if kind.name == "energy" else pytest.mark.thorough) for kind in FIGURES],
+)
 def test_a_picture_is_what_matplotlib_saves_and_leaves_the_figure_as_it_was(kind: FigureKind, seven: Estimate) -> None:
     figure, saved = kind.draw(seven, None), io.BytesIO()
     with figure_style(mathematics=True):
