@@ -1,5 +1,7 @@
 """From where to where a play and what is behind it are looked for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -54,3 +56,11 @@ def test_an_inertia_that_was_stated_is_not_looked_for() -> None:
     assert sought.far_side_at(sought.high).inertia_kg_m2 == 0.25
     assert np.all(sought.low <= sought.start)
     assert np.all(sought.start <= sought.high)
+
+
+def test_numbers_below_zero_count_as_none(ground: Ground) -> None:
+    wrong = replace(ground.baseline(), inertia_kg_m2=-0.1, coulomb_nm=-0.2, viscous_nms_per_rad=-0.3)
+    sought = seek(BACKLASH, SHAPE, ground, wrong)
+    assert np.all(sought.low <= sought.start)
+    assert np.all(sought.start <= sought.high)
+    assert sought.far_side_at(sought.low) == FarSide(inertia_kg_m2=0.0, coulomb_nm=0.0, viscous_nms_per_rad=0.0)

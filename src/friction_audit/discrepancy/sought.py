@@ -89,7 +89,8 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline)
 
 def _ranges(baseline: Baseline, usual_speed_rad_s: float) -> dict[str, tuple[float, float]]:
     """From where to where each number of what is behind is looked for."""
-    inertia, coulomb = baseline.inertia_kg_m2, max(baseline.coulomb_nm, 0.0)
+    # A fit beside what is wrong may give numbers below zero.
+    inertia, coulomb = max(baseline.inertia_kg_m2, 0.0), max(baseline.coulomb_nm, 0.0)
     more = VISCOUS_SHARE * coulomb / usual_speed_rad_s
     return {
         INERTIA: (inertia / OFF, inertia * OFF),
