@@ -3,7 +3,7 @@
 import gc
 import os
 from collections.abc import Iterator
-from functools import cache, partial
+from functools import cache
 from typing import TYPE_CHECKING
 
 import pytest
@@ -104,7 +104,6 @@ def sketched(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
     """Make figures and do not paint them, unless asked to be thorough: see ``sketches.py``."""
     if not request.config.getoption("thorough"):
         monkeypatch.setattr("matplotlib.figure.Figure.savefig", sketch)
-        monkeypatch.setattr("friction_audit.report.figures.save._paint", partial(sketch, format="png"))
 
 
 @pytest.fixture(scope="session")

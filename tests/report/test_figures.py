@@ -1,6 +1,5 @@
 """Every figure draws; what it draws is what the numbers say."""
 
-import io
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -20,8 +19,8 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.report.figures import FIGURES, FigureKind, coefficients, energy, save_figure, velocity_torque
 from friction_audit.report.figures.energy import dissipated_stairs, net_energy
 from friction_audit.report.figures.joint_series import joint_series
-from friction_audit.report.figures.save import FORMATS, figure_bytes
-from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN, figure_style
+from friction_audit.report.figures.save import FORMATS
+from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
 from friction_audit.report.figures.velocity_torque import (
     centre_nm,
     filtered_curve,
@@ -85,20 +84,6 @@ def test_the_same_result_gives_the_same_bytes(kind: FigureKind, suffix: str, sin
     assert first == second
     assert len(first) > 1000
     assert not re.search(rb"20\d\d-\d\d-\d\dT", first)
-
-
-@pytest.mark.parametrize(
-    "kind",
-    [pytest.param(kind, id=kind.name, marks=[] if kind.name == "energy" else pytest.mark.thorough) for kind in FIGURES],
-)
-def test_a_picture_is_what_matplotlib_saves_and_leaves_the_figure_as_it_was(kind: FigureKind, seven: Estimate) -> None:
-    figure, saved = kind.draw(seven, None), io.BytesIO()
-    with figure_style(mathematics=True):
-        figure.savefig(saved, format="png", metadata={"Software": None})
-    pdf = figure_bytes(figure, "pdf")
-    again = kind.draw(seven, None)
-    assert figure_bytes(again, "png") == saved.getvalue()
-    assert figure_bytes(again, "pdf") == pdf
 
 
 def test_the_users_own_matplotlib_settings_change_nothing(single: Estimate) -> None:

@@ -37,19 +37,5 @@ def figure_bytes(figure: "Figure", kind: str) -> bytes:
     """
     content = io.BytesIO()
     with figure_style(mathematics=True):  # of axes that draw their numbers only now
-        if kind == "png":
-            _paint(figure, content)
-        else:
-            figure.savefig(content, format=kind, metadata=UNDATED[kind])
+        figure.savefig(content, format=kind, metadata=UNDATED[kind])
     return content.getvalue()
-
-
-def _paint(figure: "Figure", content: io.BytesIO) -> None:
-    """Write what ``savefig`` would, which draws a figure twice: first to lay it out, though drawing does that too."""
-    from matplotlib import rcParams
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-
-    resolution = figure.dpi
-    figure.set_dpi(rcParams["savefig.dpi"])
-    FigureCanvasAgg(figure).print_png(content, metadata=UNDATED["png"])  # type: ignore[no-untyped-call]
-    figure.set_dpi(resolution)
