@@ -7,7 +7,8 @@ import pytest
 
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.ground import Ground, make_ground
-from friction_audit.discrepancy.sought import FARTHEST, OFF, seek
+from friction_audit.discrepancy.sought import OFF, seek
+from friction_audit.discrepancy.valleys import FARTHEST
 from friction_audit.model.joint_model import simple_model
 from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO
 from friction_audit.model.transmission import FarSide

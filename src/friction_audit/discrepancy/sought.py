@@ -7,11 +7,10 @@ import numpy as np
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.declared import FRICTION, INERTIA
 from friction_audit.discrepancy.ground import Ground
+from friction_audit.discrepancy.valleys import FARTHEST
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide
 
-FARTHEST = 1.8
-"""The rugged number is looked for from so many times less to so many times more than it was found."""
 OFF = 1.4
 """Inertia and Coulomb friction, fitted beside a play that is a little off, are at most so many times too small or too
 large."""

@@ -123,9 +123,9 @@ def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Fl
 
 
 def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for pairs of a far side and a transmission: place in any order, and what it adds, shape (n,).
+    """Yield the same for pairs of a far side and a transmission: place, in any order, and torque, shape (n,). [N m]
 
-    A far side without inertia is as heavy as it must be for its ringing to be followed. [N m]
+    A far side is at least as heavy as it must be for its ringing to be followed; one without any inertia adds nothing.
     """
     there = [place for place, own in enumerate(far) if own.inertia_kg_m2 != 0.0]
     yield from ((place, np.zeros(len(motion.t))) for place in sorted({*range(len(far))} - {*there}))

@@ -1,6 +1,7 @@
 """Delay, elasticity, backlash and lag by hand: each explained by its own candidate, by no other as well."""
 
 from dataclasses import replace
+from math import pi, sqrt
 
 import numpy as np
 import pytest
@@ -77,10 +78,15 @@ def test_a_spring_is_an_elasticity() -> None:
 
 def test_a_dead_zone_is_a_backlash() -> None:
     """Of one width the grid has more than of another: flanks that strike a moment late ring out of step."""
-    torques = [far_side_torque(1e4, 20.0, half_gap) for half_gap in (1e-3, 2e-3, 2.5e-3)]
+    widths = (2e-3, 4e-3, 5e-3)
+    torques = [far_side_torque(1e4, 20.0, 0.5 * width) for width in widths]
     own = [share_seen(backlash.CANDIDATE, torque) for torque in torques]
     assert np.median(own) > 0.9
-    for share, torque in zip(own, torques, strict=True):
+    rate = sqrt(1e4 / BASE.inertia_kg_m2)
+    flanks = {"contact_hz": rate / (2.0 * pi), "flank_damping_ratio": 20.0 / (2.0 * BASE.inertia_kg_m2 * rate)}
+    for width, share, torque in zip(widths, own, torques, strict=True):
+        truth = replace(backlash.CANDIDATE, shapes=({"gap_rad": width, **flanks},))
+        assert share_seen(truth, torque) > max(share, 0.94)
         assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < share - 0.3
 
 

@@ -21,6 +21,7 @@ FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
 """Flanks from which half of the speed bounces, and dead ones. What bounces strikes again at moments that noise of the
 position shifts, and each one shifts the next."""
 SOUGHT_CONTACTS_HZ, SOUGHT_DAMPINGS = (15.0, 75.0), (0.1, 0.7)
+"""Of flanks that are fitted together with what is behind them: softer ones are a spring, harder ones look alike."""
 PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FAR_SHARES = (0.8, 0.6)
