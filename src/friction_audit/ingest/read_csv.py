@@ -182,13 +182,21 @@ def _without_cut_line(
 
 
 def _check_widths(path: Path, dialect: Dialect, block: bytes, line: int) -> None:
-    """Every line has the same number of fields; a count of separators proves it, lines are looked at if it fails."""
+    """Every line has the same number of fields; a count of separators proves it, lines are looked at if it fails.
+
+    A carriage return within a line would end it for the parser, and leave the count of separators as it is.
+    """
     codes = np.frombuffer(block, dtype=np.uint8)
-    if dialect.separator != " ":
+    if dialect.separator != " " and block.count(b"\r") == block.count(b"\r\n"):
         separators = np.count_nonzero(codes == ord(dialect.separator))
         if separators == (dialect.width - 1) * np.count_nonzero(codes == ord("\n")):
             return
     for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
+        if "\r" in raw.strip("\r"):
+            raise InputError(
+                f"{path}: line {number} has a carriage return within it; expected one at its end or none; "
+                "repair or remove the line"
+            )
         fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
         if fields and len(fields) != dialect.width:
             raise InputError(
