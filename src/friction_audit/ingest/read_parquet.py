@@ -66,7 +66,7 @@ def read_parquet(path: Path, options: ReadOptions) -> Recording:
             if labels:
                 _refuse_moving_joints(file, path, told)
             return _read_wide(file, path, cells, columns, is_named=bool(labels))
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: a damaged or unfinished Parquet file: {error}; its index is at its end, so nothing can be "
             "salvaged; copy or record it again"
@@ -372,7 +372,7 @@ def _tables(path: Path) -> tuple[Topic, ...]:
     try:
         with _open(path) as file:
             rows, columns = file.metadata.num_rows, file.metadata.num_columns
-    except (pa.ArrowException, OSError) as error:
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: a damaged or unfinished Parquet file: {error}; copy or record it again") from error
     return (Topic(name=path.name, type=f"table of {columns} columns", messages=rows, readable=True),)
 

@@ -31,6 +31,8 @@ _PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock
 _SECONDS = re.compile(r"(?P<stem>.*stamp)[._/]secs?", re.IGNORECASE)
 _EPOCH_S = (1.1e9, 4.1e9)
 """Unix time between the years 2004 and 2099. [s]"""
+_LONGEST_S = 1e10
+"""Three centuries: from no stamp to the last one in nanoseconds."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -94,7 +96,7 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
     """Return seconds since the first sample; integers are subtracted before they lose digits.
 
     Raises:
-        InputError: If the unit is not stated and the steps do not tell it.
+        InputError: If the unit is not stated and the steps do not tell it, or a stamp is centuries off.
     """
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
@@ -107,8 +109,20 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
     found = unit or _unit_from_values(float(origin), elapsed, path)
     if UNITS[found] != 1.0:
         elapsed /= UNITS[found]
+    _refuse_centuries(elapsed, path)
     start_s = float(origin) / UNITS[found]
     return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
+
+
+def _refuse_centuries(elapsed_s: Float, path: str) -> None:
+    """Refuse stamps that no clock shows, before their squares overflow."""
+    far = max(-np.nanmin(elapsed_s), np.nanmax(elapsed_s))
+    if _LONGEST_S < far < np.inf:
+        row = int(np.nanargmax(np.abs(elapsed_s)))
+        raise InputError(
+            f"{path}: the stamp of row {row + 1} is {elapsed_s[row]:.3g} s from the first one; expected the seconds of "
+            "one recording; remove the row, or name another clock with --map t=<column>"
+        )
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
