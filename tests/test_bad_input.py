@@ -338,7 +338,10 @@ TEXTS = {
     "word": (b"time,q_1,dq_1,tau_J_1\n0,0,x,0\n1,0,0,0\n", r"line 2, column dq_1: 'x' is not a number"),
     "narrow line": (b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1,0\n2,0,0,0\n", r"line 3 has 2 fields; expected 4"),
     "carriage return": (b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1,0\r1,0,0\n2,0,0,0\n", r"line 3 has a carriage return with"),
-    "centuries": (b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1e-3,0,0,0\n9e99,0,0,0\n", r"row 3 is 9e\+\d+ s from the first one"),
+    "centuries": (
+        b"time,q_1,dq_1,tau_J_1\n0,0,0,0\n1e-3,0,0,0\n9e99,0,0,0\n",
+        r"row 3 is 9e\+\d+ s from the first one",
+    ),
     "no time": (b"time,q_1,dq_1,tau_J_1\nnan,0,0,0\nnan,0,0,0\n", r"time holds no number in all 2 rows"),
     "joint missing": (
         b"time,q_1,q_2,dq_1,tau_J_1\n0,0,0,0,0\n1,0,0,0,0\n",

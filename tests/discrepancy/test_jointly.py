@@ -1,10 +1,11 @@
-"""A play whose width, flanks, friction and inertia are all a little wrong is found at once, not by turns."""
+"""A play or a spring whose numbers, friction and inertia are all a little wrong is found at once, not by turns."""
 
 import numpy as np
 import pytest
 
 from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
+from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.candidates.stribeck import CANDIDATE as STRIBECK
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
@@ -15,11 +16,17 @@ from tests.discrepancy.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS
 
 FAR = FarSide(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
 GAP_RAD, OFFSET_NM = 8e-3, 0.1
+STIFFNESS_NM_PER_RAD, SOFT_NM = 800.0, 1.0
 FLANKS = Transmission(stiffness_nm_per_rad=12e3, damping_ratio=0.15, gap_rad=GAP_RAD)
 
 
 def play_and_offset(data: JointData) -> Float:
     return added_torque(data.motion(), FAR, FLANKS) + OFFSET_NM
+
+
+def soft_gear(data: JointData) -> Float:
+    spring = Transmission(stiffness_nm_per_rad=STIFFNESS_NM_PER_RAD, damping_ratio=0.04, soft_nm=SOFT_NM)
+    return added_torque(data.motion(), FAR, spring)
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +55,26 @@ def test_width_friction_and_inertia_are_found_beside_an_offset(ground: Ground, b
     assert found.baseline.coulomb_nm == pytest.approx(COULOMB_NM, rel=0.02)
     assert found.baseline.viscous_nms_per_rad == pytest.approx(VISCOUS_NMS_PER_RAD, rel=0.1)
     assert left_by(ground, found.columns) < 0.1 * left_by(ground, own)
+
+
+@pytest.fixture(scope="module")
+def soft_ground() -> Ground:
+    return make_ground(moved_joint(soft_gear, noise_nm=0.02, duration_s=30.0), None, 0)
+
+
+@pytest.mark.parametrize("begin", [0.8, 1.25])
+def test_stiffness_stiffening_friction_and_inertia_are_found(soft_ground: Ground, begin: float) -> None:
+    shape = {"spring_nm_per_rad": begin * STIFFNESS_NM_PER_RAD, "soft_nm": 0.4}
+    nothing = np.zeros((len(soft_ground.y), 0))
+    own = soft_ground.rows.of(ELASTICITY.columns(soft_ground.data, soft_ground.baseline(), shape))
+    found = fit_jointly(ELASTICITY, shape, own, soft_ground, nothing)
+    assert found is not None
+    assert found.shape["spring_nm_per_rad"] == pytest.approx(STIFFNESS_NM_PER_RAD, rel=0.05)
+    assert found.shape["soft_nm"] == pytest.approx(SOFT_NM, rel=0.2)
+    assert found.baseline.inertia_kg_m2 == pytest.approx(INERTIA_KG_M2, rel=0.02)
+    w = soft_ground.working
+    (compliance,), _ = Beside(soft_ground.base[w], soft_ground.y[w]).fit(found.columns[w])
+    assert compliance == pytest.approx(1.0 / STIFFNESS_NM_PER_RAD, rel=0.05)
 
 
 def test_columns_are_those_of_the_shape_and_the_declared_model_that_are_told(ground: Ground) -> None:

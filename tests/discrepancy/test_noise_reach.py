@@ -26,7 +26,7 @@ def spring(data: JointData) -> Float:
 
 def reach(data: JointData) -> Reach:
     ground = make_ground(data, None, 0)
-    shape = {"spring_nm_per_rad": STIFFNESS, "soft_nm": 1e-3}
+    shape = {"spring_nm_per_rad": STIFFNESS}
     found = Found(
         candidate=CANDIDATE,
         shape=shape,

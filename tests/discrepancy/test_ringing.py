@@ -77,7 +77,7 @@ def test_a_play_that_the_rows_tell_is_not_given_up_for_a_spring_that_rings_above
 
 def test_a_spring_of_the_rows_that_does_not_ring_so_gives_way() -> None:
     ground, nothing = joint("spring")
-    told = found(ELASTICITY, ground, {"spring_nm_per_rad": 4.0 * STIFFNESS_NM_PER_RAD, "soft_nm": 0.0})
+    told = found(ELASTICITY, ground, {"spring_nm_per_rad": 4.0 * STIFFNESS_NM_PER_RAD})
     ringing = find_ringing(ground, told, 0.05, np.random.default_rng(0))
     assert ringing is not None
     assert ringing.names.found == nothing.found

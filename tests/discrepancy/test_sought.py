@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
+from friction_audit.discrepancy.candidates.backlash import SOUGHT_CONTACTS_HZ, SOUGHT_TIMES
+from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.sought import OFF, seek
-from friction_audit.discrepancy.valleys import FARTHEST
 from friction_audit.model.joint_model import simple_model
 from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO
 from friction_audit.model.transmission import FarSide
@@ -35,8 +36,8 @@ def test_it_begins_with_the_shape_and_the_declared_model(ground: Ground) -> None
 def test_widths_and_friction_lie_on_both_sides_and_viscous_friction_may_be_none(ground: Ground) -> None:
     sought = seek(BACKLASH, SHAPE, ground, ground.baseline())
     low, high = sought.shape_at(sought.low), sought.shape_at(sought.high)
-    assert (low["gap_rad"], high["gap_rad"]) == pytest.approx((1e-3 / FARTHEST, 1e-3 * FARTHEST))
-    assert (low["contact_hz"], high["contact_hz"]) == pytest.approx(BACKLASH.sought["contact_hz"])
+    assert (low["gap_rad"], high["gap_rad"]) == pytest.approx((1e-3 / SOUGHT_TIMES, 1e-3 * SOUGHT_TIMES))
+    assert (low["contact_hz"], high["contact_hz"]) == pytest.approx(SOUGHT_CONTACTS_HZ)
     coulomb, viscous = sought.of_model.index("coulomb_nm"), sought.of_model.index("viscous_nms_per_rad")
     assert sought.model_at(sought.low)[coulomb] == pytest.approx(COULOMB_NM / OFF, rel=1e-3)
     assert sought.model_at(sought.high)[coulomb] == pytest.approx(COULOMB_NM * OFF, rel=1e-3)
@@ -47,6 +48,15 @@ def test_widths_and_friction_lie_on_both_sides_and_viscous_friction_may_be_none(
 def test_a_shape_of_which_less_is_behind_keeps_that(ground: Ground) -> None:
     sought = seek(BACKLASH, {**SHAPE, "far_share": 0.8}, ground, ground.baseline())
     assert sought.shape_at(sought.high)["far_share"] == 0.8
+
+
+def test_a_spring_is_looked_for_as_stiff_as_it_was_found_soft_at_first_or_not(ground: Ground) -> None:
+    straight = seek(ELASTICITY, {"spring_nm_per_rad": 500.0}, ground, ground.baseline())
+    assert straight.of_shape == ("spring_nm_per_rad", "damping_ratio")
+    assert straight.shape_at(0.5 * (straight.low + straight.high))["spring_nm_per_rad"] == pytest.approx(500.0)
+    soft = seek(ELASTICITY, {"spring_nm_per_rad": 500.0, "soft_nm": 1e-9}, ground, ground.baseline())
+    assert soft.of_shape == ("spring_nm_per_rad", "damping_ratio", "soft_nm")
+    assert soft.shape_at(soft.low)["soft_nm"] == pytest.approx(soft.shape_at(soft.start)["soft_nm"])
 
 
 def test_an_inertia_that_was_stated_is_not_looked_for() -> None:

@@ -147,15 +147,32 @@ def test_a_spring_puts_the_measured_side_ahead(monkeypatch: pytest.MonkeyPatch) 
     assert np.abs(plain - seen.dq).max() > 5e-3
 
 
-def test_a_spring_that_stiffens_twists_twice_as_far_at_first() -> None:
-    """Compliance 2 mrad per N m above 0.2 N m: at 0.1 N m 0.4 mrad, at 0.9 N m 2.2 mrad."""
+def test_noise_of_the_torque_does_not_shake_a_soft_spring() -> None:
+    """0.02 N m on 10 mrad per N m, from one sample to the next: unsmoothed, its rate alone would be a tenth of a rad/s."""
     t = clock(3.0)
     drive = 0.9 * np.sin(4.0 * t)
     rigid = simulate(joint_with(), t, drive)
-    ahead = np.sign(drive) * np.interp(np.abs(drive), [0.0, 0.2, 0.9], [0.0, 0.8e-3, 2.2e-3])
+    ahead = 1e-2 * drive
+    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
+    noise = 0.02 * np.random.default_rng(0).standard_normal(len(t))
+    term = FittedTerm("joint_elasticity", (1e-2, 100.0, 0.0, 0.05, 1.0))
+    found = simulate_along(joint_with(term), seen, drive + noise, whole(t))
+    assert found is not None
+    assert np.std(1e-2 * np.gradient(noise, t)) > 0.05
+    assert np.std(found - seen.dq) < 0.01
+
+
+def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
+    """Compliance 2 mrad per N m above 0.6 N m: at 0.25 N m 0.8 mrad, at 0.9 N m 2.2 mrad."""
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    rigid = simulate(joint_with(), t, drive)
+    twist = np.linspace(0.0, 2.4e-3, 1001)
+    torque = np.where(twist < 1.6e-3, 250.0 * twist * (1.0 + twist / 3.2e-3), 500.0 * twist - 0.2)
+    ahead = np.sign(drive) * np.interp(np.abs(drive), torque, twist)
     seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
     found = simulate_along(
-        joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.2, 0.0, 1.0))), seen, drive, whole(t)
+        joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))), seen, drive, whole(t)
     )
     assert found == pytest.approx(seen.dq, abs=2e-3)
 

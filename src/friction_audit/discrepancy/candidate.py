@@ -1,7 +1,7 @@
 """What a candidate is: an effect that may be missing in a model, by the columns that it adds to a regression."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -41,6 +41,14 @@ def _itself(_data: JointData, _shape: Shape) -> str:
 
 def _sharp(_baseline: Baseline, _shape: Shape) -> float:
     return 0.0
+
+
+def _none(_shape: Shape) -> tuple[Shape, ...]:
+    return ()
+
+
+def _nothing(_data: JointData, _shape: Shape) -> Mapping[str, tuple[float, float]]:
+    return {}
 
 
 def _firm(_shape: Shape) -> Mapping[str, tuple[float, float]]:
@@ -84,9 +92,12 @@ class Candidate:
         fading: Name of the number of its shape that is a time constant; empty without one.
         noisy: Name of the number of its shape that noise of the motion moves; empty without one.
         along_noise: Names of the numbers, above zero, that noise moves with it.
-        behind: ``behind(data, far, shapes)``: the same for many shapes, each with what is behind it, of an effect that
-            hands on the torque of inertia and friction, and is fitted together with these; None for all others.
-        sought: From where to where numbers of the shape are looked for with them, by name, beside the rugged one.
+        behind: ``behind(data, far, shapes)``: what many shapes add by themselves, whatever a factor may make of it,
+            each with what is behind it, of an effect that hands on the torque of inertia and friction, and is fitted
+            together with these; None for all others.
+        sought: ``sought(data, shape)``: from where to where numbers of a shape, all above zero, are looked for with
+            them, by name.
+        plainer: ``plainer(shape)``: shapes with fewer numbers that are near one that is fitted so, to be fitted so too.
         assumed: Names of numbers that a shape may lack, where they are as usual; intervals take them for unknown too.
     """
 
@@ -117,7 +128,8 @@ class Candidate:
     together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None
     behind: Callable[[JointData, Sequence[FarSide], Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
-    sought: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    sought: Callable[[JointData, Shape], Mapping[str, tuple[float, float]]] = _nothing
+    plainer: Callable[[Shape], tuple[Shape, ...]] = _none
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         """Yield the place of each shape, in any order, and its columns, shape (n, p)."""

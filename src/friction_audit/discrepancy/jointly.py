@@ -1,10 +1,11 @@
-"""A play together with the declared model's inertia and friction, which are behind it.
+"""A play or a spring together with the declared model's inertia and friction, which are behind it.
 
-When the flanks strike depends on how fast the far side flew, and so on its friction and inertia to a per cent. Fitted
-by turns, the play beside these as they are and these beside the play as it is, neither finds its way: what is wrong
-with the one is taken by the other. So all numbers are looked for at once, and the torque of the declared model is that
-of the very numbers with which the play was computed. The misfit has many valleys along each of them: differential
-evolution (R. Storn, K. Price, Journal of Global Optimization 11 (1997) 341) needs neither a slope nor a single valley.
+When flanks strike and how a spring rings depends on how fast the far side flew, and so on its friction and inertia to a
+per cent. Fitted by turns, the transmission beside these as they are and these beside it as it is, neither finds its
+way: what is wrong with the one is taken by the other. So all numbers are looked for at once, and the torque of the
+declared model is that of the very numbers with which the transmission was computed. The misfit has many valleys along
+each of them: differential evolution (R. Storn, K. Price, Journal of Global Optimization 11 (1997) 341) needs neither a
+slope nor a single valley.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -57,7 +58,7 @@ def fit_jointly(candidate: Candidate, shape: Shape, columns: Float, ground: Grou
         return None
     sought = seek(candidate, shape, ground, ground.baseline(others, columns))
     numbers = _evolved(sought, _misfits(sought, candidate.behind, ground, others))
-    fitted = _fitted(sought, numbers, candidate.behind, ground, others)
+    fitted = _fitted(sought, numbers, candidate, candidate.behind, ground, others)
     w = ground.working
     beside = Beside(np.hstack([ground.base, others])[w], ground.y[w])
     return fitted if beside.fit(fitted.columns[w])[1] < beside.fit(columns[w])[1] else None
@@ -106,16 +107,20 @@ def _misfits(sought: Sought, behind: Behind, ground: Ground, others: Float) -> C
     return misfits
 
 
-def _fitted(sought: Sought, numbers: Float, behind: Behind, ground: Ground, others: Float) -> Fitted:
+def _fitted(
+    sought: Sought, numbers: Float, candidate: Candidate, behind: Behind, ground: Ground, others: Float
+) -> Fitted:
     """What numbers, shape (k,), stand for; other factors of the declared model as they fit best beside it."""
     own, w, shape = _own_columns(sought, ground), ground.working, sought.shape_at(numbers)
     ((_, fine),) = behind(ground.data, [sought.far_side_at(numbers)], [shape])
-    columns, factors = ground.rows.of(fine), np.zeros(len(own))
+    factors = np.zeros(len(own))
     factors[own] = sought.model_at(numbers)
-    rest = ground.y - ground.base @ factors - columns[:, 0]
+    rest = ground.y - ground.base @ factors - ground.rows.of(fine)[:, 0]
     more = np.hstack([ground.base[:, ~own], others])
     factors[~own] = least_squares(more[w], rest[w])[: int((~own).sum())]
-    return Fitted(shape=shape, columns=columns, baseline=ground.declared.baseline(factors))
+    baseline = ground.declared.baseline(factors)
+    columns = ground.rows.of(candidate.columns(ground.data, baseline, shape))
+    return Fitted(shape=shape, columns=columns, baseline=baseline)
 
 
 def _own_columns(sought: Sought, ground: Ground) -> NDArray[np.bool_]:

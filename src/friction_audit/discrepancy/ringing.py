@@ -127,12 +127,10 @@ def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate
     lowest, highest = vibration.low_hz / HIGHER, vibration.high_hz
     every = all_springs(ground.data)
     # Ringing tells how stiff a spring is where it rings, not how it bends.
-    straight = min(shape["soft_nm"] for shape in every)
     springs = [
         shape
         for shape in every
-        if shape["soft_nm"] == straight
-        and not {"damping_ratio", "far_share"} & shape.keys()
+        if not {"soft_nm", "damping_ratio", "far_share"} & shape.keys()
         and lowest <= _resonance(names, shape["spring_nm_per_rad"]) <= highest
     ]
     hard = max(CONTACTS_HZ)

@@ -23,7 +23,7 @@ FAR = 0.75
 """The same share for a rival whose misfit has many valleys, narrower than the steps of any grid: the best width of a
 play lies between its points, and where flanks strike out of time most of what it explains is lost."""
 CROWD = 3
-"""So many effects for one gap: a play may be behind them all, though no width of the grid comes near it."""
+"""So many effects for one gap: a play or a spring may be behind them all, though none of the grid comes near it."""
 MOST_RIVALS = 2
 NEARLY = 10.0
 """What a candidate may lack to come in and still do so once its shape is refined between the points of the grid."""
@@ -85,12 +85,13 @@ def _alone(ground: Ground, library: Library, outcome: Search, ranking: Ranking) 
 
 
 def _jointly(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:
-    """One shape of the grid fitted together with what of the declared model is behind the effect, if any is."""
+    """One shape of the grid, and plainer ones, fitted together with what is behind the effect, if anything is."""
     entry = library.entry(name)
-    beside = np.hstack([np.zeros((len(ground.y), 0)), *others])
-    fitted = fit_jointly(entry.candidate, entry.shapes[at], entry.columns[at], ground, beside)
-    if fitted is not None:
-        yield Sharper(name, fitted.shape, fitted.columns, fitted.baseline)
+    candidate, shape, beside = entry.candidate, entry.shapes[at], np.hstack([np.zeros((len(ground.y), 0)), *others])
+    for one in (shape, *candidate.plainer(shape)):
+        fitted = fit_jointly(candidate, one, entry.columns[at], ground, beside)
+        if fitted is not None:
+            yield Sharper(name, fitted.shape, fitted.columns, fitted.baseline)
 
 
 def _sharper(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:

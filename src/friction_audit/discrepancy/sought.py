@@ -1,4 +1,4 @@
-"""Numbers that are looked for at once: those of a play's shape, and inertia and friction of what is behind it."""
+"""Numbers that are looked for at once: those of a transmission, and inertia and friction of what is behind it."""
 
 from dataclasses import dataclass
 
@@ -7,13 +7,12 @@ import numpy as np
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.declared import FRICTION, INERTIA
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.discrepancy.valleys import FARTHEST
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide
 
 OFF = 1.4
-"""Inertia and Coulomb friction, fitted beside a play that is a little off, are at most so many times too small or too
-large."""
+"""Inertia and Coulomb friction, fitted beside a transmission that is a little off, are at most so many times too small
+or too large."""
 VISCOUS_SHARE = 0.5
 """Viscous friction is more than it seems by at most so much of Coulomb friction, at the usual speed; or it is none."""
 BEHIND = (INERTIA, *FRICTION.values())
@@ -50,7 +49,7 @@ class Sought:
         return self._split(numbers)[1]
 
     def far_side_at(self, numbers: Float) -> FarSide:
-        """What is behind the play, for k numbers, shape (k,)."""
+        """What is behind the transmission, for k numbers, shape (k,)."""
         known = {name: getattr(self.baseline, name) for name in BEHIND}
         return FarSide(**known | dict(zip(self.of_model, self.model_at(numbers).tolist(), strict=True)))
 
@@ -67,13 +66,14 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline)
         ground: The joint.
         baseline: The declared model.
     """
-    lacking = () if candidate.term is None else candidate.term.shape
-    whole = {p.name: p.default for p in lacking if p.name in candidate.sought} | dict(shape)
-    rugged = whole[candidate.rugged]
-    ranges = {candidate.rugged: (rugged / FARTHEST, rugged * FARTHEST), **candidate.sought}
+    ranges, lacking = candidate.sought(ground.data, shape), () if candidate.term is None else candidate.term.shape
+    whole = {p.name: p.default for p in lacking if p.name in ranges} | dict(shape)
     behind = _ranges(baseline, _usual_speed(ground))
     of_model = tuple(name for name in ground.declared.names if name in BEHIND)
-    start = [*(np.log(whole[name]) for name in ranges), *(getattr(baseline, name) for name in of_model)]
+    start = [
+        *(np.log(np.clip(whole[name], *ends)) for name, ends in ranges.items()),
+        *(getattr(baseline, name) for name in of_model),
+    ]
     low, high = np.array([*(np.log(ends) for ends in ranges.values()), *(behind[name] for name in of_model)]).T
     return Sought(
         shape=whole,

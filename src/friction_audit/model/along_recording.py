@@ -14,6 +14,7 @@ recording, behind which the other side is followed.
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,7 @@ from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from friction_audit.model.joint_model import FittedTerm, JointModel
 from friction_audit.model.move import run_pieces
+from friction_audit.model.spring_law import straightened
 from friction_audit.model.tables import Tables, certain, tabulate
 from friction_audit.model.term import Forward, Motion
 from friction_audit.model.transmission import HIGHEST_HZ, Transmission, flank_stiffness
@@ -32,10 +34,13 @@ SETTLED = 1e-3
 """Change of the velocity in a sweep at which it has settled, as a share of the velocity."""
 RUNAWAY = 100.0
 """A velocity of so many times the largest recorded one is no result."""
+SMOOTH_RAD = 0.3
+"""Width of the bell under which the torque that twists a spring is averaged, in radians of the far side's ringing: of
+that 96 % pass. The rate of the twist multiplies noise of the torque by its frequency."""
 LEAST_INERTIA = 1e-3
 """Share of the joint's inertia that terms must leave."""
 SOFT = "soft_nm"
-"""Ending of the name of a spring's parameter: torque up to which it is half as stiff."""
+"""Ending of the name of a spring's parameter: torque up to which it stiffens."""
 BETWEEN = ("delay", "spring", "play")
 """What is between the sensor and the side of friction."""
 
@@ -234,10 +239,17 @@ def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
     if link.half_rad > 0.0:
         theta = follow(motion.q, motion.dq, recording.load, recording.step_s, link, far)[:, 0]
         return np.clip(motion.q - theta, -link.half_rad, link.half_rad)
-    torque = drive + recording.load
-    size = np.abs(torque)
-    twist = np.sign(torque) * np.minimum(2.0 * size, size + link.soft_nm) / link.stiffness_nm_per_rad
+    ringing = sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2)
+    torque = _smoothed(drive + recording.load, SMOOTH_RAD / ringing, recording.step_s)
+    twist = np.array([straightened(one, link.bend_nm) for one in torque]) / link.stiffness_nm_per_rad
     return _lagging(twist, link.damping_nms_per_rad / link.stiffness_nm_per_rad, recording.step_s)
+
+
+def _smoothed(signal: Float, time_s: float, step_s: float) -> Float:
+    """A signal averaged under a bell curve of a width to either side."""
+    from scipy.ndimage import gaussian_filter1d
+
+    return np.asarray(gaussian_filter1d(signal, time_s / step_s, mode="nearest"))
 
 
 def _undelayed(term: FittedTerm, motion: Motion, drive: Float) -> Float:

@@ -126,7 +126,7 @@ class Term:
             - ``bristle``: by a torque that builds up with the path since a reversal.
             - ``delay``: the torque that drives the joint was read late; the basis acts on ``Motion.rest``.
             - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the
-              parameter whose name ends on ``_rad_per_nm``; twice as far up to the one that ends on ``soft_nm``.
+              parameter whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
             - ``play``: the measured side moves within a play, of the full width of the parameter whose name ends on
               ``_rad``, before it takes the side of friction with it.
 

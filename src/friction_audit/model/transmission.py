@@ -16,13 +16,14 @@ far side where it can (V. Acary, B. Brogliato, Numerical methods for nonsmooth d
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import ceil, pi, sqrt
+from math import ceil, copysign, pi, sqrt
 
 import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from friction_audit.model.spring_law import bend_of, pushed, straightened
 from friction_audit.model.term import Motion
 
 PHASE = 0.6
@@ -63,7 +64,7 @@ class Transmission:
         stiffness_nm_per_rad: Stiffness K. [N m/rad]
         damping_ratio: Damping ratio of the far side on the spring.
         gap_rad: Full width of the play. [rad]
-        soft_nm: Torque up to which the spring is half as stiff, as makers of strain-wave gears state it. [N m]
+        soft_nm: Torque up to which the spring stiffens, half as stiff without any (``spring_law``). [N m]
         far_share: Part of the inertia that is behind it; the rest is on the measured side, as a rotor's, and moves with
             it. All friction is behind it.
     """
@@ -179,7 +180,7 @@ def _all_transmitted(
                 links[k].stiffness_nm_per_rad,
                 2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
                 0.5 * links[k].gap_rad,
-                links[k].soft_nm,
+                *bend_of(links[k].soft_nm),
             )
             for k in places
         ]
@@ -223,7 +224,7 @@ def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[fl
 def _follow(  # noqa: PLR0913
     q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool, lanes: Lanes
 ) -> Float:
-    """Integrate far sides (3, m) behind transmissions (4, m), side by side, so that a processor takes several at once.
+    """Integrate far sides (3, m) behind transmissions (5, m), side by side, so that a processor takes several at once.
 
     Returns the torque of each, shape (m, n): all that follows takes them one by one. The measured side moves along the
     cubic through its samples and their slopes. There are as many as lanes, a number that the compiler is told.
@@ -231,18 +232,24 @@ def _follow(  # noqa: PLR0913
     steps, many = len(between), len(lanes)
     h = step / steps
     # Rows of one array of a known size: the compiler then need not ask at every step whether they overlap.
-    table = np.zeros((14, len(lanes)))
-    stiffness, damping, half, soft = table[0], table[1], table[2], table[3]
-    keep, gain, held, keep_apart, gain_apart, held_apart = table[4], table[5], table[6], table[7], table[8], table[9]
-    theta, omega = table[10], table[11]
+    table = np.zeros((15, len(lanes)))
+    stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
+    keep, gain, held, keep_apart, gain_apart, held_apart = table[5], table[6], table[7], table[8], table[9], table[10]
+    theta, omega = table[11], table[12]
     torque = np.empty((many, len(q)))
     # About the last sample and about the next one, from half a sample before to half a sample after.
-    last, next_one = 12, 13
+    last, next_one = 13, 14
     for j in range(many):
-        stiffness[j], damping[j], half[j], soft[j] = links[0, j], links[1, j], links[2, j], links[3, j]
+        stiffness[j], damping[j], half[j], bend[j], curve[j] = (
+            links[0, j],
+            links[1, j],
+            links[2, j],
+            links[3, j],
+            links[4, j],
+        )
         keep[j], gain[j], held[j] = _pace(far[:, j], damping[j], h)
         keep_apart[j], gain_apart[j], held_apart[j] = _pace(far[:, j], 0.0, h)
-        theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], soft[j]), dq[0]
+        theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], bend[j]), dq[0]
     for k in range(len(q) - 1):
         rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
         for i in range(steps):
@@ -255,7 +262,7 @@ def _follow(  # noqa: PLR0913
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
                     twist = place - behind
                     engaged = twist - min(max(twist, -half[j]), half[j])
-                    push, drag = pushed(stiffness[j] * engaged, soft[j]), damping[j]
+                    push, drag = pushed(stiffness[j] * engaged, bend[j], curve[j]), damping[j]
                     # Neither spring nor damping within the play and where flanks would pull.
                     apart = engaged * (push + drag * (speed - before)) <= 0.0
                     push, drag = 0.0 if apart else push, 0.0 if apart else drag
@@ -271,7 +278,7 @@ def _follow(  # noqa: PLR0913
             else:
                 for j in range(many):
                     before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
-                    push = pushed(stiffness[j] * (place - behind), soft[j])
+                    push = pushed(stiffness[j] * (place - behind), bend[j], curve[j])
                     free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
                     omega[j] = free - min(max(free, -held[j]), held[j])
                     theta[j] = behind + 0.5 * h * omega[j]
@@ -292,12 +299,6 @@ def _end(torque: Float, last: Float) -> None:
 
 
 @compiled()
-def pushed(straight: float, soft: float) -> float:
-    """Return the torque of a spring that is half as stiff up to a torque, from that of the stiff one."""
-    return straight - min(max(0.5 * straight, -soft), soft)
-
-
-@compiled()
 def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
     """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
     loss = 0.5 * h * (drag + far[2])
@@ -306,10 +307,7 @@ def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
 
 
 @compiled()
-def twisted(load: float, stiffness: float, half: float, soft: float) -> float:
+def twisted(load: float, stiffness: float, half: float, bend: float) -> float:
     """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
-    if load == 0.0:
-        return 0.0
-    size = abs(load)
-    twist: float = half + (size + min(size, soft)) / stiffness
-    return twist if load > 0.0 else -twist
+    twist: float = straightened(load, bend) / stiffness
+    return twist if load == 0.0 else twist + copysign(half, load)

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.model.move import MOST_STEPS, SHARE_OF_SWING, Step, advance, steps_per_sample
+from friction_audit.model.spring_law import bend_of, pushed
 from friction_audit.model.tables import Tables
-from friction_audit.model.transmission import Transmission, amid, between_samples, pushed, twisted
+from friction_audit.model.transmission import Transmission, amid, between_samples, twisted
 
 
 class Link(NamedTuple):
@@ -32,25 +33,28 @@ class Link(NamedTuple):
         stiffness_nm_per_rad: Stiffness K. [N m/rad]
         damping_nms_per_rad: Damping D. [N m s/rad]
         half_rad: Half of the width of the play. [rad]
-        soft_nm: Torque up to which the spring is half as stiff. [N m]
+        bend_nm: Torque of a spring as stiff as it gets at the twist up to which this one stiffens. [N m]
+        curve_per_nm: How fast it does (``spring_law``). [1/(N m)]
     """
 
     near_kg_m2: float
     stiffness_nm_per_rad: float
     damping_nms_per_rad: float
     half_rad: float
-    soft_nm: float
+    bend_nm: float
+    curve_per_nm: float
 
 
 def link_of(transmission: Transmission, near_kg_m2: float, far_kg_m2: float) -> Link:
     """Return what a transmission is between two inertias; its damping ratio is that of the far one."""
-    stiffness = transmission.stiffness_nm_per_rad
+    stiffness, (bend_nm, curve_per_nm) = transmission.stiffness_nm_per_rad, bend_of(transmission.soft_nm)
     return Link(
         near_kg_m2=near_kg_m2,
         stiffness_nm_per_rad=stiffness,
         damping_nms_per_rad=2.0 * transmission.damping_ratio * sqrt(stiffness * far_kg_m2),
         half_rad=0.5 * transmission.gap_rad,
-        soft_nm=transmission.soft_nm,
+        bend_nm=bend_nm,
+        curve_per_nm=curve_per_nm,
     )
 
 
@@ -128,7 +132,7 @@ def _steps(link: Link, far_kg_m2: float, step_s: float) -> int:
 def _transmit(twist: float, closing: float, loss: float, link: Link) -> float:
     """Return the torque for a twist that grows at a speed, of which damping takes a share in a step. [N m]"""
     engaged = twist - min(max(twist, -link.half_rad), link.half_rad)
-    torque = pushed(link.stiffness_nm_per_rad * engaged, link.soft_nm)
+    torque = pushed(link.stiffness_nm_per_rad * engaged, link.bend_nm, link.curve_per_nm)
     torque += link.damping_nms_per_rad * closing / (1.0 + loss)
     # Neither spring nor damper within the play and where flanks would pull.
     return 0.0 if link.half_rad > 0.0 and engaged * torque <= 0.0 else torque
@@ -141,7 +145,7 @@ def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, lin
     h = step_s / steps
     bent = np.zeros(1 + len(far.spring_reach))
     out = np.zeros((len(q), 2 + len(bent)))
-    theta, omega = q[0] - twisted(load[0], link.stiffness_nm_per_rad, link.half_rad, link.soft_nm), dq[0]
+    theta, omega = q[0] - twisted(load[0], link.stiffness_nm_per_rad, link.half_rad, link.bend_nm), dq[0]
     sign = np.sign(omega)
     loss = 0.5 * h * link.damping_nms_per_rad / far.inertia_kg_m2
     for i in range(len(q)):

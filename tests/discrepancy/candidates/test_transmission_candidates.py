@@ -132,7 +132,7 @@ def test_factors_agree_with_what_the_column_was_built_for() -> None:
     assert time_delay.CANDIDATE.admissible(np.array([0.009]), step)
     assert not time_delay.CANDIDATE.admissible(np.array([0.002]), step)
     assert not time_delay.CANDIDATE.admissible(np.array([-0.01]), step)
-    spring = {"spring_nm_per_rad": 1e3, "soft_nm": 0.0}
+    spring = {"spring_nm_per_rad": 1e3}
     assert joint_elasticity.CANDIDATE.admissible(np.array([1.1e-3]), spring)
     assert not joint_elasticity.CANDIDATE.admissible(np.array([1e-4]), spring)
     assert not backlash.CANDIDATE.admissible(np.array([0.1]), {})
@@ -150,7 +150,7 @@ def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() ->
     shaken = replace(
         DATA, q=DATA.q + shiver, dq=DATA.dq + 1e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
     )
-    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "soft_nm": 0.0}
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2}
 
     def change(shape: Shape) -> float:
         still, moved = (
@@ -167,7 +167,7 @@ def test_a_spring_along_a_smooth_motion_may_be_softer_than_it_is_told(near_kg_m2
     """Two masses ring as if the one behind were on a stiffer spring whose other end is held."""
     stiffness, far_kg_m2 = 3000.0, 0.3
     as_if_held = stiffness * far_kg_m2 * (1.0 / far_kg_m2 + 1.0 / near_kg_m2)
-    held = {"spring_nm_per_rad": as_if_held, "soft_nm": 0.0}
+    held = {"spring_nm_per_rad": as_if_held}
     least, most = joint_elasticity.told_too_stiff({**held, "motion_below_hz": 18.0})["spring_nm_per_rad"]
     assert least * as_if_held <= stiffness * (1.0 + 1e-9)
     assert stiffness <= most * as_if_held
@@ -200,7 +200,7 @@ def test_a_damped_far_side_forgets_what_a_position_sensor_shivers(damping: float
     shaken = replace(
         DATA, q=DATA.q + shiver, dq=DATA.dq + 3e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
     )
-    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "soft_nm": 0.0, "damping_ratio": damping}
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "damping_ratio": damping}
     still, moved = (joint_elasticity.CANDIDATE.columns(one, baseline(one), spring)[400:] for one in (DATA, shaken))
     amplified = np.std(moved - still) / np.std(spring["spring_nm_per_rad"] * BASE.inertia_kg_m2 * rate**2 * shiver)
     # At its resonance a far side multiplies by one over twice the damping ratio, a little less beside its friction.

@@ -20,6 +20,8 @@ CONTACTS_HZ = (22.0, 50.0)
 FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
 """Flanks from which half of the speed bounces, and dead ones. What bounces strikes again at moments that noise of the
 position shifts, and each one shifts the next."""
+SOUGHT_TIMES = 1.8
+"""A play that is fitted together with what is behind it is so many times narrower or wider at most."""
 SOUGHT_CONTACTS_HZ, SOUGHT_DAMPINGS = (15.0, 75.0), (0.1, 0.7)
 """Of flanks that are fitted together with what is behind them: softer ones are a spring, harder ones look alike."""
 PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
@@ -94,6 +96,16 @@ def admissible(factors: Float, _shape: Shape) -> bool:
     return bool(LEAST_SHARE <= factors[0] <= LARGEST_SHARE)
 
 
+def sought(_data: JointData, shape: Shape) -> dict[str, tuple[float, float]]:
+    """From where to where a play is looked for together with what is behind it."""
+    width = shape["gap_rad"]
+    return {
+        "gap_rad": (width / SOUGHT_TIMES, width * SOUGHT_TIMES),
+        "contact_hz": SOUGHT_CONTACTS_HZ,
+        "flank_damping_ratio": SOUGHT_DAMPINGS,
+    }
+
+
 def flank_twist(baseline: Baseline, shape: Shape) -> float:
     """By how much one flank gives way under friction: its law is unknown, so that much more or less is play. [rad]"""
     stiffness = baseline.inertia_kg_m2 * (2.0 * np.pi * shape["contact_hz"]) ** 2
@@ -121,5 +133,5 @@ CANDIDATE = Candidate(
     beside_rugged=tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ),
     blur=lost_in_flanks,
     behind=struck,
-    sought={"contact_hz": SOUGHT_CONTACTS_HZ, "flank_damping_ratio": SOUGHT_DAMPINGS},
+    sought=sought,
 )

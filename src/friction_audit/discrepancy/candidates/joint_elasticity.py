@@ -4,15 +4,20 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
+from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, values_of
 from friction_audit.discrepancy.candidates.excitation import reversals
 from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, along_motions
+from friction_audit.discrepancy.candidates.smooth_motion import (
+    MOTION_BELOW_HZ,
+    along_motions,
+    by_motion,
+    motion_below,
+)
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
-from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM
-from friction_audit.model.transmission import HIGHEST_HZ, far_side
+from friction_audit.model.terms.joint_elasticity import DAMPING_RATIO, TERM, springs
+from friction_audit.model.transmission import HIGHEST_HZ, FarSide, far_side
 
 RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 60), np.geomspace(50.0, HIGHEST_HZ, 5))
 """From a spring that a hand feels to one that nobody sees. Where ringing is seen a twentieth apart: it is a tenth wide,
@@ -21,9 +26,14 @@ SOFTEST_NM_PER_RAD, STIFFEST_NM_PER_RAD = 10.0, 1e5
 """A rubber band, a steel shaft."""
 USUAL_INERTIA_KG_M2 = 0.3
 """Of an arm's drive, where the torque tells none."""
-SOFT_SHARES = (1e-3, 0.3, 1.0)
-"""Torque up to which a strain-wave gear is soft, as a share of the usual torque; the first is a linear spring. One that
-is soft for all the torque there is would be a linear one again, and told half as soft as it is."""
+SOFT_SHARES = (1.0, 2.5, 6.0)
+"""Torque up to which a strain-wave gear stiffens as a share of the usual torque. One that stiffens hardly at all under
+the torque there is would be a linear one again, and told half as soft as it is."""
+SOUGHT_TIMES = 1.8
+"""A spring that is fitted together with what is behind it is so many times softer or stiffer at most."""
+SOUGHT_SOFT = 0.1, 10.0
+"""Least and largest torque up to which it stiffens, as shares of the usual one."""
+SOUGHT_DAMPINGS = (0.01, 0.5)
 LARGEST_SHARE = 1.6
 FEWEST_REVERSALS = 20
 LEAST_SHARE = 0.5
@@ -48,31 +58,30 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 
 def all_springs(data: JointData) -> tuple[Shape, ...]:
-    """Linear springs of all stiffnesses, and of every fourth one springs that are soft at first.
+    """Linear springs of all stiffnesses, and of every second one springs that are soft at first.
 
     Those that ring where hardly more than noise moves the measured side are tried with a smooth motion too, more
     coarsely: it does not ring. Linear ones that ring where rows see it are tried with more damping too, and with less
     inertia behind them, more coarsely.
     """
-    usual = float(np.sqrt(np.mean(data.torque**2))) or 1.0
+    usual = _usual(data)
     every = _stiffnesses(data)
     fast, slow = every[every > _ringing_at(data, MOTION_BELOW_HZ)], every[every < _ringing_at(data, RINGING_SEEN_HZ)]
-    tries: tuple[tuple[Float, tuple[float, ...], dict[str, float]], ...] = (
-        (every, SOFT_SHARES, {}),
-        (fast[::2], SOFT_SHARES, {"motion_below_hz": MOTION_BELOW_HZ}),
-        (slow[::4], SOFT_SHARES[:1], {"damping_ratio": MUCH_DAMPED}),
+    smooth = {"motion_below_hz": MOTION_BELOW_HZ}
+    soft = [{"soft_nm": share * usual} for share in SOFT_SHARES]
+    tries: tuple[tuple[Float, dict[str, float]], ...] = (
+        (every, {}),
+        *((every[::2], one) for one in soft),
+        (fast[::2], smooth),
+        *((fast[::4], one | smooth) for one in soft),
+        (slow[::4], {"damping_ratio": MUCH_DAMPED}),
         *(
-            (slow[::2], SOFT_SHARES[:1], {"far_share": share, "damping_ratio": damping})
+            (slow[::2], {"far_share": share, "damping_ratio": damping})
             for share in FAR_SHARES
             for damping in (DAMPING_RATIO, MUCH_DAMPED)
         ),
     )
-    return tuple(
-        {"spring_nm_per_rad": float(stiffness), "soft_nm": share * usual, **other}
-        for tried, shares, other in tries
-        for k, share in enumerate(shares)
-        for stiffness in tried[:: 4 if k else 1]
-    )
+    return tuple({"spring_nm_per_rad": float(stiffness), **other} for tried, other in tries for stiffness in tried)
 
 
 def _stiffest_seen(data: JointData) -> float:
@@ -93,6 +102,38 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many springs."""
     yield from along_motions(data, baseline, shapes, TERM)
+
+
+def twisted(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    """What many springs add to the torque, each with what is behind it."""
+    for below_hz, places in by_motion(shapes).items():
+        motion = data.motion() if below_hz is None else motion_below(data, below_hz)
+        values = [values_of(TERM, shapes[place]) for place in places]
+        for k, added in springs(motion, [far[place] for place in places], values):
+            yield places[k], added[:, None]
+
+
+def sought(data: JointData, shape: Shape) -> dict[str, tuple[float, float]]:
+    """From where to where a spring is looked for together with what is behind it."""
+    stiffness, usual = shape["spring_nm_per_rad"], _usual(data)
+    least, most = SOUGHT_SOFT
+    ranges = {
+        "spring_nm_per_rad": (stiffness / SOUGHT_TIMES, stiffness * SOUGHT_TIMES),
+        "damping_ratio": SOUGHT_DAMPINGS,
+    }
+    return ranges | ({"soft_nm": (least * usual, most * usual)} if "soft_nm" in shape else {})
+
+
+def straight(shape: Shape) -> tuple[Shape, ...]:
+    """The spring that is as stiff as one that is soft at first gets halfway."""
+    if "soft_nm" not in shape:
+        return ()
+    others = {name: value for name, value in shape.items() if name != "soft_nm"}
+    return ({**others, "spring_nm_per_rad": shape["spring_nm_per_rad"] / np.sqrt(2.0)},)
+
+
+def _usual(data: JointData) -> float:
+    return float(np.sqrt(np.mean(data.torque**2))) or 1.0
 
 
 def _stiffnesses(data: JointData) -> Float:
@@ -143,4 +184,7 @@ CANDIDATE = Candidate(
     noisy="spring_nm_per_rad",
     along_noise=("damping_ratio",),
     assumed=("damping_ratio", "far_share"),
+    behind=twisted,
+    sought=sought,
+    plainer=straight,
 )

@@ -11,7 +11,7 @@ import numpy as np
 from friction_audit.joint_log import Float
 from friction_audit.model.term import Motion, Parameter, Term
 from friction_audit.model.terms.far_share import FAR_SHARE
-from friction_audit.model.transmission import Transmission, added_torques, far_side
+from friction_audit.model.transmission import FarSide, Transmission, added_torques, far_side
 
 DAMPING_RATIO = 0.05
 """Strain-wave gears damp little: a few hundredths (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996)."""
@@ -25,12 +25,17 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 
 def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
     """Yield the same for many shapes, behind which is one inertia."""
+    for place, added in springs(motion, [far_side(motion)] * len(shapes), shapes):
+        yield place, np.multiply(added, shapes[place][0], out=added)[:, None]
+
+
+def springs(motion: Motion, far: Sequence[FarSide], shapes: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+    """Yield what springs add to the torque, each with what is behind it, shape (n,)."""
     links = [
         Transmission(stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, soft_nm=soft, far_share=share)
         for stiffness, soft, damping_ratio, share in shapes
     ]
-    for place, added in added_torques(motion, [far_side(motion)] * len(links), links):
-        yield place, np.multiply(added, links[place].stiffness_nm_per_rad, out=added)[:, None]
+    yield from added_torques(motion, far, links)
 
 
 TERM = Term(
@@ -47,7 +52,14 @@ TERM = Term(
             lower=1.0,
             upper=1e6,
         ),
-        Parameter(name="soft_nm", unit="N m", meaning="torque up to which it is half as stiff", lower=0.0, upper=1e3),
+        Parameter(
+            name="soft_nm",
+            unit="N m",
+            meaning="torque up to which it stiffens, half as stiff without any",
+            lower=0.0,
+            upper=1e3,
+            optional=True,
+        ),
         Parameter(
             name="damping_ratio",
             unit="1",
