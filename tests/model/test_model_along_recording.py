@@ -141,14 +141,16 @@ def test_a_spring_puts_the_measured_side_ahead(monkeypatch: pytest.MonkeyPatch) 
     ahead = 2e-3 * drive
     seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
     found = simulate_along(joint_with(term), seen, drive, whole(t))
-    assert found == pytest.approx(seen.dq, abs=2e-3)
+    assert found is not None
+    # At the ends the torque is averaged to one side.
+    assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
     plain = simulate_along(joint_with(), seen, drive, whole(t))
     assert plain is not None
     assert np.abs(plain - seen.dq).max() > 5e-3
 
 
 def test_noise_of_the_torque_does_not_shake_a_soft_spring() -> None:
-    """0.02 N m on 10 mrad per N m, from one sample to the next: unsmoothed, its rate alone would be a tenth of a rad/s."""
+    """0.02 N m on 10 mrad per N m, from one sample to the next: unsmoothed, the rate alone would be 0.06 rad/s."""
     t = clock(3.0)
     drive = 0.9 * np.sin(4.0 * t)
     rigid = simulate(joint_with(), t, drive)
@@ -174,7 +176,8 @@ def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
     found = simulate_along(
         joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))), seen, drive, whole(t)
     )
-    assert found == pytest.approx(seen.dq, abs=2e-3)
+    assert found is not None
+    assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
 
 
 def test_within_a_play_the_measured_side_is_where_it_was_measured(monkeypatch: pytest.MonkeyPatch) -> None:
