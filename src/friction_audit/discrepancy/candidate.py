@@ -47,6 +47,10 @@ def _none(_shape: Shape) -> tuple[Shape, ...]:
     return ()
 
 
+def _nowhere(_data: JointData) -> Mapping[str, tuple[float, float]]:
+    return {}
+
+
 def _nothing(_data: JointData, _shape: Shape) -> Mapping[str, tuple[float, float]]:
     return {}
 
@@ -97,6 +101,8 @@ class Candidate:
             together with these; None for all others.
         sought: ``sought(data, shape)``: from where to where numbers of a shape, all above zero, are looked for with
             them, by name.
+        hidden: ``hidden(data)``: the same for shapes that no grid comes near, however many others are found in their
+            place; empty where there are none.
         plainer: ``plainer(shape)``: shapes with fewer numbers that are near one that is fitted so, to be fitted so too.
         assumed: Names of numbers that a shape may lack, where they are as usual; intervals take them for unknown too.
     """
@@ -129,6 +135,7 @@ class Candidate:
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None
     behind: Callable[[JointData, Sequence[FarSide], Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     sought: Callable[[JointData, Shape], Mapping[str, tuple[float, float]]] = _nothing
+    hidden: Callable[[JointData], Mapping[str, tuple[float, float]]] = _nowhere
     plainer: Callable[[Shape], tuple[Shape, ...]] = _none
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:

@@ -10,6 +10,7 @@ slope nor a single valley.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,9 +24,24 @@ from friction_audit.discrepancy.sought import Sought, seek
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import LANES, FarSide
 
-MANY = 3 * LANES
-"""Tried in each generation: transmissions are followed side by side; with fewer, the valley is often not the lowest."""
-GENERATIONS = 50
+
+class Effort(NamedTuple):
+    """How far a search goes, and how long.
+
+    Attributes:
+        everywhere: Whether hidden shapes are looked for, and not what is near one of the grid.
+        many: Tried in each generation: transmissions are followed side by side; with fewer, the valley is often not the
+            lowest.
+        generations: How many.
+    """
+
+    everywhere: bool
+    many: int
+    generations: int
+
+
+NEARBY = Effort(everywhere=False, many=3 * LANES, generations=50)
+EVERYWHERE = Effort(everywhere=True, many=6 * LANES, generations=60)
 MUTATION = (0.4, 0.9)
 WHOLE = 1.0
 """Of the numbers that change at a time: stiffer flanks go along with a wider play, and inertia with friction."""
@@ -44,7 +60,9 @@ class Fitted:
     baseline: Baseline
 
 
-def fit_jointly(candidate: Candidate, shape: Shape, columns: Float, ground: Ground, others: Float) -> Fitted | None:
+def fit_jointly(
+    candidate: Candidate, shape: Shape, columns: Float, ground: Ground, others: Float, effort: Effort = NEARBY
+) -> Fitted | None:
     """Find the shape and the declared model that leave least on the working rows; None if none leave less.
 
     Args:
@@ -53,32 +71,34 @@ def fit_jointly(candidate: Candidate, shape: Shape, columns: Float, ground: Grou
         columns: Those of this shape on the rows, shape (m, p).
         ground: The joint.
         others: All other effects in the model, shape (m, e).
+        effort: How far it is looked for, and how long.
     """
     if candidate.behind is None:
         return None
-    sought = seek(candidate, shape, ground, ground.baseline(others, columns))
-    numbers = _evolved(sought, _misfits(sought, candidate.behind, ground, others))
+    sought = seek(candidate, shape, ground, ground.baseline(others, columns), everywhere=effort.everywhere)
+    numbers = _evolved(sought, _misfits(sought, candidate.behind, ground, others), effort)
     fitted = _fitted(sought, numbers, candidate, candidate.behind, ground, others)
     w = ground.working
     beside = Beside(np.hstack([ground.base, others])[w], ground.y[w])
     return fitted if beside.fit(fitted.columns[w])[1] < beside.fit(columns[w])[1] else None
 
 
-def _evolved(sought: Sought, misfits: Callable[[Float], Float]) -> Float:
+def _evolved(sought: Sought, misfits: Callable[[Float], Float], effort: Effort) -> Float:
     """The best numbers of many generations, the first one spread over all that is allowed, shape (k,)."""
-    from scipy.optimize import Bounds, differential_evolution
+    from scipy.optimize import differential_evolution
     from scipy.stats import qmc
 
-    spread = qmc.LatinHypercube(len(sought.low), rng=np.random.default_rng(SEED)).random(MANY)
+    spread = qmc.LatinHypercube(len(sought.low), rng=np.random.default_rng(SEED)).random(effort.many)
     first = sought.low + (sought.high - sought.low) * spread
-    first[0] = sought.start
+    if not effort.everywhere:
+        first[0] = sought.start
     return np.asarray(
         differential_evolution(
             misfits,  # type: ignore[arg-type] # the stubs know of no function of many at a time
-            Bounds(sought.low, sought.high),
+            list(zip(sought.low, sought.high, strict=True)),
             strategy="currenttobest1bin",
             init=first,
-            maxiter=GENERATIONS,
+            maxiter=effort.generations,
             mutation=MUTATION,
             recombination=WHOLE,
             tol=0.0,

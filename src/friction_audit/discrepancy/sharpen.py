@@ -9,7 +9,7 @@ from friction_audit.discrepancy.alternatives import name_effects
 from friction_audit.discrepancy.candidate import Baseline, Shape
 from friction_audit.discrepancy.cross_products import CrossProducts
 from friction_audit.discrepancy.ground import Ground
-from friction_audit.discrepancy.jointly import fit_jointly
+from friction_audit.discrepancy.jointly import EVERYWHERE, NEARBY, Effort, fit_jointly
 from friction_audit.discrepancy.library import Library
 from friction_audit.discrepancy.ranking import Ranking
 from friction_audit.discrepancy.refine import refine
@@ -82,14 +82,18 @@ def _alone(ground: Ground, library: Library, outcome: Search, ranking: Ranking) 
             yield from _sharper(ground, library, name, at, [])
         if name in there or len(there) >= CROWD:
             yield from _jointly(ground, library, name, at, [])
+        if len(there) >= CROWD and library.entry(name).candidate.hidden(ground.data):
+            yield from _jointly(ground, library, name, at, [], EVERYWHERE)
 
 
-def _jointly(ground: Ground, library: Library, name: str, at: int, others: Sequence[Float]) -> Iterator[Sharper]:
+def _jointly(
+    ground: Ground, library: Library, name: str, at: int, others: Sequence[Float], effort: Effort = NEARBY
+) -> Iterator[Sharper]:
     """One shape of the grid, and plainer ones, fitted together with what is behind the effect, if anything is."""
     entry = library.entry(name)
     candidate, shape, beside = entry.candidate, entry.shapes[at], np.hstack([np.zeros((len(ground.y), 0)), *others])
     for one in (shape, *candidate.plainer(shape)):
-        fitted = fit_jointly(candidate, one, entry.columns[at], ground, beside)
+        fitted = fit_jointly(candidate, one, entry.columns[at], ground, beside, effort)
         if fitted is not None:
             yield Sharper(name, fitted.shape, fitted.columns, fitted.baseline)
 

@@ -10,12 +10,14 @@ from friction_audit.discrepancy.ground import Ground
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide
 
-OFF = 1.4
-"""Inertia and Coulomb friction, fitted beside a transmission that is a little off, are at most so many times too small
-or too large."""
 VISCOUS_SHARE = 0.5
 """Viscous friction is more than it seems by at most so much of Coulomb friction, at the usual speed; or it is none."""
 BEHIND = (INERTIA, *FRICTION.values())
+
+
+OFF, FAR_OFF = 1.4, 2.5
+"""Inertia and Coulomb friction, fitted beside a transmission that is a little off, are at most so many times too small
+or too large; and beside one that is nothing like it."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -57,7 +59,7 @@ class Sought:
         return numbers[: len(self.of_shape)], numbers[len(self.of_shape) :]
 
 
-def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline) -> Sought:
+def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, *, everywhere: bool = False) -> Sought:
     """Return what is looked for, from a shape and the declared model as fitted beside it.
 
     Args:
@@ -65,10 +67,12 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline)
         shape: One of its shapes.
         ground: The joint.
         baseline: The declared model.
+        everywhere: Whether it is looked for among the hidden shapes of the candidate, and not near the one given.
     """
-    ranges, lacking = candidate.sought(ground.data, shape), () if candidate.term is None else candidate.term.shape
-    whole = {p.name: p.default for p in lacking if p.name in ranges} | dict(shape)
-    behind = _ranges(baseline, _usual_speed(ground))
+    ranges = candidate.hidden(ground.data) if everywhere else candidate.sought(ground.data, shape)
+    lacking = () if candidate.term is None else candidate.term.shape
+    whole = {p.name: p.default for p in lacking if p.name in ranges} | ({} if everywhere else dict(shape))
+    behind = _ranges(baseline, _usual_speed(ground), FAR_OFF if everywhere else OFF)
     of_model = tuple(name for name in ground.declared.names if name in BEHIND)
     start = [
         *(np.log(np.clip(whole[name], *ends)) for name, ends in ranges.items()),
@@ -86,14 +90,14 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline)
     )
 
 
-def _ranges(baseline: Baseline, usual_speed_rad_s: float) -> dict[str, tuple[float, float]]:
+def _ranges(baseline: Baseline, usual_speed_rad_s: float, off: float) -> dict[str, tuple[float, float]]:
     """From where to where each number of what is behind is looked for."""
     # A fit beside what is wrong may give numbers below zero.
     inertia, coulomb = max(baseline.inertia_kg_m2, 0.0), max(baseline.coulomb_nm, 0.0)
     more = VISCOUS_SHARE * coulomb / usual_speed_rad_s
     return {
-        INERTIA: (inertia / OFF, inertia * OFF),
-        FRICTION["coulomb"]: (coulomb / OFF, coulomb * OFF),
+        INERTIA: (inertia / off, inertia * off),
+        FRICTION["coulomb"]: (coulomb / off, coulomb * off),
         FRICTION["viscous"]: (0.0, max(baseline.viscous_nms_per_rad, 0.0) + more),
     }
 

@@ -22,8 +22,11 @@ FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
 position shifts, and each one shifts the next."""
 SOUGHT_TIMES = 1.8
 """A play that is fitted together with what is behind it is so many times narrower or wider at most."""
-SOUGHT_CONTACTS_HZ, SOUGHT_DAMPINGS = (15.0, 75.0), (0.1, 0.7)
-"""Of flanks that are fitted together with what is behind them: softer ones are a spring, harder ones look alike."""
+HIDDEN_SHARES = (1e-3, 0.08)
+"""Widths of plays that may be hidden, as shares of the span of the motion."""
+SOUGHT_CONTACTS_HZ = (15.0, 75.0)
+SOUGHT_FLANKS = {"contact_hz": SOUGHT_CONTACTS_HZ, "flank_damping_ratio": (0.1, 0.7)}
+"""That are fitted together with what is behind them: softer ones are a spring, harder ones look alike."""
 PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
 """Tried for each width once the name is found: softer flanks strike as a wider play would."""
 FAR_SHARES = (0.8, 0.6)
@@ -99,11 +102,14 @@ def admissible(factors: Float, _shape: Shape) -> bool:
 def sought(_data: JointData, shape: Shape) -> dict[str, tuple[float, float]]:
     """From where to where a play is looked for together with what is behind it."""
     width = shape["gap_rad"]
-    return {
-        "gap_rad": (width / SOUGHT_TIMES, width * SOUGHT_TIMES),
-        "contact_hz": SOUGHT_CONTACTS_HZ,
-        "flank_damping_ratio": SOUGHT_DAMPINGS,
-    }
+    return {"gap_rad": (width / SOUGHT_TIMES, width * SOUGHT_TIMES), **SOUGHT_FLANKS}
+
+
+def hidden(data: JointData) -> dict[str, tuple[float, float]]:
+    """From where to where plays are looked for that hide most of the inertia, and so themselves from the grid."""
+    least, most = HIDDEN_SHARES
+    span = float(np.ptp(data.q)) or 1.0
+    return {"gap_rad": (least * span, most * span), **SOUGHT_FLANKS}
 
 
 def flank_twist(baseline: Baseline, shape: Shape) -> float:
@@ -134,4 +140,5 @@ CANDIDATE = Candidate(
     blur=lost_in_flanks,
     behind=struck,
     sought=sought,
+    hidden=hidden,
 )
