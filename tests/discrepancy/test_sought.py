@@ -9,7 +9,7 @@ from friction_audit.discrepancy.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.discrepancy.candidates.backlash import SOUGHT_CONTACTS_HZ, SOUGHT_TIMES
 from friction_audit.discrepancy.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.discrepancy.ground import Ground, make_ground
-from friction_audit.discrepancy.sought import OFF, seek
+from friction_audit.discrepancy.sought import FAR_OFF, OFF, seek
 from friction_audit.model.joint_model import simple_model
 from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO
 from friction_audit.model.transmission import FarSide
@@ -57,6 +57,15 @@ def test_a_spring_is_looked_for_as_stiff_as_it_was_found_soft_at_first_or_not(gr
     soft = seek(ELASTICITY, {"spring_nm_per_rad": 500.0, "soft_nm": 1e-9}, ground, ground.baseline())
     assert soft.of_shape == ("spring_nm_per_rad", "damping_ratio", "soft_nm")
     assert soft.shape_at(soft.low)["soft_nm"] == pytest.approx(soft.shape_at(soft.start)["soft_nm"])
+
+
+def test_a_hidden_play_may_be_any_wide_one_and_hide_most_of_the_inertia(ground: Ground) -> None:
+    sought = seek(BACKLASH, SHAPE, ground, ground.baseline(), everywhere=True)
+    span = np.ptp(ground.data.q)
+    low, high = sought.shape_at(sought.low), sought.shape_at(sought.high)
+    assert (low["gap_rad"], high["gap_rad"]) == pytest.approx((1e-3 * span, 0.08 * span))
+    inertia = sought.of_model.index("inertia_kg_m2")
+    assert sought.model_at(sought.high)[inertia] == pytest.approx(FAR_OFF * INERTIA_KG_M2, rel=1e-2)
 
 
 def test_an_inertia_that_was_stated_is_not_looked_for() -> None:
