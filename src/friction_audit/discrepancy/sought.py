@@ -10,14 +10,12 @@ from friction_audit.discrepancy.ground import Ground
 from friction_audit.joint_log import Float
 from friction_audit.model.transmission import FarSide
 
-VISCOUS_SHARE = 0.5
-"""Viscous friction is more than it seems by at most so much of Coulomb friction, at the usual speed; or it is none."""
-BEHIND = (INERTIA, *FRICTION.values())
-
-
 OFF, FAR_OFF = 1.4, 2.5
 """Inertia and Coulomb friction, fitted beside a transmission that is a little off, are at most so many times too small
 or too large; and beside one that is nothing like it."""
+VISCOUS_SHARE = 0.5
+"""Viscous friction is more than it seems by at most so much of Coulomb friction, at the usual speed; or it is none."""
+BEHIND = (INERTIA, *FRICTION.values())
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
