@@ -56,10 +56,15 @@ def test_where_the_torque_keeps_its_sign_the_play_stays_closed() -> None:
 
 
 @pytest.mark.parametrize("term", [joint_elasticity.TERM, backlash.TERM], ids=lambda term: term.name)
-def test_numbers_that_older_files_lack_mean_all_inertia_behind_it_and_the_usual_damping(term: Term) -> None:
+def test_numbers_that_a_file_may_lack_mean_all_inertia_behind_it_the_usual_damping_and_a_straight_spring(
+    term: Term,
+) -> None:
     defaults = {parameter.name: parameter.default for parameter in term.parameters if parameter.optional}
-    ratio = {"joint_elasticity": ("damping_ratio", 0.05), "backlash": ("flank_damping_ratio", 0.2)}[term.name]
-    assert defaults == {"far_share": 1.0, ratio[0]: ratio[1]}
+    own = {
+        "joint_elasticity": {"damping_ratio": 0.05, "soft_nm": 0.0},
+        "backlash": {"flank_damping_ratio": 0.2},
+    }
+    assert defaults == {"far_share": 1.0, **own[term.name]}
 
 
 def test_without_inertia_or_friction_behind_it_a_spring_adds_nothing() -> None:

@@ -85,7 +85,7 @@ def fit_jointly(
 
 def _evolved(sought: Sought, misfits: Callable[[Float], Float], effort: Effort) -> Float:
     """The best numbers of many generations, the first one spread over all that is allowed, shape (k,)."""
-    from scipy.optimize import differential_evolution
+    from scipy.optimize import Bounds, differential_evolution
     from scipy.stats import qmc
 
     spread = qmc.LatinHypercube(len(sought.low), rng=np.random.default_rng(SEED)).random(effort.many)
@@ -95,7 +95,7 @@ def _evolved(sought: Sought, misfits: Callable[[Float], Float], effort: Effort) 
     return np.asarray(
         differential_evolution(
             misfits,  # type: ignore[arg-type] # the stubs know of no function of many at a time
-            list(zip(sought.low, sought.high, strict=True)),
+            Bounds(sought.low, sought.high),
             strategy="currenttobest1bin",
             init=first,
             maxiter=effort.generations,

@@ -102,6 +102,15 @@ def test_a_table_is_sorted_by_mouse_and_by_keys(open_page: Open) -> None:
     assert table.locator("th[aria-sort]").count() == 1
 
 
+def until(opened: Opened, condition: str) -> None:
+    """Wait for a condition; the page's policy keeps the browser from asking for it by itself."""
+    for _ in range(250):
+        if opened.evaluate(condition):
+            return
+        opened.page.wait_for_timeout(20)
+    pytest.fail(f"never: {condition}")
+
+
 def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None:
     opened = open_page(page_of("plain"))
     button = opened.page.get_by_role("button", name="Enlarge: Coefficients over the sessions")
@@ -120,7 +129,7 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     assert opened.evaluate(inside)[0] == pytest.approx(left + 0.1 * zoomed)
     opened.page.mouse.move(640, 500)
     opened.page.mouse.wheel(0, -100)
-    opened.page.wait_for_function(f"{inside}[2] < {zoomed}")
+    until(opened, f"{inside}[2] < {zoomed}")
     before = opened.evaluate(inside)[0]
     opened.page.mouse.down()
     opened.page.mouse.move(740, 500)
@@ -129,7 +138,7 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
     dialog.get_by_role("button", name="Whole figure").click()
     assert opened.evaluate(inside)[2] == pytest.approx(width)
     opened.page.keyboard.press("Escape")
-    opened.page.wait_for_function("!document.querySelector('dialog svg')")  # it goes back after the key is dealt with
+    until(opened, "!document.querySelector('dialog svg')")  # it goes back after the key is dealt with
     assert opened.evaluate("document.querySelectorAll('figure svg').length") == len(BATCH_FIGURES)
     assert opened.evaluate("document.querySelectorAll('figure svg')[1].getAttribute('viewBox')") == whole
     assert opened.evaluate("document.activeElement.getAttribute('aria-label')").startswith("Enlarge: Coefficients")
