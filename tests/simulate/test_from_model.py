@@ -137,7 +137,7 @@ def test_the_numbers_of_joints_must_agree() -> None:
         (
             "joint_elasticity",
             {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "soft_nm": 0.3},
-            "stiffens little by little",
+            "stiffens as a hyperbolic tangent",
         ),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
         (

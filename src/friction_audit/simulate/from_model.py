@@ -245,7 +245,7 @@ def _torque_crosstalk(values: Values, _setting: Setting) -> Told:
 
 
 def _joint_elasticity(values: Values, setting: Setting) -> Told:
-    _require(values["soft_nm"] <= SMALL_NM, "its spring stiffens little by little, not at one torque")
+    _require(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
     _require(values["far_share"] >= 1.0 - ALIKE, "all inertia is behind its spring")
     return "joint_elasticity", {
         "compliance_rad_per_nm": values["compliance_rad_per_nm"],
