@@ -42,6 +42,7 @@ class Effort(NamedTuple):
 
 NEARBY = Effort(everywhere=False, many=3 * LANES, generations=50)
 EVERYWHERE = Effort(everywhere=True, many=6 * LANES, generations=60)
+"""Of plays of 8 and 16 mrad half as many in fewer generations missed one; twice as many find no more."""
 MUTATION = (0.4, 0.9)
 WHOLE = 1.0
 """Of the numbers that change at a time: stiffer flanks go along with a wider play, and inertia with friction."""

@@ -125,11 +125,10 @@ def find_ringing(ground: Ground, names: Names, alpha: float, rng: np.random.Gene
 def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate, ...]:
     """Straight springs on which the far side rings from half of the vibration's frequencies on, and hard flanks."""
     lowest, highest = vibration.low_hz / HIGHER, vibration.high_hz
-    every = all_springs(ground.data)
     # Ringing tells how stiff a spring is where it rings, not how it bends.
     springs = [
         shape
-        for shape in every
+        for shape in all_springs(ground.data)
         if not {"soft_nm", "damping_ratio", "far_share"} & shape.keys()
         and lowest <= _resonance(names, shape["spring_nm_per_rad"]) <= highest
     ]

@@ -6,8 +6,8 @@ import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, values_of
 from friction_audit.discrepancy.candidates.excitation import reversals
-from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, by_motion, motion_below
+from friction_audit.discrepancy.candidates.inertia_behind import far_side_of, inertia_behind
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, motions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
 from friction_audit.model.terms.backlash import CONTACT_DAMPING_RATIO, TERM, plays
@@ -67,20 +67,14 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
-    """The same for many plays; friction that would push counts as none."""
-    far = FarSide(
-        inertia_kg_m2=max(baseline.inertia_kg_m2, 0.0),
-        coulomb_nm=max(baseline.coulomb_nm, 0.0),
-        viscous_nms_per_rad=max(baseline.viscous_nms_per_rad, 0.0),
-    )
-    yield from struck(data, [far] * len(shapes), shapes)
+    """The same for many plays."""
+    yield from struck(data, [far_side_of(baseline)] * len(shapes), shapes)
 
 
 def struck(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same, each play with what is behind it."""
     numbers = np.array([(own.inertia_kg_m2, own.coulomb_nm, own.viscous_nms_per_rad) for own in far])
-    for below_hz, places in by_motion(shapes).items():
-        motion = data.motion() if below_hz is None else motion_below(data, below_hz)
+    for motion, places in motions(data, shapes):
         every = max(len(motion.t) // MANY_SAMPLES, 1)
         simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
         usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()

@@ -1,6 +1,7 @@
-"""Whether a log tells of an inertia behind the transmission: without one no spring rings, and no gap strikes."""
+"""What is behind the transmission: without an inertia there no spring rings, and no gap strikes."""
 
 from friction_audit.discrepancy.candidate import Baseline
+from friction_audit.model.transmission import FarSide
 
 
 def inertia_behind(baseline: Baseline) -> str | None:
@@ -8,3 +9,12 @@ def inertia_behind(baseline: Baseline) -> str | None:
     if baseline.inertia_kg_m2 > 0.0:
         return None
     return "the torque shows no inertia: reverse faster, so that the motor's inertia is felt"
+
+
+def far_side_of(baseline: Baseline) -> FarSide:
+    """Inertia and friction of the declared model; friction that would push counts as none."""
+    return FarSide(
+        inertia_kg_m2=max(baseline.inertia_kg_m2, 0.0),
+        coulomb_nm=max(baseline.coulomb_nm, 0.0),
+        viscous_nms_per_rad=max(baseline.viscous_nms_per_rad, 0.0),
+    )

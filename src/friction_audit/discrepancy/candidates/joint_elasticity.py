@@ -1,18 +1,14 @@
 """Elasticity: a spring between what is measured and what rubs."""
 
 from collections.abc import Iterator, Sequence
+from math import sqrt
 
 import numpy as np
 
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape, values_of
 from friction_audit.discrepancy.candidates.excitation import reversals
-from friction_audit.discrepancy.candidates.inertia_behind import inertia_behind
-from friction_audit.discrepancy.candidates.smooth_motion import (
-    MOTION_BELOW_HZ,
-    along_motions,
-    by_motion,
-    motion_below,
-)
+from friction_audit.discrepancy.candidates.inertia_behind import far_side_of, inertia_behind
+from friction_audit.discrepancy.candidates.smooth_motion import MOTION_BELOW_HZ, motions
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.noise import grid_noise
 from friction_audit.joint_log import Float
@@ -101,13 +97,13 @@ def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
 
 def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many springs."""
-    yield from along_motions(data, baseline, shapes, TERM)
+    for place, added in twisted(data, [far_side_of(baseline)] * len(shapes), shapes):
+        yield place, np.multiply(added, shapes[place]["spring_nm_per_rad"], out=added)
 
 
 def twisted(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """What many springs add to the torque, each with what is behind it."""
-    for below_hz, places in by_motion(shapes).items():
-        motion = data.motion() if below_hz is None else motion_below(data, below_hz)
+    for motion, places in motions(data, shapes):
         values = [values_of(TERM, shapes[place]) for place in places]
         for k, added in springs(motion, [far[place] for place in places], values):
             yield places[k], added[:, None]
@@ -129,7 +125,7 @@ def straight(shape: Shape) -> tuple[Shape, ...]:
     if "soft_nm" not in shape:
         return ()
     others = {name: value for name, value in shape.items() if name != "soft_nm"}
-    return ({**others, "spring_nm_per_rad": shape["spring_nm_per_rad"] / np.sqrt(2.0)},)
+    return ({**others, "spring_nm_per_rad": shape["spring_nm_per_rad"] / sqrt(2.0)},)
 
 
 def _usual(data: JointData) -> float:
