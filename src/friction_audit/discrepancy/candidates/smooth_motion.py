@@ -32,7 +32,8 @@ def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
 
     half = round(FILTER_S / step_s)
     kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
-    return np.asarray(oaconvolve(np.pad(signal, half, mode="edge"), kernel, "valid"))
+    # From its first value, so that rest is rest to the last digit.
+    return np.asarray(signal[0] + oaconvolve(np.pad(signal - signal[0], half, mode="edge"), kernel, "valid"))
 
 
 def motions(data: JointData, shapes: Sequence[Shape]) -> Iterator[tuple[Motion, list[int]]]:
