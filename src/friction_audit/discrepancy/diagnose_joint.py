@@ -25,7 +25,7 @@ from friction_audit.discrepancy.forward_gap import gap_in_motion
 from friction_audit.discrepancy.gap import Gap, measure_gap
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.library import Library, build_library, without
+from friction_audit.discrepancy.library import Library, build_library, prewhitened_library, without
 from friction_audit.discrepancy.motion_noise import noise_in_columns
 from friction_audit.discrepancy.naming import (
     Names,
@@ -46,6 +46,7 @@ from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
 from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -165,6 +166,30 @@ def _judge(
 
 
 def _named(
+    undisturbed: Undisturbed, candidates: Sequence[Candidate], settings: DiagnosisSettings, rng: np.random.Generator
+) -> tuple[Omnibus, Names]:
+    """Whether anything is missing, and what; once more where noise is slow, for names that it had hidden."""
+    first, names = _searched(undisturbed, candidates, settings, rng)
+    ground = undisturbed.ground
+    noise = slow_noise(ground, [f.columns for f in names.found])
+    if noise is None:
+        return first, names
+    news = news_of(ground, noise)
+    library = prewhitened_library(undisturbed.library, news)
+    fast = replace(undisturbed, ground=prewhitened(ground, news), library=library)
+    first, again = _searched(fast, candidates, settings, rng)
+    return first, (_as_measured(again, undisturbed) if again.found else names)
+
+
+def _as_measured(names: Names, undisturbed: Undisturbed) -> Names:
+    """Names that were found among the news of a joint's rows, as columns of the rows."""
+    ground = undisturbed.ground
+    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
+    found = [replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True)]
+    return replace(names, found=tuple(found), library=undisturbed.library)
+
+
+def _searched(
     undisturbed: Undisturbed, candidates: Sequence[Candidate], settings: DiagnosisSettings, rng: np.random.Generator
 ) -> tuple[Omnibus, Names]:
     """Whether anything is missing, and what."""

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.groups import Group, not_zero
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.prewhitening import Prewhitening
 from friction_audit.discrepancy.rows import Rows
 from friction_audit.joint_log import Float
 
@@ -90,6 +91,15 @@ def keep_rows(library: Library, kept: NDArray[np.bool_]) -> Library:
     """The library on some of the rows, shape (m,)."""
     entries = (
         _made(e.candidate, e.shapes, [columns[kept] for columns in e.columns], e.trials) for e in library.entries
+    )
+    return Library(entries=tuple(entries), untestable=library.untestable)
+
+
+def prewhitened_library(library: Library, prewhitening: Prewhitening) -> Library:
+    """The library as news of its rows."""
+    entries = (
+        _made(e.candidate, e.shapes, [prewhitening.of(columns) for columns in e.columns], e.trials)
+        for e in library.entries
     )
     return Library(entries=tuple(entries), untestable=library.untestable)
 

@@ -30,7 +30,7 @@ def scan_orders(
         speed: Speed at each row, shape (m,). [rad/s]
         first: Lowest order.
         last: Highest order.
-        kernel: Weights of the rows' filter, symmetric, shape (k,).
+        kernel: Weights of the rows' filter, shape (k,).
         step_s: Spacing of the fine grid. [s]
 
     Returns:

@@ -31,7 +31,7 @@ def _strongest(ground: Ground, effects: tuple[Float, ...]) -> Iterator[tuple[str
     """Shapes about the peaks, with their columns."""
     data, rows = ground.data, ground.rows
     back, speed = _filtered_back(ground, ground.residual(*effects))
-    order, gain = scan_orders(back, data.q, speed, *order_range(data), rows.kernel, data.step_s)
+    order, gain = scan_orders(back, data.q, speed, *order_range(data), rows.whole_kernel, data.step_s)
     baseline, spread = ground.baseline(), spread_of(data)
     last = CANDIDATE.tried(data)[-1]["ripple_order"] + COARSEST / spread
     for part in (order <= last, order > last):
@@ -53,5 +53,5 @@ def _filtered_back(ground: Ground, residual: Float) -> tuple[Float, Float]:
     kept = ground.working & filtered[rows.used]
     at = np.flatnonzero(rows.used)[kept] * rows.every
     spikes = np.zeros(len(data.t))
-    spikes[at] = residual[kept]
+    spikes[at] = rows.back(np.where(kept, residual, 0.0))[kept]
     return np.asarray(fftconvolve(spikes, rows.kernel, mode="same")), np.abs(data.dq[at])

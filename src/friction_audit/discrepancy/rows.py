@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from friction_audit.compiled import compiled
 from friction_audit.discrepancy.breakaway import Breakaways, find_breakaways, torque_known
 from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.prewhitening import Prewhitening, response
 from friction_audit.joint_log import Float
 
 CORNER_HZ = 25.0
@@ -47,6 +48,7 @@ class Rows:
         breakaways: Moments at which the joint left a standstill, k of them.
         breakaway_row: Row, of all that the filter gives, of each of them, shape (k,).
         breakaway_weight: Torque and columns of these rows are multiplied by this, that they be as noisy as the others.
+        prewhitening: What makes news of torque and columns; None where they are as they were measured.
     """
 
     kernel: Float
@@ -59,6 +61,7 @@ class Rows:
     breakaways: Breakaways
     breakaway_row: NDArray[np.int64]
     breakaway_weight: float
+    prewhitening: Prewhitening | None = None
 
     @property
     def weight(self) -> Float:
@@ -72,11 +75,26 @@ class Rows:
         """Spacing of rows that follow each other. [s]"""
         return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
+    @property
+    def whole_kernel(self) -> Float:
+        """Weights of the filter and, behind them, of the news where rows follow each other, shape (k,)."""
+        if self.prewhitening is None:
+            return self.kernel
+        news = response(self.prewhitening.noise)
+        apart = np.zeros(self.every * len(news))
+        apart[:: self.every] = news
+        return np.convolve(self.kernel, apart)
+
+    def back(self, residual: Float) -> Float:
+        """What the filter's rows, times a column, add up to with a residual that has this for its news, shape (m,)."""
+        return residual if self.prewhitening is None else self.prewhitening.back(residual)
+
     def keep(self, kept: NDArray[np.bool_]) -> "Rows":
         """Some of the rows, shape (m,)."""
         used = self.used.copy()
         used[used] = kept
-        return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept])
+        news = None if self.prewhitening is None else self.prewhitening.keep(kept)
+        return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept], prewhitening=news)
 
     def of(self, columns: Float, out: Float | None = None) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p).
@@ -89,6 +107,8 @@ class Rows:
             there = self.used[self.breakaway_row]
             place = np.searchsorted(wanted, self.breakaway_row[there])
             filtered[place] = self.breakaway_weight * self.breakaways.of(columns)[there]
+        if self.prewhitening is not None:
+            self.prewhitening.in_place(filtered)
         return filtered
 
 
@@ -99,13 +119,8 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
         data: The joint.
         corner_hz: Half of the amplitude passes here, or at a quarter of the rows' rate if that is lower. [Hz]
     """
-    from scipy.signal import firwin, kaiserord
-
     rate = 1.0 / data.step_s
-    every = max(int(rate / ROW_HZ + 1e-9), 1)
-    corner = min(corner_hz, rate / every / 4)
-    taps, beta = kaiserord(STOPBAND_DB, corner / (rate / 2))
-    kernel = np.asarray(firwin(taps | 1, corner, window=("kaiser", beta), fs=rate), np.float64)
+    kernel, every = row_filter(rate, corner_hz)
     doubt = filter_rows((~(data.moving & data.valid)).astype(float), np.abs(kernel), every)
     whole = filter_rows((~data.valid).astype(float), np.ones_like(kernel), every) < 0.5  # noqa: PLR2004 - none at all
     cycle = data.cycle[::every]
@@ -115,7 +130,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
     used[at] = whole[at] & (cycle[at] >= 0)
     bare = Rows(
         kernel=kernel,
-        corner_hz=corner,
+        corner_hz=_corner(rate, every, corner_hz),
         every=every,
         used=used,
         t=data.t[::every][used],
@@ -126,6 +141,25 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
         breakaway_weight=_relative_weight(breakaways.weights, data.step_s),
     )
     return replace(bare, y=bare.of(data.torque))
+
+
+def row_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int]:
+    """Weights of the filter of rows, an odd number of them, and samples per row.
+
+    Args:
+        rate_hz: Of the samples.
+        corner_hz: Half of the amplitude passes here, or at a quarter of the rows' rate if that is lower.
+    """
+    from scipy.signal import firwin, kaiserord
+
+    every = max(int(rate_hz / ROW_HZ + 1e-9), 1)
+    corner = _corner(rate_hz, every, corner_hz)
+    taps, beta = kaiserord(STOPBAND_DB, corner / (rate_hz / 2))
+    return np.asarray(firwin(taps | 1, corner, window=("kaiser", beta), fs=rate_hz), np.float64), every
+
+
+def _corner(rate_hz: float, every: int, corner_hz: float) -> float:
+    return min(corner_hz, rate_hz / every / 4)
 
 
 def _breakaways(data: JointData) -> Breakaways:
