@@ -7,7 +7,7 @@ import pytest
 from numpy.typing import NDArray
 
 from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.pushes import Push, find_pushes
+from friction_audit.discrepancy.pushes import Push, bridged, find_pushes
 from friction_audit.joint_log import Float
 from tests.discrepancy.candidates.joint_data_by_hand import two_sines
 
@@ -147,3 +147,22 @@ def test_a_smaller_push_during_alike_motion_is_not_its_repetition() -> None:
     sine = replace(MOTION, q=q, dq=dq, ddq=ddq, cycle=((MOTION.t + 5.0) // 10.0).astype(np.int64))
     pushes = found(slow_noise(0.02) + box(20.0, 0.2, 8.0) + box(40.0, 0.2, 5.0), data=sine)
     assert sorted({round(one.start_s) for one in pushes}) == [20, 40]
+
+
+def test_what_is_far_smaller_than_inertia_and_friction_is_what_they_get_wrong() -> None:
+    left, brisk = slow_noise(0.002) + box(30.0, 0.2, 5.0), box(30.0, 0.2, 200.0)
+    (push,) = found(left, data=replace(MOTION, torque=left + 0.1 * brisk))
+    assert push.start_s == pytest.approx(30.0, abs=0.1)
+    assert found(left, data=replace(MOTION, torque=left + brisk)) == ()
+
+
+def test_lines_lead_over_a_gap_from_medians_of_a_quarter_of_it() -> None:
+    signal = np.array([9.0, 9.0, 1.0, 1.0, 7.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 5.0, 3.0, 3.0, 8.0])
+    counts = np.ones(len(signal), bool)
+    counts[5:13] = False
+    # A gap of eight is nine steps, a quarter of it two samples: (1 + 7) / 2 before it, (5 + 3) / 2 behind.
+    assert bridged(signal, counts, 10)[5:13] == pytest.approx(4.0)
+    assert bridged(signal, counts, 1)[5:13] == pytest.approx(np.interp(range(5, 13), [4, 13], [7.0, 5.0]))
+    assert np.array_equal(bridged(signal, counts, 10)[counts], signal[counts])
+    counts[:2] = False
+    assert bridged(signal, counts, 3)[:2] == pytest.approx(1.0)

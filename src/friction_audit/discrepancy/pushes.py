@@ -61,7 +61,10 @@ REACH_S = 5.12
 AFTER_WILD_S = 0.1
 """About a wild sample nothing is looked for."""
 LEAST_SHARE = 0.2
-"""Of what a filter sees of the torque that was taken off: what is smaller may be what its formula gets wrong."""
+"""Of what a filter sees of the torque of known effects: what is smaller may be what their formulas get wrong."""
+LEAST_OF_MODEL = 0.05
+"""Of what it sees of inertia and friction. A quiet sensor shows what no model gets right: of an inertia that is wrong
+by a hundredth, or a motion that is logged a millisecond late, every brisk stroke."""
 FEWEST_AGAIN, HALF = 2, 0.5
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080
 
@@ -137,7 +140,8 @@ def find_pushes(
     Args:
         data: The joint, n samples: what is left grows with its acceleration, or comes again with its motion.
         left: What is left, shape (n,). [N m]
-        known: Torque that was taken off, shape (n,): what is far smaller than it may be what its formula lacks. [N m]
+        known: Torque of known effects that was taken off, shape (n,): what is far smaller may be what their formulas
+            lack. [N m]
         clear: Samples in which the direction of motion is clear, shape (n,).
         turning: Samples about reversals and rests, in which only what friction cannot be is left, shape (n,). They
             count for a push that reaches into them; for any other a straight line leads over them, as over the rest.
@@ -150,13 +154,15 @@ def find_pushes(
     if slides.sum() * data.step_s < SEGMENT_S:
         return ()
     every = max(int(1.0 / (RATE_HZ * data.step_s) + 1e-9), 1)
-    rest, over_turns = (_thinned(_bridged(left, counts), every) for counts in (clear, clear | turning))
+    about = round(ABOUT_S / data.step_s)
+    rest, over_turns = (_thinned(bridged(left, counts, about), every) for counts in (clear, clear | turning))
     hardness = (-np.abs(data.dq[::every]), _thinned(np.abs(data.ddq), every))
     step_s = data.step_s * every
     length = _length(len(rest), step_s)
     matched = _filters(rest, clear[::every], turning[::every], hardness, step_s, length)
-    signals = rest, over_turns, _thinned(_bridged(left, slides), every), _thinned(known, every)
-    plain, over, free, off = (rfft(one, length) for one in signals)
+    modelled = data.torque - known - left
+    signals = rest, over_turns, *(_thinned(one, every) for one in (bridged(left, slides, about), known, modelled))
+    plain, over, free, *taken_off = (rfft(one, length) for one in signals)
     sizes = np.stack(
         [np.where(m.turns, m.of(over, length)[: len(rest)], m.of(plain, length)[: len(rest)]) for m in matched]
     )
@@ -168,14 +174,33 @@ def find_pushes(
     return tuple(
         push
         for push, k, at, unit in _pursued(sizes, sigma, held, turns, matched, least, passes_of(data, every), step_s)
-        if abs(push.size) > LEAST_SHARE * _largest(matched[k].of(off, length) / unit, at, near)
+        if all(
+            abs(push.size) > share * _largest(matched[k].of(off, length) / unit, at, near)
+            for share, off in zip((LEAST_SHARE, LEAST_OF_MODEL), taken_off, strict=True)
+        )
     )
 
 
-def _bridged(signal: Float, counts: Samples) -> Float:
-    """A signal with straight lines over the samples that do not count."""
-    place = np.arange(len(signal))
-    return np.interp(place, place[counts], signal[counts])
+def bridged(signal: Float, counts: Samples, about: int) -> Float:
+    """A signal with straight lines over the samples that do not count, shape (n,).
+
+    They lead from and to a median over a quarter of the gap, of so many samples at most: one is noise, or still moved
+    by what does not count, and a long line to it would be a push.
+    """
+    place, step = np.flatnonzero(counts), np.arange(max(about, 1))
+    values, gaps = signal[place], np.flatnonzero(np.diff(place) > 1)
+    ends, starts = np.append(gaps, len(place) - 1), np.append(0, gaps + 1)
+    wide = np.maximum(np.diff(place)[gaps] // 4, 1)
+    levels = [
+        np.nanmedian(np.where(step < many[:, None], values[np.clip(near, 0, len(place) - 1)], np.nan), axis=1)
+        for near, many in (
+            (starts[:, None] + step, np.append(about, wide)),
+            (ends[:, None] - step, np.append(wide, about)),
+        )
+    ]
+    corners = np.ravel([place[starts], place[ends]], order="F")
+    line = np.interp(np.arange(len(signal)), corners, np.ravel(levels, order="F"))
+    return np.where(counts, signal, line)
 
 
 def _held(size: Float, free: Float) -> Samples:

@@ -113,3 +113,10 @@ def test_a_gear_that_winds_up_behind_a_rest_before_friction_has_turned_is_no_tou
     q, moving = np.cumsum(dq) * 0.005, np.abs(dq) > 0.2 * creep
     wound = replace(data, q=q, dq=dq, torque=torque, moving=moving, dead_speed_rad_s=0.2 * creep)
     assert find_contacts(wound) == ()
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_quiet_sensor_beside_an_encoder_s_noise_sees_no_touch_in_brisk_strokes(seed: int) -> None:
+    encoder = np.random.default_rng(seed).normal(scale=2e-5, size=len(NOISE) + 2)
+    ddq = MOTION.ddq + np.diff(encoder, n=2) / MOTION.step_s**2
+    assert find_contacts(replace(MOTION, torque=PLAIN + 0.1 * NOISE, ddq=ddq)) == ()

@@ -16,7 +16,8 @@ from friction_audit.discrepancy.candidate import Baseline, Candidate, Shape
 from friction_audit.discrepancy.candidates.excitation import moves
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.mean_sign import mean_sign
-from friction_audit.discrepancy.pushes import ABOUT_S, HALF, Push, find_pushes
+from friction_audit.discrepancy.pushes import ABOUT_S, CORNER_HZ, HALF, Push, bridged, find_pushes
+from friction_audit.discrepancy.rows import filter_rows, row_filter
 from friction_audit.joint_log import Float
 
 OUTLYING = 12.0
@@ -156,31 +157,47 @@ def _left(data: JointData, clear: NDArray[np.bool_], turning: NDArray[np.bool_],
     At a reversal or a rest friction is whatever is nearest to a straight line through what is left before and after
     it, as far as it can be: it holds with no more than it rubs with.
     """
-    others = np.column_stack([data.ddq, np.cos(data.q), np.sin(data.q), np.ones(len(data.t))])
-    columns = np.column_stack([others, friction])
-    columns /= np.maximum(np.sqrt(np.mean(columns**2, axis=0)), np.finfo(float).tiny)
-    kept, factors = clear, np.zeros(columns.shape[1])
-    left = data.torque
-    for _ in range(3):  # what stands out must not bend the fit
-        used, torque = columns[kept], data.torque[kept]
-        factors = np.linalg.lstsq(used.T @ used, used.T @ torque)[0]
-        left = data.torque - columns @ factors
-        kept = clear & (np.abs(left) < OUTLYING * np.median(np.abs(left[clear])))
+    others = np.column_stack([np.cos(data.q), np.sin(data.q), np.ones(len(data.t))])
+    columns = _even(np.column_stack([others, friction]))
+    torque = data.torque - _inertia(data, clear, others) * data.ddq
+    factors = _fitted(columns, torque, clear)
+    left = torque - columns @ factors
     rubbed = columns[:, others.shape[1] :] @ factors[others.shape[1] :]
     most = float(np.quantile(np.abs(rubbed[clear]), MOST_FRICTION))
-    line = _level(data, left, clear)
+    line = bridged(left, clear, _samples(TURN_S, data))
     beyond = left + rubbed - line
     held = line + beyond - np.clip(beyond, -most, most)
     return np.where(clear, left, np.where(turning, held, 0.0))
 
 
-def _level(data: JointData, left: Float, clear: NDArray[np.bool_]) -> Float:
-    """Straight lines over what is not clear, from and to what is, a mean each: one sample is noise."""
-    from scipy.ndimage import uniform_filter1d
+def _inertia(data: JointData, clear: NDArray[np.bool_], others: Float) -> float:
+    """Inertia beside friction and others, shape (n, p), fitted to what passes the corner. [kg m^2]
 
-    samples = _samples(TURN_S, data)
-    sums, filled = (uniform_filter1d(one, max(samples, 1)) for one in (np.where(clear, left, 0.0), clear.astype(float)))
-    return np.interp(data.t, data.t[clear], sums[clear] / filled[clear])
+    Above it the acceleration is the encoder's noise: an inertia fitted there is too small, and what it leaves of every
+    brisk stroke would be a touch.
+    """
+    kernel, every = row_filter(1.0 / data.step_s, CORNER_HZ)
+    columns = filter_rows(np.column_stack([data.ddq, others, _plain(data)]), kernel, every)
+    size = np.sqrt(np.mean(columns[:, 0] ** 2))
+    factors = _fitted(_even(columns), filter_rows(data.torque, kernel, every), clear[::every])
+    return float(factors[0] / size) if size > 0.0 else 0.0
+
+
+def _even(columns: Float) -> Float:
+    """Columns of a root mean square of one, shape (n, p)."""
+    return np.asarray(columns / np.maximum(np.sqrt(np.mean(columns**2, axis=0)), np.finfo(float).tiny))
+
+
+def _fitted(columns: Float, torque: Float, clear: NDArray[np.bool_]) -> Float:
+    """Factors of columns, shape (n, p), on the clear samples of a torque, whatever stands out of it, shape (p,)."""
+    kept = clear
+    factors: Float = np.zeros(columns.shape[1])
+    for _ in range(3):
+        used = columns[kept]
+        factors = np.asarray(np.linalg.lstsq(used.T @ used, used.T @ torque[kept])[0], np.float64)
+        left = np.abs(torque - columns @ factors)
+        kept = clear & (left < OUTLYING * np.median(left[clear]))
+    return factors
 
 
 def _plain(data: JointData) -> Float:
