@@ -1,6 +1,6 @@
 """Simulate, diagnose, and hold the answer against the truth, over many seeds.
 
-python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--output FILE.csv]
+python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--noise COLOUR] [--output FILE.csv]
 
 ``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed) and the kinds of ``outside``. A file that is
 there is gone on with: what it holds is not run again.
@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_of
+from benchmarks.hidden_effects.draw import NOISES, Case, draw_case, model_of, settings_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
@@ -41,9 +41,7 @@ FIELDS = (
 
 def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[str, object]]:
     """One log: one row per joint that moves; a row without a verdict where the strength cannot be reached."""
-    kinds = [kind for kind, _ in OUTSIDE]
-    names = () if truth == "none" or truth in kinds else tuple(truth.split("+"))
-    case = draw_case(seed, names, SIZES[seed % len(SIZES)], scenario)
+    case, kinds = _case(seed, truth, scenario), [kind for kind, _ in OUTSIDE]
     try:
         scales = () if truth in kinds else scales_for(case)
         if scales is None:
@@ -58,6 +56,11 @@ def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[st
         return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
     found_with = {"scales": "/".join(map(repr, scales))}
     return [_row(case, truth, joint) | found_with for joint in found.joints]
+
+
+def _case(seed: int, truth: str, scenario: str | None = None) -> Case:
+    names = () if truth == "none" or truth in {kind for kind, _ in OUTSIDE} else tuple(truth.split("+"))
+    return draw_case(seed, names, SIZES[seed % len(SIZES)], scenario)
 
 
 def scaled(case: Case, scales: Iterable[float]) -> Case:
@@ -120,6 +123,7 @@ def main() -> None:
     parser.add_argument("--seeds", type=int, default=30)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--scenario")
+    parser.add_argument("--noise", choices=NOISES)
     parser.add_argument("--workers", type=int)
     parser.add_argument("--output", type=Path, default=Path("hidden_effects.csv"))
     asked = parser.parse_args()
@@ -127,6 +131,7 @@ def main() -> None:
     there = list(csv.DictReader(asked.output.open())) if started else []
     done = {(row["truth"], int(row["seed"])) for row in there}
     wanted = [one for one in tasks(asked.effects, asked.first, asked.seeds) if one not in done]
+    wanted = [one for one in wanted if asked.noise in {None, _case(one[1], one[0]).noise}]
     with asked.output.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
         writer = csv.DictWriter(file, FIELDS)
         if not started:
