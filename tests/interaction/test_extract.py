@@ -193,7 +193,8 @@ def test_a_model_that_nobody_demanded_is_done_without_where_the_log_has_other_jo
     found = extract(log, drive="robot")
     np.testing.assert_allclose(found.torque, friction(joints), atol=1e-12)
     assert (found.choice.gravity, found.choice.inertia) == ("logged", "none")
-    assert codes(found) == ["inertia_in_torque"]
+    # A joint alone has its kinetic energy back at the end of every cycle.
+    assert codes(found) == (["inertia_in_torque"] if joints > 1 else [])
 
 
 PAYLOAD = (0.73, -0.01, 0.0, 0.03)

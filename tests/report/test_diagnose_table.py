@@ -189,6 +189,12 @@ def test_the_size_of_a_play_is_its_width() -> None:
     )
 
 
+def test_what_the_locked_cycles_do_not_prove_is_told_to_be_plain_on_all() -> None:
+    late = replace(BIAS, p_value=0.49)
+    lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(late,)),))))
+    assert any("p = 0.49 on the locked cycles alone, plain on all together" in line for line in lines)
+
+
 def test_contacts_say_that_their_rows_are_left_out() -> None:
     touched = replace(BIAS, name="contact_event", p_value=float("nan"))
     lines = lines_of(diagnose_table(diagnosis((replace(NAMED, effects=(touched,)),))))

@@ -49,7 +49,8 @@ def sign_cautions(
                 f"{formula(plan, balance)}; record more strokes in both directions, or make sure of --drive",
             )
         )
-    if balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia:
+    several = log.q.shape[1] > 1
+    if several and balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia:
         found.append(
             Caution(
                 code="inertia_in_torque",

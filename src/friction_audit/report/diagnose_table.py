@@ -23,6 +23,8 @@ TITLES = ("joint", "verdict", "missing", "before\n[N m]", "after\n[N m]", "floor
 WORDS = 3
 """Columns of words; the others hold numbers."""
 SMALLEST_P = 0.001
+SIGNIFICANT = 0.05
+"""Above it the locked cycles do not prove an effect by themselves."""
 MOST_NUMBERS = 6
 """Parameters of an effect that a line has room for."""
 UNITS = {parameter.name: parameter.unit for term in TERMS for parameter in term.parameters}
@@ -174,6 +176,8 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
 
 def _effect(effect: Effect, said: str) -> Iterator[str]:
     p_value = format_p_value(effect.p_value)
+    if effect.p_value > SIGNIFICANT:
+        p_value += " on the locked cycles alone, plain on all together"
     gap = f"gap {format_torque(effect.gap_before_nm)} -> {format_torque(effect.gap_after_nm)} N m"
     if effect.name == CONTACT.name:
         gap += " as its rows are left out, as they are above and in all that follows"
