@@ -16,7 +16,6 @@ from friction_audit.discrepancy.contacts import (
     without_contacts,
 )
 from friction_audit.discrepancy.cross_products import CrossProducts
-from friction_audit.discrepancy.curves import Curve
 from friction_audit.discrepancy.data_audit import DataFinding, faults
 from friction_audit.discrepancy.declared import coefficients
 from friction_audit.discrepancy.displacement import strokes
@@ -40,7 +39,7 @@ from friction_audit.discrepancy.outdone import find_outdone, what_speaks
 from friction_audit.discrepancy.parameters import Parameters, parameters_of
 from friction_audit.discrepancy.profiles import profile_all
 from friction_audit.discrepancy.restless import find_restless
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Traces, Verdict
+from friction_audit.discrepancy.result import Effect, JointDiscrepancy, Profile, Traces, Verdict
 from friction_audit.discrepancy.ringing import find_ringing, rings
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
@@ -248,16 +247,12 @@ def _told(
 ) -> JointDiscrepancy:
     """Everything that is to be said, from what was found and the tests without and with it."""
     columns = [f.columns for f in names.found]
-    before, after, cycle = ground.residual(), ground.residual(*columns), ground.rows.cycle
-    floor = noise_floor(ground, ground.curves, *columns)
-    gap = measure_gap(before[ground.locked], after[ground.locked], floor, cycle[ground.locked])
+    gap, profiles = _gap(ground, columns), _profiles(ground, columns, tests)
     told = with_moments_of_all_cycles(ground, names)
     numbers = parameters_of(ground, told, names.baseline)
     effects = (*events, *effects_of(ground, names, ground.curves, numbers))
-    declared = dict(zip(ground.declared.names, coefficients(ground.base, ground.y, cycle), strict=True))
-    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
-    profiles = [profile_all(before, ground.curves, speed, cycle, tests[0])]
-    profiles += [profile_all(after, ground.curves, speed, cycle, tests[1])] if names.found else profiles
+    factors = coefficients(ground.base, ground.y, ground.rows.cycle)
+    declared = dict(zip(ground.declared.names, factors, strict=True))
     # A step whose moment lies in a locked cycle is put where all cycles have it: else a stroke there seems to scatter.
     grown, fine = [f.columns for f in told], [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
@@ -295,8 +290,24 @@ def _told(
         scatter_nm=None if restless.scatter is None else restless.scatter.rms_nm,
         untestable=names.library.untestable,
         findings=subject.findings,
-        traces=_traces(ground, ground.curves, before, after),
+        traces=_traces(ground, columns),
     )
+
+
+def _gap(ground: Ground, columns: Sequence[Float]) -> Gap:
+    """What is left of the locked cycles without and with some columns, and the noise."""
+    locked = ground.locked
+    before, after = ground.residual()[locked], ground.residual(*columns)[locked]
+    return measure_gap(before, after, noise_floor(ground, ground.curves, *columns), ground.rows.cycle[locked])
+
+
+def _profiles(
+    ground: Ground, columns: Sequence[Float], tests: tuple[Omnibus, Omnibus]
+) -> tuple[tuple[Profile, ...], tuple[Profile, ...]]:
+    """What the residual depends on without and with some columns."""
+    speed, cycle = ground.data.dq[:: ground.rows.every][ground.rows.used], ground.rows.cycle
+    first = profile_all(ground.residual(), ground.curves, speed, cycle, tests[0])
+    return first, (profile_all(ground.residual(*columns), ground.curves, speed, cycle, tests[1]) if columns else first)
 
 
 def _as_told(names: Names, numbers: Parameters) -> Names:
@@ -390,7 +401,7 @@ def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...
     return (*steps, ("floor of the noise", gap.floor))
 
 
-def _traces(ground: Ground, curves: Sequence[Curve], before: Float, after: Float) -> Traces:
+def _traces(ground: Ground, columns: Sequence[Float]) -> Traces:
     every, used = ground.rows.every, ground.rows.used
     displacement, weight = strokes(ground.data).displacement, ground.rows.weight
     return Traces(
@@ -401,8 +412,8 @@ def _traces(ground: Ground, curves: Sequence[Curve], before: Float, after: Float
         cycle=ground.rows.cycle,
         locked=ground.locked,
         measured=ground.rows.y / weight,
-        before=(ground.rows.y - before) / weight,
-        after=(ground.rows.y - after) / weight,
-        along={curve.axis.name: curve.values for curve in curves},
+        before=(ground.rows.y - ground.residual()) / weight,
+        after=(ground.rows.y - ground.residual(*columns)) / weight,
+        along={curve.axis.name: curve.values for curve in ground.curves},
         corner_hz=ground.rows.corner_hz,
     )
