@@ -139,6 +139,11 @@ def test_the_numbers_of_joints_must_agree() -> None:
             {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "soft_nm": 0.3},
             "stiffens as a hyperbolic tangent",
         ),
+        (
+            "load_dependent_friction",
+            {"load_friction_nm": 0.1, "load_exponent": 1.0, "load_static": 1.0},
+            "not the weight alone",
+        ),
         ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
         (
             "joint_elasticity",

@@ -179,7 +179,8 @@ def _presliding(values: Values, setting: Setting) -> Told:
 
 
 def _load_dependent_friction(values: Values, _setting: Setting) -> Told:
-    share, by_power, exponent, directed = values.values()
+    share, by_power, exponent, directed, static = values.values()
+    _require(round(static) == 0, "its load is all that goes through the gear, and not the weight alone")
     _require(by_power == 0.0 or round(directed) == 0, "its loss by the direction of the power is half of the mean")
     _require(_alike(exponent, 1.0) or _alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
     linear = _alike(exponent, 1.0)

@@ -9,6 +9,9 @@ from friction_audit.joint_log import Float
 from friction_audit.model.terms.load_dependent_friction import TERM
 
 EXPONENTS = (1.0, 1.5, 2.0)
+WHOLE: Shape = {}
+STATIC: Shape = {"load_static": 1.0}
+"""The load is all that goes through the gear, or what the link weighs: both are in the literature."""
 LEAST_CHANGE = 0.1
 """Of a high load, what it must change by: a steady load's friction is Coulomb friction."""
 
@@ -34,7 +37,9 @@ def admissible(factors: Float, _shape: Shape) -> bool:
 CANDIDATE = Candidate(
     name=TERM.name,
     label="friction grows with load",
-    shapes=tuple({"load_exponent": p, "load_directed": d} for d in (0.0, 1.0) for p in EXPONENTS),
+    shapes=tuple(
+        {"load_exponent": p, "load_directed": d} | of for d in (0.0, 1.0) for p in EXPONENTS for of in (WHOLE, STATIC)
+    ),
     columns=columns_of(TERM),
     column_units=("nm", "nm"),
     untestable=untestable,

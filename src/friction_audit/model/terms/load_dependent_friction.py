@@ -17,11 +17,11 @@ from friction_audit.model.term import Motion, Parameter, Term
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return sgn(dq) |load|^p and, where the power's direction counts, sgn(load) |load|^p as columns.
 
-    The load is what the sensor is predicted to read: what the motion takes and what the link weighs.
+    The load is what the sensor is predicted to read: what the motion takes and what the link weighs; or the latter.
     """
-    exponent, directed = shape
+    exponent, directed, static = shape
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    if motion.rest is not None:
+    if motion.rest is not None and not round(static):
         load = load + motion.rest
     size = np.abs(load) ** exponent
     return np.stack([motion.direction * size, np.sign(load) * size * round(directed)]).T
@@ -43,6 +43,15 @@ TERM = Term(
             lower=0.0,
             upper=1.0,
             whole=True,
+        ),
+        Parameter(
+            name="load_static",
+            unit="1",
+            meaning="1 if the load is what the link weighs, and not what the motion takes",
+            lower=0.0,
+            upper=1.0,
+            whole=True,
+            optional=True,
         ),
     ),
     basis=basis,
