@@ -49,3 +49,6 @@ def test_little_else_is_left_out(found: JointDiscrepancy) -> None:
     (effect,) = found.effects
     assert effect.parameters["contacts"].value <= len(EVENTS)
     assert effect.parameters["longest_contact_s"].value < 1.2
+    # The sensor reads what holds against the push.
+    largest = max((size for *_, size in EVENTS), key=abs)
+    assert effect.parameters["largest_contact_nm"].value == pytest.approx(-largest, rel=0.3)

@@ -99,6 +99,7 @@ def contact_effects(ground: Ground, undisturbed: Undisturbed) -> tuple[Effect, .
         "contacts": float(len(contacts)),
         "first_contact_s": contacts[0].start_s,
         "longest_contact_s": max(lengths),
+        "largest_contact_nm": _largest(ground, undisturbed),
     }
     nothing = np.zeros(len(undisturbed.ground.y))
     effect = Effect(
@@ -118,6 +119,14 @@ def contact_effects(ground: Ground, undisturbed: Undisturbed) -> tuple[Effect, .
         evidence=(Evidence(name=CONTACT.name, delta_bic=0.0, correlation=1.0),),
     )
     return (effect,)
+
+
+def _largest(ground: Ground, undisturbed: Undisturbed) -> float:
+    """The torque of all contacts that is farthest from none, with its sign; none where no row is left in them. [N m]"""
+    clean = undisturbed.ground
+    left = (ground.y - ground.base @ least_squares(clean.base, clean.y)) / ground.rows.weight
+    touched = left[~np.isin(ground.rows.t, clean.rows.t)]
+    return float(touched[np.argmax(np.abs(touched))]) if len(touched) else 0.0
 
 
 def _curve(ground: Ground, shown: Float, f: Found, curves: Sequence[Curve]) -> Profile:

@@ -35,7 +35,7 @@ SIZES = {"backlash": "gap_rad"}
 SCALED = ("s", "rad", "rad/(N m)")
 """Units of which a thousandth is easier to read where a number is small."""
 SMALL = 0.02
-ENDS = (("_hz", " Hz"), ("_s", " s"), ("_rad", " rad"))
+ENDS = (("_hz", " Hz"), ("_s", " s"), ("_rad", " rad"), ("_nm", " N m"))
 """Last words of names that are units."""
 IDLE = {"warm_up_per_k": UNFELT_PER_K}
 """Parameters, and the value that they have where what they are for is not used."""
