@@ -12,7 +12,7 @@ from friction_audit.discrepancy.noise import Index, autocovariance
 from friction_audit.discrepancy.prewhitening import Prewhitening, SlowNoise, prewhitening
 from friction_audit.joint_log import Float
 
-SLOW = 5.0
+SLOW = 3.0
 """How many rows that white noise leaves independent are worth one, from which noise is slow."""
 LAGS = 16
 """Spacings of such rows at which the correlation is looked at."""
