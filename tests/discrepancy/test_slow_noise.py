@@ -56,6 +56,13 @@ def test_a_fast_noise_is_not_slow(memory_s: float) -> None:
     assert slow_noise(ground_with(NOISE_NM * slow(memory_s)), []) is None
 
 
+def test_where_nothing_is_left_or_no_stretch_is_long_no_noise_is_slow() -> None:
+    silent = replace(SLOW, declared=replace(SLOW.declared, y=np.zeros_like(SLOW.y)))
+    assert slow_noise(silent, []) is None
+    scattered = replace(SLOW, run=np.arange(len(SLOW.run)))
+    assert slow_noise(scattered, []) is None
+
+
 def test_what_is_missing_makes_no_noise_slow_once_it_was_found_or_a_curve_takes_it() -> None:
     missing = 0.1 * np.cos(QUIET.q)
     ground = ground_with(missing + NOISE_NM * slow(0.0))

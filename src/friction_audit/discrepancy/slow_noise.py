@@ -44,9 +44,14 @@ def _left(ground: Ground, *columns: Float) -> Float:
 
 
 def _fitted(residual: Float, run: Index, lag: int) -> SlowNoise:
-    """The noise whose autocorrelation is nearest to that of a residual, looked at every so many rows."""
+    """The noise whose autocorrelation is nearest to that of a residual, looked at every so many rows.
+
+    White where nothing is left, or no stretch is long enough to tell.
+    """
     sums, pairs = autocovariance(residual, run, LAGS * lag)
     weight = pairs[lag::lag].astype(float)
+    if sums[0] <= 0.0 or not weight.any():
+        return SlowNoise(share=0.0, memory=1.0)
     found = sums[lag::lag] / np.maximum(weight, 1.0) * pairs[0] / sums[0]
     decays = np.exp(-np.arange(1, LAGS + 1) / MEMORIES[:, None])
     shares = np.clip((decays * weight) @ found / ((decays**2) @ weight), 0.0, MOST)
