@@ -12,8 +12,9 @@ from friction_audit.discrepancy.noise import Index, autocovariance
 from friction_audit.discrepancy.prewhitening import Prewhitening, SlowNoise, prewhitening
 from friction_audit.joint_log import Float
 
-SLOW = 3.0
-"""How many rows that white noise leaves independent are worth one, from which noise is slow."""
+SLOW = 5.0
+"""How many rows that white noise leaves independent are worth one, from which noise is slow: from three on, a sensor's
+own noise is, and beside a contact a delay that is none."""
 LAGS = 16
 """Spacings of such rows at which the correlation is looked at."""
 MEMORIES = np.geomspace(1.0, 30.0, 60)
