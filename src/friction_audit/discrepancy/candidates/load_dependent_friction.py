@@ -38,7 +38,7 @@ CANDIDATE = Candidate(
     name=TERM.name,
     label="friction grows with load",
     shapes=tuple(
-        {"load_exponent": p, "load_directed": d} | of for d in (0.0, 1.0) for p in EXPONENTS for of in (WHOLE, STATIC)
+        {"load_exponent": p, "load_directed": d, **of} for d in (0.0, 1.0) for p in EXPONENTS for of in (WHOLE, STATIC)
     ),
     columns=columns_of(TERM),
     column_units=("nm", "nm"),
