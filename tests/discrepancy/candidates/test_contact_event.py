@@ -71,6 +71,11 @@ def test_a_joint_at_rest_has_none() -> None:
     assert find_contacts(replace(MOTION, moving=np.zeros(len(MOTION.t), bool))) == ()
 
 
+def test_a_joint_that_clearly_moves_for_one_sample_has_none() -> None:
+    sample = np.arange(len(MOTION.t))
+    assert find_contacts(replace(MOTION, moving=(sample >= 560) & (sample < 570))) == ()
+
+
 def turn(number: int) -> float:
     return float(MOTION.t[np.flatnonzero(np.diff(np.sign(MOTION.dq)) != 0)[number]])
 

@@ -178,9 +178,10 @@ def _inertia(data: JointData, clear: NDArray[np.bool_], others: Float) -> float:
     """
     kernel, every = row_filter(1.0 / data.step_s, CORNER_HZ)
     columns = filter_rows(np.column_stack([data.ddq, others, _plain(data)]), kernel, every)
-    size = np.sqrt(np.mean(columns[:, 0] ** 2))
-    factors = _fitted(_even(columns), filter_rows(data.torque, kernel, every), clear[::every])
-    return float(factors[0] / size) if size > 0.0 else 0.0
+    size, rows = np.sqrt(np.mean(columns[:, 0] ** 2)), clear[::every]
+    if size == 0.0 or not rows.any():
+        return 0.0
+    return float(_fitted(_even(columns), filter_rows(data.torque, kernel, every), rows)[0] / size)
 
 
 def _even(columns: Float) -> Float:
