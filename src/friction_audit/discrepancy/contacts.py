@@ -21,7 +21,7 @@ from friction_audit.discrepancy.candidates.contact_event import (
 from friction_audit.discrepancy.declared import FRICTION, INERTIA, least_squares
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.library import Library, keep_rows, without
-from friction_audit.discrepancy.naming import Found, Names, search_library, with_moments_of_all_cycles
+from friction_audit.discrepancy.naming import Found, Names, on_rows, search_library, with_moments_of_all_cycles
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.joint_log import Float
 
@@ -74,9 +74,7 @@ def contacts_beside(ground: Ground, undisturbed: Undisturbed, names: Names) -> t
     something changes is refined once more with the rows of the contacts, for it may lie in one of them. Nor is a
     contact what flanks that strike or a spring that rings would leave if they did so at another moment.
     """
-    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
-    found = [replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True)]
-    told = with_moments_of_all_cycles(ground, replace(names, found=tuple(found)))
+    told = with_moments_of_all_cycles(ground, on_rows(ground, names))
     fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
     every = replace(ground, working=np.ones_like(ground.working))
     torques = _torques(every, [f.columns for f in told], fine)

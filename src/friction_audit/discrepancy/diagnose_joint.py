@@ -29,6 +29,7 @@ from friction_audit.discrepancy.motion_noise import noise_in_columns
 from friction_audit.discrepancy.naming import (
     Names,
     find_names,
+    on_rows,
     search_library,
     unknowns,
     with_moments_of_all_cycles,
@@ -177,15 +178,7 @@ def _named(
     library = prewhitened_library(undisturbed.library, news)
     fast = replace(undisturbed, ground=prewhitened(ground, news), library=library)
     first, again = _searched(fast, candidates, settings, rng)
-    return first, (_as_measured(again, undisturbed) if again.found else names)
-
-
-def _as_measured(names: Names, undisturbed: Undisturbed) -> Names:
-    """Names that were found among the news of a joint's rows, as columns of the rows."""
-    ground = undisturbed.ground
-    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
-    found = [replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True)]
-    return replace(names, found=tuple(found), library=undisturbed.library)
+    return first, (replace(on_rows(ground, again), library=undisturbed.library) if again.found else names)
 
 
 def _searched(
@@ -247,7 +240,10 @@ def _told(
 ) -> JointDiscrepancy:
     """Everything that is to be said, from what was found and the tests without and with it."""
     columns = [f.columns for f in names.found]
-    gap, profiles = _gap(ground, columns), _profiles(ground, columns, tests)
+    left = ground.residual(), ground.residual(*columns)
+    gap = _gap(ground, left, noise_floor(ground, ground.curves, *columns))
+    before = _profiles(ground, left[0], tests[0])
+    after = _profiles(ground, left[1], tests[1]) if columns else before
     told = with_moments_of_all_cycles(ground, names)
     numbers = parameters_of(ground, told, names.baseline)
     effects = (*events, *effects_of(ground, names, ground.curves, numbers))
@@ -268,7 +264,7 @@ def _told(
         message=message_of(
             verdict,
             effects,
-            profiles[1],
+            after,
             (*doubts, *restless.phrases),
             limit,
             tests[0].p_value <= alpha,
@@ -284,30 +280,26 @@ def _told(
         omnibus_p=tests[0].p_value,
         remaining_p=tests[1].p_value,
         detection_limit_nm=limit,
-        profiles=profiles[0],
-        remaining=profiles[1],
+        profiles=before,
+        remaining=after,
         vibration=restless.vibration,
         scatter_nm=None if restless.scatter is None else restless.scatter.rms_nm,
         untestable=names.library.untestable,
         findings=subject.findings,
-        traces=_traces(ground, columns),
+        traces=_traces(ground, left),
     )
 
 
-def _gap(ground: Ground, columns: Sequence[Float]) -> Gap:
-    """What is left of the locked cycles without and with some columns, and the noise."""
-    locked = ground.locked
-    before, after = ground.residual()[locked], ground.residual(*columns)[locked]
-    return measure_gap(before, after, noise_floor(ground, ground.curves, *columns), ground.rows.cycle[locked])
+def _gap(ground: Ground, left: tuple[Float, Float], floor: float) -> Gap:
+    """What is left of the locked cycles without and with what was found, and the noise."""
+    before, after = (one[ground.locked] for one in left)
+    return measure_gap(before, after, floor, ground.rows.cycle[ground.locked])
 
 
-def _profiles(
-    ground: Ground, columns: Sequence[Float], tests: tuple[Omnibus, Omnibus]
-) -> tuple[tuple[Profile, ...], tuple[Profile, ...]]:
-    """What the residual depends on without and with some columns."""
-    speed, cycle = ground.data.dq[:: ground.rows.every][ground.rows.used], ground.rows.cycle
-    first = profile_all(ground.residual(), ground.curves, speed, cycle, tests[0])
-    return first, (profile_all(ground.residual(*columns), ground.curves, speed, cycle, tests[1]) if columns else first)
+def _profiles(ground: Ground, left: Float, test: Omnibus) -> tuple[Profile, ...]:
+    """What a residual depends on."""
+    speed = ground.data.dq[:: ground.rows.every][ground.rows.used]
+    return profile_all(left, ground.curves, speed, ground.rows.cycle, test)
 
 
 def _as_told(names: Names, numbers: Parameters) -> Names:
@@ -401,7 +393,7 @@ def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...
     return (*steps, ("floor of the noise", gap.floor))
 
 
-def _traces(ground: Ground, columns: Sequence[Float]) -> Traces:
+def _traces(ground: Ground, left: tuple[Float, Float]) -> Traces:
     every, used = ground.rows.every, ground.rows.used
     displacement, weight = strokes(ground.data).displacement, ground.rows.weight
     return Traces(
@@ -412,8 +404,8 @@ def _traces(ground: Ground, columns: Sequence[Float]) -> Traces:
         cycle=ground.rows.cycle,
         locked=ground.locked,
         measured=ground.rows.y / weight,
-        before=(ground.rows.y - ground.residual()) / weight,
-        after=(ground.rows.y - ground.residual(*columns)) / weight,
+        before=(ground.rows.y - left[0]) / weight,
+        after=(ground.rows.y - left[1]) / weight,
         along={curve.axis.name: curve.values for curve in ground.curves},
         corner_hz=ground.rows.corner_hz,
     )

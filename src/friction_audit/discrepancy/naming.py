@@ -203,6 +203,13 @@ def with_moments_of_all_cycles(ground: Ground, names: Names) -> tuple[Found, ...
     return tuple(found)
 
 
+def on_rows(ground: Ground, names: Names) -> Names:
+    """The names with their columns on the rows of a joint: on all of them, or as they were measured."""
+    fine = (f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found)
+    found = tuple(replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True))
+    return replace(names, found=found)
+
+
 def worth(ground: Ground, *effects: Float) -> float:
     """What the working rows are worth: their number over the memory of the noise."""
     return float(ground.working.sum()) / ground.memory(*effects)

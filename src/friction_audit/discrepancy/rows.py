@@ -120,7 +120,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
         corner_hz: Half of the amplitude passes here, or at a quarter of the rows' rate if that is lower. [Hz]
     """
     rate = 1.0 / data.step_s
-    kernel, every = row_filter(rate, corner_hz)
+    kernel, every, corner = row_filter(rate, corner_hz)
     doubt = filter_rows((~(data.moving & data.valid)).astype(float), np.abs(kernel), every)
     whole = filter_rows((~data.valid).astype(float), np.ones_like(kernel), every) < 0.5  # noqa: PLR2004 - none at all
     cycle = data.cycle[::every]
@@ -130,7 +130,7 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
     used[at] = whole[at] & (cycle[at] >= 0)
     bare = Rows(
         kernel=kernel,
-        corner_hz=_corner(rate, every, corner_hz),
+        corner_hz=corner,
         every=every,
         used=used,
         t=data.t[::every][used],
@@ -143,8 +143,8 @@ def make_rows(data: JointData, corner_hz: float = CORNER_HZ) -> Rows:
     return replace(bare, y=bare.of(data.torque))
 
 
-def row_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int]:
-    """Weights of the filter of rows, an odd number of them, and samples per row.
+def row_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int, float]:
+    """Weights of the filter of rows, an odd number of them, samples per row, and the corner in fact. [Hz]
 
     Args:
         rate_hz: Of the samples.
@@ -153,13 +153,9 @@ def row_filter(rate_hz: float, corner_hz: float) -> tuple[Float, int]:
     from scipy.signal import firwin, kaiserord
 
     every = max(int(rate_hz / ROW_HZ + 1e-9), 1)
-    corner = _corner(rate_hz, every, corner_hz)
+    corner = min(corner_hz, rate_hz / every / 4)
     taps, beta = kaiserord(STOPBAND_DB, corner / (rate_hz / 2))
-    return np.asarray(firwin(taps | 1, corner, window=("kaiser", beta), fs=rate_hz), np.float64), every
-
-
-def _corner(rate_hz: float, every: int, corner_hz: float) -> float:
-    return min(corner_hz, rate_hz / every / 4)
+    return np.asarray(firwin(taps | 1, corner, window=("kaiser", beta), fs=rate_hz), np.float64), every, corner
 
 
 def _breakaways(data: JointData) -> Breakaways:

@@ -176,7 +176,7 @@ def _inertia(data: JointData, clear: NDArray[np.bool_], others: Float) -> float:
     Above it the acceleration is the encoder's noise: an inertia fitted there is too small, and what it leaves of every
     brisk stroke would be a touch.
     """
-    kernel, every = row_filter(1.0 / data.step_s, CORNER_HZ)
+    kernel, every, _ = row_filter(1.0 / data.step_s, CORNER_HZ)
     columns = filter_rows(np.column_stack([data.ddq, others, _plain(data)]), kernel, every)
     size, rows = np.sqrt(np.mean(columns[:, 0] ** 2)), clear[::every]
     if size == 0.0 or not rows.any():
