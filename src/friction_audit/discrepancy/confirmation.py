@@ -108,9 +108,8 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
     after = _left(ground, locked, torques)
     before = np.array([_left(ground, locked, np.delete(torques, k, axis=1)) for k in range(len(effects))])
     size = np.sqrt(np.maximum(before - after, 0.0) / locked.sum())
-    with_all, least = _left(ground, every, *effects), np.finfo(float).tiny
-    without = np.array([_left(ground, every, *effects[:k], *effects[k + 1 :]) for k in range(len(effects))])
-    told_by_all = np.log(np.maximum(without, least) / max(with_all, least))
+    without, with_all = _over_all(ground, effects)
+    told_by_all, least = _told(without, with_all), np.finfo(float).tiny
     doubt, factor = p.copy(), np.concatenate(again)
     worth = len(ground.y) / ground.memory(*effects)
     for k in range(len(effects)):
@@ -134,6 +133,23 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         doubt=holm(doubt),
         cost=_cost(ground, effects),
     )
+
+
+def evidence(ground: Ground, effects: Sequence[Float]) -> Float:
+    """n_eff ln(RSS without / RSS with) of each effect beside the others, over all cycles, shape (k,)."""
+    return len(ground.y) / ground.memory(*effects) * _told(*_over_all(ground, effects))
+
+
+def _over_all(ground: Ground, effects: Sequence[Float]) -> tuple[Float, float]:
+    """What is left of all cycles, without each effect in turn, shape (k,), and with them all: sums of squares."""
+    every = np.ones_like(ground.working)
+    without = [_left(ground, every, *effects[:k], *effects[k + 1 :]) for k in range(len(effects))]
+    return np.array(without), _left(ground, every, *effects)
+
+
+def _told(without: Float, with_all: float) -> Float:
+    least = np.finfo(float).tiny
+    return np.asarray(np.log(np.maximum(without, least) / max(with_all, least)))
 
 
 def _tolerated(ground: Ground, effects: Sequence[Float], worth: float) -> tuple[Float, ...]:

@@ -29,7 +29,6 @@ from friction_audit.discrepancy.motion_noise import noise_in_columns
 from friction_audit.discrepancy.naming import (
     Names,
     find_names,
-    on_rows,
     search_library,
     unknowns,
     with_moments_of_all_cycles,
@@ -46,7 +45,7 @@ from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise
+from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_rows
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -178,7 +177,8 @@ def _named(
     library = prewhitened_library(undisturbed.library, news)
     fast = replace(undisturbed, ground=prewhitened(ground, news), library=library)
     first, again = _searched(fast, candidates, settings, rng)
-    return first, (replace(on_rows(ground, again), library=undisturbed.library) if again.found else names)
+    again = told_by_rows(ground, again)
+    return first, (replace(again, library=undisturbed.library) if again.found else names)
 
 
 def _searched(

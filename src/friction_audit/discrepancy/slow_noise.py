@@ -6,15 +6,20 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.discrepancy.beside import Beside
+from friction_audit.discrepancy.confirmation import evidence
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.groups import Group
+from friction_audit.discrepancy.naming import Names, on_rows
 from friction_audit.discrepancy.noise import Index, autocovariance
 from friction_audit.discrepancy.prewhitening import Prewhitening, SlowNoise, prewhitening
+from friction_audit.discrepancy.ranking import BY_CHANCE
 from friction_audit.joint_log import Float
 
-SLOW = 5.0
-"""How many rows that white noise leaves independent are worth one, from which noise is slow. With three a Panda's own
-noise is slow where a contact was left out, and two of twelve such logs had a delay that was none."""
+SLOW = 3.0
+"""How many rows that white noise leaves independent are worth one, from which noise is slow."""
+LONG_S = 0.05
+"""And its memory. What is slower than white for less is a Panda's own noise and the rows' filter: its news are what is
+near the corner, where every formula is least well known."""
 LAGS = 16
 """Spacings of such rows at which the correlation is looked at."""
 MEMORIES = np.geomspace(1.0, 30.0, 60)
@@ -36,7 +41,8 @@ def slow_noise(ground: Ground, effects: Sequence[Float]) -> SlowNoise | None:
     curves = np.hstack([*(curve.group.shapes[0] for curve in ground.curves), ground.rigid])
     both = [_fitted(_left(ground, *effects, *more), ground.run[ground.working], lag) for more in ([], [curves])]
     noise = min(both, key=lambda one: one.share * one.memory)
-    return noise if 2.0 * noise.share * noise.memory >= SLOW * lag else None
+    long = noise.memory * ground.rows.step_s >= LONG_S
+    return noise if long and 2.0 * noise.share * noise.memory >= SLOW * lag else None
 
 
 def _left(ground: Ground, *columns: Float) -> Float:
@@ -80,6 +86,19 @@ def prewhitened(ground: Ground, news: Prewhitening) -> Ground:
         surface=_group(ground.surface, news),
         rigid=news.of(ground.rigid),
     )
+
+
+def told_by_rows(ground: Ground, names: Names) -> Names:
+    """Names that were found in news, on the rows as they are: those of which these tell too, by more than chance.
+
+    In news what changes fast counts most, and there a small flaw of a formula is the companion of another effect.
+    """
+    from scipy.special import chdtri
+
+    names = on_rows(ground, names)
+    told = evidence(ground, [f.columns for f in names.found])
+    there = told >= chdtri(np.array([f.columns.shape[1] for f in names.found]), BY_CHANCE)
+    return replace(names, found=tuple(f for f, is_there in zip(names.found, there, strict=True) if is_there))
 
 
 def _group(group: Group, news: Prewhitening) -> Group:
