@@ -10,9 +10,11 @@ from friction_audit.discrepancy.candidates.torque_ripple import CANDIDATE as RIP
 from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.library import Library, build_library, prewhitened_library
+from friction_audit.discrepancy.naming import Names
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
-from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise
+from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_rows
 from friction_audit.joint_log import Float
+from tests.discrepancy.found_effect import found_effect
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
 
 QUIET = moved_joint()
@@ -51,7 +53,7 @@ def test_a_slow_noise_is_known_by_its_share_and_memory() -> None:
     assert mixed.share < noise.share - 0.03
 
 
-@pytest.mark.parametrize("memory_s", [0.0, 0.01])
+@pytest.mark.parametrize("memory_s", [0.0, 0.01, 0.025])
 def test_a_fast_noise_is_not_slow(memory_s: float) -> None:
     assert slow_noise(ground_with(NOISE_NM * slow(memory_s)), []) is None
 
@@ -113,6 +115,24 @@ def test_an_effect_that_slow_noise_hides_stands_out_of_news() -> None:
         for one in (ground, news(ground))
     ]
     assert seen[1] > 3.0 * seen[0]
+
+
+def named(ground: Ground, order: float) -> Names:
+    """A ripple of one order as it is found in the news of a joint."""
+    found = found_effect(news(ground), RIPPLE, {"ripple_order": order})
+    return Names(found=(found,), library=Library(entries=(), untestable={}), baseline=ground.baseline())
+
+
+def test_what_the_rows_tell_too_stays_with_its_columns_on_them() -> None:
+    ground = ground_with(0.01 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S))
+    (kept,) = told_by_rows(ground, named(ground, ORDER)).found
+    column = RIPPLE.columns(ground.data, ground.baseline(), {"ripple_order": ORDER})
+    assert kept.columns == pytest.approx(ground.rows.of(column))
+
+
+def test_what_the_rows_do_not_tell_is_no_name_of_news() -> None:
+    kept = [len(told_by_rows(SLOW, named(SLOW, order)).found) for order in np.linspace(20.0, 60.0, 40)]
+    assert sum(kept) <= 3  # one time in a hundred by chance
 
 
 def ripples(ground: Ground) -> Library:

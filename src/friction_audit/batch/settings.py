@@ -13,7 +13,7 @@ from friction_audit.ingest.fingerprint import sha256_of
 if TYPE_CHECKING:
     from friction_audit.discrepancy.settings import DiagnosisSettings
 
-RESULTS_VERSION = 9
+RESULTS_VERSION = 10
 """Raised with every change of the program after which the same log gives other numbers: ledgers then compute anew."""
 
 
