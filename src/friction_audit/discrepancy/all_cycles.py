@@ -17,7 +17,6 @@ from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.naming import Found
 from friction_audit.discrepancy.shape_steps import steps_of
 
-EVERYWHERE = -np.inf, np.inf
 MOST_STEPS = 8
 SHARES = (1.0, 0.5, 0.25, 0.125)
 """Of a step, that are tried one after the other."""
@@ -85,8 +84,7 @@ def _free(found: Found) -> list[str]:
 
 def _moved(found: Found, steps: Shape, share: float, ground: Ground, baseline: Baseline) -> Found:
     """The effect a share of a step on, within the bounds of its numbers."""
-    term = found.candidate.term
-    bounds = {} if term is None else {p.name: (p.lower, p.upper) for p in term.shape}
     away = {name: found.shape[name] + share * step for name, step in steps.items()}
-    shape = {**found.shape, **{name: float(np.clip(v, *bounds.get(name, EVERYWHERE))) for name, v in away.items()}}
+    inside = {name: float(np.clip(value, *found.candidate.bounds(name))) for name, value in away.items()}
+    shape = {**found.shape, **inside}
     return replace(found, shape=shape, columns=ground.rows.of(found.candidate.columns(ground.data, baseline, shape)))

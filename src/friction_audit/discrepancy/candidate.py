@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -137,6 +138,11 @@ class Candidate:
     sought: Callable[[JointData, Shape], Mapping[str, tuple[float, float]]] = _nothing
     hidden: Callable[[JointData], Mapping[str, tuple[float, float]]] = _nowhere
     plainer: Callable[[Shape], tuple[Shape, ...]] = _none
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Between which values a number of a shape makes sense; anywhere, if the term does not know it."""
+        known = () if self.term is None else self.term.shape
+        return next(((one.lower, one.upper) for one in known if one.name == name), (-inf, inf))
 
     def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         """Yield the place of each shape, in any order, and its columns, shape (n, p)."""

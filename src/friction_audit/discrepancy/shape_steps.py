@@ -100,10 +100,9 @@ def _with_slopes(
 
 def _sizes(found: Found) -> Float:
     """Each number of a shape that cannot be below zero; infinite for one that can, shape (k,)."""
-    term = found.candidate.term
-    above = () if term is None else tuple(p.name for p in term.shape if p.lower >= 0.0)
     shape = found.candidate.whole(found.shape)
-    return np.array([abs(value) if name in above else np.inf for name, value in shape.items()], np.float64)
+    above = [found.candidate.bounds(name)[0] >= 0.0 for name in shape]
+    return np.where(above, np.abs(np.array(list(shape.values()), np.float64)), np.inf)
 
 
 def _rms(columns: Float) -> Float:
@@ -112,14 +111,17 @@ def _rms(columns: Float) -> Float:
 
 
 def _slopes(ground: Ground, found: Found, baseline: Baseline, factors: Float) -> Float:
-    """Derivative of an effect's torque with respect to each number of its shape, assumed ones last, shape (m, k)."""
+    """Derivative of an effect's torque with respect to each number of its shape, assumed ones last, shape (m, k).
+
+    To one side alone at a bound: beyond it there is no such effect.
+    """
     columns = [np.zeros((len(ground.y), 0))]
     shape = found.candidate.whole(found.shape)
     for name, value in shape.items():
         step = STEP * max(abs(value), STEP)
-        up, down = (
-            ground.rows.of(found.candidate.columns(ground.data, baseline, {**shape, name: value + side * step}))
-            for side in (1, -1)
+        low, high = np.clip([value - step, value + step], *found.candidate.bounds(name)).tolist()
+        down, up = (
+            ground.rows.of(found.candidate.columns(ground.data, baseline, {**shape, name: end})) for end in (low, high)
         )
-        columns.append(((up - down) @ factors / (2 * step))[:, None])
+        columns.append(((up - down) @ factors / (high - low))[:, None])
     return np.hstack(columns)
