@@ -184,11 +184,12 @@ def find_pushes(
 def bridged(signal: Float, counts: Samples, about: int) -> Float:
     """A signal with straight lines over the samples that do not count, shape (n,).
 
-    They lead from and to a median over a quarter of the gap, of so many samples at most: one is noise, or still moved
-    by what does not count, and a long line to it would be a push.
+    They lead from and to a median over a quarter of the gap, of so many samples at most: one may still be moved by what
+    does not count, and a long line to it would be a push. It is that of tapered means of half as many: of an encoder's
+    noise, as inertia times acceleration, a median alone leaves most.
     """
     place, step = np.flatnonzero(counts), np.arange(max(about, 1))
-    values, gaps = signal[place], np.flatnonzero(np.diff(place) > 1)
+    values, gaps = _calm(signal, counts, about // 2)[place], np.flatnonzero(np.diff(place) > 1)
     ends, starts = np.append(gaps, len(place) - 1), np.append(0, gaps + 1)
     wide = np.maximum(np.diff(place)[gaps] // 4, 1)
     levels = [
@@ -201,6 +202,15 @@ def bridged(signal: Float, counts: Samples, about: int) -> Float:
     corners = np.ravel([place[starts], place[ends]], order="F")
     line = np.interp(np.arange(len(signal)), corners, np.ravel(levels, order="F"))
     return np.where(counts, signal, line)
+
+
+def _calm(signal: Float, counts: Samples, samples: int) -> Float:
+    """Means of the samples that count, weighted by the square of a sine so many samples long about each."""
+    from scipy.ndimage import convolve1d
+
+    weights = np.sin(np.pi * (np.arange(max(samples, 1)) + 0.5) / max(samples, 1)) ** 2
+    sums, some = (convolve1d(one, weights, mode="constant") for one in (np.where(counts, signal, 0.0), 1.0 * counts))
+    return np.asarray(sums / np.maximum(some, np.finfo(float).tiny))
 
 
 def _held(size: Float, free: Float) -> Samples:
