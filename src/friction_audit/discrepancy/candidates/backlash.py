@@ -32,7 +32,6 @@ PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
 FAR_SHARES = (0.8, 0.6)
 """Of the inertia that is behind the play, where a rotor before it moves with the measured side, and its torque is
 measured too."""
-FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
 """All that the shape says is behind the play, as far as a fit that did not know of it can tell."""
 
@@ -85,7 +84,7 @@ def struck(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> 
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline, FEWEST_REVERSALS) or inertia_behind(baseline)
+    return reversals(data, baseline) or inertia_behind(baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:

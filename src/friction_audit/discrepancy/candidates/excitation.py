@@ -7,6 +7,7 @@ from friction_audit.discrepancy.displacement import strokes
 from friction_audit.discrepancy.joint_data import JointData
 
 FEWEST_SAMPLES = 100
+FEWEST_REVERSALS = 8
 CHANGE_PER_COULOMB = 0.5
 """A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen."""
 
@@ -62,11 +63,12 @@ def span(data: JointData, baseline: Baseline, least_rad: float) -> str | None:
     return None
 
 
-def reversals(data: JointData, baseline: Baseline, least: int) -> str | None:
-    """At least so many reversals."""
+def reversals(data: JointData, baseline: Baseline) -> str | None:
+    """Reversals among the working cycles and among the locked ones."""
     found = len(strokes(data).reversals)
-    if found < least:
-        return moves(data, baseline) or f"{found} reversals: turn the direction of motion at least {least} times"
+    if found < FEWEST_REVERSALS:
+        turn = f"turn the direction of motion at least {FEWEST_REVERSALS} times"
+        return moves(data, baseline) or f"{found} reversals: {turn}"
     return moves(data, baseline)
 
 

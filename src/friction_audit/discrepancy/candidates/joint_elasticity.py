@@ -31,7 +31,6 @@ SOUGHT_SOFT = 0.1, 10.0
 """Least and largest torque up to which it stiffens, as shares of the usual one."""
 SOUGHT_DAMPINGS = (0.01, 0.5)
 LARGEST_SHARE = 1.6
-FEWEST_REVERSALS = 20
 LEAST_SHARE = 0.5
 """Compliance found times the stiffness it was built for."""
 MUCH_DAMPED = 0.1
@@ -147,7 +146,7 @@ def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
-    return reversals(data, baseline, FEWEST_REVERSALS) or inertia_behind(baseline)
+    return reversals(data, baseline) or inertia_behind(baseline)
 
 
 def told_too_stiff(shape: Shape) -> dict[str, tuple[float, float]]:

@@ -14,7 +14,6 @@ SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3
 would take its name."""
 KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
 """Exponents with times of damping: one stop, a row of stops, Dahl's, a slow one, and LuGre's with its damping."""
-FEWEST_REVERSALS = 20
 
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
@@ -29,7 +28,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline, FEWEST_REVERSALS)
+    return reversals(data, baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:

@@ -9,7 +9,6 @@ from friction_audit.joint_log import Float
 from friction_audit.model.terms.time_delay import TERM
 
 STEPS_S = np.geomspace(1e-3, 0.1, 13)
-FEWEST_REVERSALS = 20
 LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
 """Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it."""
 
@@ -27,7 +26,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
 
 def untestable(data: JointData, baseline: Baseline) -> str | None:
     """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
-    return reversals(data, baseline, FEWEST_REVERSALS)
+    return reversals(data, baseline)
 
 
 def admissible(factors: Float, shape: Shape) -> bool:
