@@ -15,8 +15,10 @@ from friction_audit.joint_log import Float
 LEAST_GAIN = 0.005
 """Smallest gain of the root mean square that is worth a name: that of an effect of a tenth of what is left."""
 AGREES = 0.2
-"""p-value on locked cycles that does not speak against an effect that all cycles show: at the limit of detection,
+"""Largest p-value on locked cycles that does not speak against an effect that all cycles show: at the limit of detection,
 n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten."""
+STAYS_Z = 1.645
+"""Normal quantile of nineteen in twenty: a larger effect stays that often below a smaller p-value."""
 
 HALF = 0.5
 LEAST_HEARD = 1.0
@@ -38,6 +40,7 @@ class Confirmed:
         size: Root mean square of its torque free of all else, shape (k,). [N m]
         evidence: n_eff ln(RSS without / RSS with) over all cycles, shape (k,).
         least_evidence: The same with as few independent samples as the memory of all that is left allows, shape (k,).
+        expected: What the locked cycles are expected to hold of that evidence, shape (k,).
         gain_of_all: Share of the root mean square that it takes away over all cycles, shape (k,).
         factors: Its factors over all cycles, k arrays of shape (p,).
         tolerated: The same, as near to those of the working cycles as chance may have moved them, k arrays.
@@ -53,6 +56,7 @@ class Confirmed:
     size: Float
     evidence: Float
     least_evidence: Float
+    expected: Float
     gain_of_all: Float
     factors: tuple[Float, ...]
     tolerated: tuple[Float, ...]
@@ -72,16 +76,21 @@ class Confirmed:
         """Whether the locked cycles prove each effect, with a family-wise error of alpha, shape (k,)."""
         return np.asarray((self.p_value <= alpha) & (self.gain >= LEAST_GAIN))
 
-    def shown(self, price: Float) -> NDArray[np.bool_]:
+    def shown(self, price: Float, alpha: float) -> NDArray[np.bool_]:
         """Whether all cycles pay the price of each effect and the locked ones do not object, shape (k,).
 
         Three cycles in ten miss an effect at the limit of detection one time in four, however plain it is on all. They
-        object where the torque that was predicted for them leaves more than nothing did: a factor below a half.
+        object where the torque that was predicted for them leaves more than nothing did: a factor below a half. And
+        they prove what is far above that limit, or it is a form that fits some of the cycles.
 
         Args:
             price: What evidence for each may be by chance, all that was tried counted, shape (k,).
+            alpha: p-value that proves an effect.
         """
-        agrees = (self.doubt <= AGREES) & (self.again > HALF)
+        from scipy.special import ndtr
+
+        usual = ndtr(STAYS_Z - np.sqrt(np.maximum(self.expected, 0.0)))
+        agrees = (self.doubt <= np.clip(usual, alpha, AGREES)) & (self.again > HALF)
         return np.asarray(agrees & (self.evidence > price) & (self.gain_of_all >= LEAST_GAIN))
 
 
@@ -126,6 +135,7 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         size=size,
         evidence=worth * told_by_all,
         least_evidence=len(ground.y) / ground.longest_memory(*effects) * told_by_all,
+        expected=worth * told_by_all * locked.mean(),
         gain_of_all=np.array([rms_gain(one, with_all) for one in without]),
         factors=_factors(ground, every, effects),
         tolerated=_tolerated(ground, effects, worth),
