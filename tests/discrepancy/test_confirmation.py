@@ -74,10 +74,13 @@ def test_a_prediction_that_makes_locked_cycles_worse_misleads(there: float, misl
         (0.04, 0.01, 0.0, 0.0, 1.0, True, False),  # proven where nothing was chosen
         (0.04, 0.004, 0.0, 0.01, 1.0, False, False),  # too small there, and all cycles do not pay its price
         (0.19, 0.001, 12.1, 0.01, 0.6, False, True),  # all pay, and the locked ones do not object
-        (0.21, 0.001, 50.0, 0.01, 1.0, False, False),  # they do
+        (0.21, 0.001, 12.1, 0.01, 1.0, False, False),  # they do
+        (0.11, 0.001, 20.0, 0.01, 1.0, False, True),  # they might, three times out of a hundred
+        (0.11, 0.001, 50.0, 0.01, 1.0, False, False),  # hardly ever
+        (0.09, 0.001, 50.0, 0.01, 1.0, False, True),  # signs of few clusters tell no better
         (0.19, 0.001, 11.9, 0.01, 1.0, False, False),  # not worth its price
-        (0.19, 0.001, 50.0, 0.004, 1.0, False, False),  # too small for a word
-        (0.19, 0.001, 50.0, 0.01, 0.4, False, False),  # what was predicted makes the locked cycles worse
+        (0.09, 0.001, 50.0, 0.004, 1.0, False, False),  # too small for a word
+        (0.09, 0.001, 50.0, 0.01, 0.4, False, False),  # what was predicted makes the locked cycles worse
     ],
 )
 def test_locked_cycles_prove_or_all_pay(
@@ -90,6 +93,7 @@ def test_locked_cycles_prove_or_all_pay(
         size=one[2],
         evidence=one[3],
         least_evidence=one[3],
+        expected=0.3 * one[3],
         gain_of_all=one[4],
         factors=(np.ones(1),),
         tolerated=(np.ones(1),),

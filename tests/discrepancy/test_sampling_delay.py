@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.discrepancy.candidates.presliding import CANDIDATE as PRESLIDING
 from friction_audit.discrepancy.candidates.time_delay import CANDIDATE as TIME_DELAY
 from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
+from friction_audit.discrepancy.mean_sign import mean_sign
 from friction_audit.discrepancy.result import JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from tests.discrepancy.moved_joint import moved_joint
+from tests.discrepancy.moved_joint import TRUTH, moved_joint
 
 LATE_S = 4e-4
 
@@ -36,4 +38,28 @@ def test_less_than_half_a_sample_is_put_on_time_and_told_as_a_number_of_the_data
 def test_half_a_sample_and_more_is_an_effect(sample_s: float) -> None:
     found = diagnosed(sample_s)
     assert [effect.name for effect in found.effects] == ["time_delay"]
+    assert found.findings == ()
+
+
+def turned(early_s: float, sample_s: float) -> JointDiscrepancy:
+    """A joint whose friction alone turns before its velocity does."""
+    data = moved_joint(noise_nm=0.002)
+    early = TRUTH["coulomb_nm"] * (mean_sign(data.t, data.dq + early_s * data.ddq, data.ddq) - data.way)
+    data = replace(data, torque=data.torque + early, sample_s=sample_s)
+    return diagnose_joint(
+        Subject(data=data, number=1, name="joint1", findings=(), from_energy={}), (PRESLIDING,), DiagnosisSettings()
+    )
+
+
+def test_friction_that_turns_within_a_sample_is_put_on_time_too() -> None:
+    found = turned(LATE_S, 1e-3)
+    assert (found.verdict, found.effects) == ("none", ())
+    (finding,) = found.findings
+    assert (finding.code, finding.verdict, finding.bound) == ("friction_delay", "fine", 1e-3)
+    assert finding.value == pytest.approx(-LATE_S, rel=0.1)
+
+
+def test_what_takes_longer_builds_up() -> None:
+    found = turned(LATE_S, 0.5 * LATE_S)
+    assert [effect.name for effect in found.effects] == ["presliding"]
     assert found.findings == ()

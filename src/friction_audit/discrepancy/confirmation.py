@@ -14,9 +14,9 @@ from friction_audit.joint_log import Float
 
 LEAST_GAIN = 0.005
 """Smallest gain of the root mean square that is worth a name: that of an effect of a tenth of what is left."""
-AGREES = 0.2
-"""Largest p-value on locked cycles that does not speak against an effect that all cycles show: at the limit of detection,
-n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten."""
+AGREES, AGREES_PLAINLY = 0.2, 0.1
+"""Largest p-value on locked cycles that does not speak against an effect that all cycles show: at the limit of
+detection, n_eff rho^2 = 17 over all cycles, three in ten of them stay below it nine times in ten; and far above it."""
 STAYS_Z = 1.645
 """Normal quantile of nineteen in twenty: a larger effect stays that often below a smaller p-value."""
 
@@ -76,21 +76,21 @@ class Confirmed:
         """Whether the locked cycles prove each effect, with a family-wise error of alpha, shape (k,)."""
         return np.asarray((self.p_value <= alpha) & (self.gain >= LEAST_GAIN))
 
-    def shown(self, price: Float, alpha: float) -> NDArray[np.bool_]:
+    def shown(self, price: Float) -> NDArray[np.bool_]:
         """Whether all cycles pay the price of each effect and the locked ones do not object, shape (k,).
 
         Three cycles in ten miss an effect at the limit of detection one time in four, however plain it is on all. They
         object where the torque that was predicted for them leaves more than nothing did: a factor below a half. And
-        they prove what is far above that limit, or it is a form that fits some of the cycles.
+        they do not miss what is far above that limit, or it is a form that fits some of the cycles.
 
         Args:
             price: What evidence for each may be by chance, all that was tried counted, shape (k,).
-            alpha: p-value that proves an effect.
         """
         from scipy.special import ndtr
 
         usual = ndtr(STAYS_Z - np.sqrt(np.maximum(self.expected, 0.0)))
-        agrees = (self.doubt <= np.clip(usual, alpha, AGREES)) & (self.again > HALF)
+        agrees = (holm(self.doubt) <= AGREES) & (self.doubt <= np.clip(usual, AGREES_PLAINLY, AGREES))
+        agrees &= self.again > HALF
         return np.asarray(agrees & (self.evidence > price) & (self.gain_of_all >= LEAST_GAIN))
 
 
@@ -140,7 +140,7 @@ def confirm(ground: Ground, effects: Sequence[Float], rng: np.random.Generator) 
         factors=_factors(ground, every, effects),
         tolerated=_tolerated(ground, effects, worth),
         again=factor,
-        doubt=holm(doubt),
+        doubt=doubt,
         cost=_cost(ground, effects),
     )
 

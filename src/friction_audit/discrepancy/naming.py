@@ -386,7 +386,7 @@ def _accept(
         if (driver := driving(ground, [f.columns for f in found])) is not None:
             possible[driver] = False
         prices = np.array([price[f.candidate.name] for f in found])
-        fails = ~(proof.proven(alpha) | proof.shown(prices, alpha)) | proof.misleads | ~np.array(possible)
+        fails = ~(proof.proven(alpha) | proof.shown(prices)) | proof.misleads | ~np.array(possible)
         fails |= (proof.least_evidence <= prices) & (not rejected)
         small = proof.size < LEAST_SHARE * np.array([_largest_beside(f, found, proof.size) for f in found])
         fails, disproves = fails | small, fails
