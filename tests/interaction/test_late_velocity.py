@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 from scipy.signal import lfilter
 
 from friction_audit.interaction import extract_interaction
@@ -75,7 +76,7 @@ def test_a_coarse_position_makes_no_velocity() -> None:
     q, dq = motion()
     log = log_with(np.interp(T - 0.005, T, dq), np.round(q / 0.02) * 0.02)
     mended = read_on_time(log, np.array([0.005])).dq[100:-100, 0]
-    assert mended == pytest.approx(dq[100:-100], abs=1e-3)
+    assert_allclose(mended, dq[100:-100], rtol=0.0, atol=1e-3)
 
 
 @pytest.mark.parametrize("lag_s", [0.0, -0.006, 0.0004])
@@ -104,7 +105,7 @@ def test_the_interaction_says_that_it_put_a_velocity_on_time() -> None:
     interaction = extract_interaction(late, TorqueSettings())
     message = next(caution.message for caution in interaction.warnings if caution.code == "dq_late")
     assert message == "joint 1: dq comes 6.0 ms behind the change of q, as behind a filter; it is put on time"
-    assert interaction.dq[100:-100, 0] == pytest.approx(dq[100:-100], abs=0.02)
+    assert_allclose(interaction.dq[100:-100, 0], dq[100:-100], rtol=0.0, atol=0.02)
 
 
 def test_each_joint_is_put_on_time_by_its_own_lag() -> None:

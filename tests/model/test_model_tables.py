@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.model import TERMS, FittedTerm, Motion, Parameter, Term
@@ -71,10 +72,10 @@ def test_a_torque_over_place_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
     assert past == ()
     place = tables.place_start + tables.place_step * np.arange(len(RECORDING.t))
     assert place[0] < RECORDING.q.min() < RECORDING.q.max() < place[-1]
-    assert tables.place[0] == pytest.approx(place**3 + place**2, abs=1e-8)
-    assert tables.place[1] == pytest.approx(place**3 - place**2, abs=1e-8)
-    assert tables.place_per_speed[0] == pytest.approx(2 * place, abs=1e-6)
-    assert tables.place_per_speed[1] == pytest.approx(-2 * place, abs=1e-6)
+    assert_allclose(tables.place[0], place**3 + place**2, rtol=0.0, atol=1e-8)
+    assert_allclose(tables.place[1], place**3 - place**2, rtol=0.0, atol=1e-8)
+    assert_allclose(tables.place_per_speed[0], 2 * place, rtol=0.0, atol=1e-6)
+    assert_allclose(tables.place_per_speed[1], -2 * place, rtol=0.0, atol=1e-6)
 
 
 def test_a_torque_over_time_load_and_neighbours_is_taken_as_recorded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -89,8 +90,8 @@ def test_a_torque_over_time_load_and_neighbours_is_taken_as_recorded(monkeypatch
     assert RECORDING.load is not None
     assert RECORDING.others is not None
     both = 0.2 * RECORDING.others.ddq[:, 0] + 0.01 * RECORDING.t
-    assert tables.time[0] == pytest.approx(both + 0.1 * RECORDING.load)
-    assert tables.time[1] == pytest.approx(both - 0.1 * RECORDING.load)
+    assert_allclose(tables.time[0], both + 0.1 * RECORDING.load, rtol=1e-6, atol=1e-12)
+    assert_allclose(tables.time[1], both - 0.1 * RECORDING.load, rtol=1e-6, atol=1e-12)
 
 
 def test_a_share_of_the_acceleration_is_inertia(monkeypatch: pytest.MonkeyPatch) -> None:
