@@ -30,7 +30,7 @@ def late_curve() -> ArmDrift:
 ARMS = (
     pytest.param(by_hand.arm(14, 2), id="a step"),
     pytest.param(by_hand.arm(), id="plain", marks=pytest.mark.thorough),
-    pytest.param(by_hand.arm(3, 1), id="one joint"),
+    pytest.param(by_hand.arm(3, 1), id="one joint", marks=pytest.mark.thorough),
     pytest.param(late_curve(), id="late curve"),
     pytest.param(by_hand.hostile().arms[0], id="hostile", marks=pytest.mark.thorough),
 )

@@ -37,12 +37,12 @@ WRITTEN = [
         kind,
         suffix,
         id=f"{suffix}-{kind.name}",
-        marks=[] if kind is FIGURES[0] or suffix == "svg" else pytest.mark.thorough,
+        marks=[] if kind is FIGURES[0] else pytest.mark.thorough,
     )
     for kind in FIGURES
     for suffix in FORMATS
 ]
-"""Every kind of figure in one format, one in every format; the others alike take long."""
+"""One kind of figure in every format; the others are drawn and saved by the same hands, and take long."""
 
 
 @KINDS

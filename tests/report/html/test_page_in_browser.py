@@ -12,7 +12,7 @@ from friction_audit.report.html.batch_captions import TITLES
 from friction_audit.report.html.batch_page import write_page
 from tests.opened_page import Opened
 from tests.report import batch_by_hand as by_hand
-from tests.report.html.batch_pages import hostile_page, plain_page
+from tests.report.html.batch_pages import hostile_page, plain_page, small_page
 from tests.report.html.conftest import Open
 from tests.report.html.paper import check_paper, check_window
 
@@ -39,6 +39,8 @@ def page_of(case: str) -> str:
                 return write_page(by_hand.batch(by_hand.arm(4, 20)))
         case "nothing":
             return write_page(by_hand.empty())
+        case "small":
+            return small_page()
     return plain_page()
 
 
@@ -177,8 +179,9 @@ def test_the_contents_lead_to_every_section(open_page: Open) -> None:
 @pytest.mark.parametrize(
     ("case", "scheme"),
     [
-        ("plain", "light"),
+        ("small", "light"),
         ("hostile", "dark"),
+        pytest.param("plain", "light", marks=THOROUGH),
         pytest.param("plain", "dark", marks=THOROUGH),
         pytest.param("hostile", "light", marks=THOROUGH),
     ],
