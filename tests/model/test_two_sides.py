@@ -67,10 +67,11 @@ def work(rows: Float) -> Float:
 def test_both_sides_of_a_spring_move_as_scipy_finds(share: float) -> None:
     near, far = (1.0 - share) * B, share * B
     damping = 2.0 * 0.05 * np.sqrt(STIFFNESS * far)
+    driven = drive()
 
     def rates(t: float, s: Float) -> list[float]:
         torque = STIFFNESS * (s[0] - s[2]) + damping * (s[1] - s[3])
-        push = np.interp(t, T, drive())
+        push = np.interp(t, T, driven)
         return [s[1], (push - torque) / near, s[3], (torque - VISCOUS * s[3]) / far]
 
     exact = solve_ivp(rates, (0.0, T[-1]), np.zeros(4), t_eval=T, rtol=1e-9, atol=1e-11, max_step=STEP_S).y
