@@ -185,6 +185,17 @@ def median_step(t: Float) -> float:
     return float(np.median(t[first + 1] - t[first]))
 
 
+def read_only(numbers: Float) -> Float:
+    """Return numbers in one piece that nobody may write to.
+
+    Columns of a log are so, and those that were made from them are not: given to a compiled loop as they are, it would
+    be compiled once for each mixture of both.
+    """
+    whole = np.ascontiguousarray(numbers, np.float64).view()
+    whole.setflags(write=False)
+    return whole
+
+
 def _check_clock(t: Float, path: str) -> None:
     if t.ndim != 1 or t.dtype != np.float64 or len(t) < MINIMUM_SAMPLES:
         raise InputError(f"{path}: {t.size} samples; at least {MINIMUM_SAMPLES} are needed for a joint log")

@@ -14,7 +14,7 @@ from friction_audit.cycles.settings import CycleSettings
 from friction_audit.cycles.thresholds import thresholds_from_log
 from friction_audit.cycles.velocity import filter_velocity
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.per_joint import per_joint
 
 PARTS = 8
@@ -33,7 +33,7 @@ class _Detector:
 
     @property
     def borders(self) -> NDArray[np.int64]:
-        return kernels.find_borders(self.signal, self.initiation, self.termination, self.signed)
+        return kernels.find_borders(read_only(self.signal), self.initiation, self.termination, self.signed)
 
 
 def segment_cycles(interaction: Interaction, settings: CycleSettings) -> EnergyCycles:
@@ -63,7 +63,7 @@ def _segment_joint(
     own = _detector(dq, filtered, settings, rate_hz, fixed, signed=True)
     detector = hand or own
     borders = _borders(interaction, detector, settings)
-    edges, peak, longest_step = kernels.cut_evenly(t, filtered, borders, PARTS)
+    edges, peak, longest_step = kernels.cut_evenly(read_only(t), read_only(filtered), borders, PARTS)
     parts = _sums(interaction, column, filtered, edges)
     start, stop = borders[:-1], borders[1:]
     reach = interaction.q if interaction.choice.gravity_in_torque else interaction.q[:, column : column + 1]
@@ -102,8 +102,8 @@ def _borders(interaction: Interaction, detector: _Detector, settings: CycleSetti
 
 def _sums(interaction: Interaction, column: int, filtered: Float, edges: NDArray[np.int64]) -> EnergySums:
     u = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
-    q, dq, torque = (array[:, column] for array in (interaction.q, interaction.dq, interaction.torque))
-    raw = kernels.add_up(interaction.t, q, dq, filtered, torque, u, edges)
+    q, dq, torque = (read_only(array[:, column]) for array in (interaction.q, interaction.dq, interaction.torque))
+    raw = kernels.add_up(read_only(interaction.t), q, dq, read_only(filtered), torque, read_only(u), edges)
     gravity_x, gravity_y = gravity_work(interaction, column, edges)
     return EnergySums(
         work_j=raw[:, :, kernels.WORK],

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 from friction_audit.model.joint_model import FittedTerm
 from friction_audit.model.term import Motion
 
@@ -60,7 +60,7 @@ class Bristles:
 
     def states_along(self, q: Float) -> Float:
         """State along a motion that begins with none: torque of the curve, deflections, shape (n, 1 + m)."""
-        return np.asarray(_follow(np.ascontiguousarray(q), self.path, self.torque, self.reach))
+        return np.asarray(_follow(read_only(q), self.path, self.torque, self.reach))
 
     def along(self, q: Float) -> Float:
         """Torque along a motion that begins with none, without damping, shape (n,). [N m]"""

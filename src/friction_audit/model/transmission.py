@@ -22,7 +22,7 @@ import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import AnalysisError
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 from friction_audit.model.spring_law import bend_of, pushed, straightened
 from friction_audit.model.term import Motion
 
@@ -170,7 +170,7 @@ def _all_transmitted(
     """Yield the same for pairs of a far side and a transmission, by place in any order."""
     step = float(motion.t[1] - motion.t[0])
     load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    q, dq, load = (np.ascontiguousarray(signal, dtype=np.float64) for signal in (motion.q, motion.dq, load))
+    q, dq, load = map(read_only, (motion.q, motion.dq, load))
     rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]
     paces = [2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS) for rate in rates]
     for steps, places in _side_by_side(list(zip(paces, (link.gap_rad > 0.0 for link in links), strict=True))):

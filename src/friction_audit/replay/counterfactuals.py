@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
-from friction_audit.joint_log import Float, median_step
+from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.model.term import Motion
 from friction_audit.replay.compensators import Coefficients, Compensator, JointModelCompensation
 from friction_audit.replay.moved_joint import MovedJoint, body_of, impedance, tabled_of
@@ -129,7 +129,7 @@ def _control(scene: Scene, compensator: Compensator | None) -> "Control":
 def _along(scene: Scene, control: "Control") -> Signals:
     from friction_audit.replay.same_motion import run_same_motion
 
-    q = np.empty(0) if scene.motion is None else scene.motion.q
+    q = read_only(np.empty(0) if scene.motion is None else scene.motion.q)
     samples = run_same_motion(control, scene.port, q)
     return _signals(scene.port.t, scene.port.dq, control, samples)
 

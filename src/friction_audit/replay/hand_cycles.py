@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 
 FILTERED_M_S, UNDER_WAY = range(2)
 CYCLE_STATE = 2
@@ -92,5 +92,5 @@ def hand_cuts(
         1 where a cycle ends, else 0, shape (n,).
     """
     cuts = np.zeros(len(t), np.int64)
-    _find_cuts(t, hand_speed, dq, thresholds, rest_rad_s, minimum_path_rad, cuts)
+    _find_cuts(read_only(t), read_only(hand_speed), read_only(dq), thresholds, rest_rad_s, minimum_path_rad, cuts)
     return cuts

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 from friction_audit.replay.convergence import dissipation_removed, first_right, first_updated
 from friction_audit.replay.counterfactuals import Scene
 from friction_audit.replay.port import Port
@@ -59,9 +59,14 @@ def measure(port: Port, without: Signals, replayed: Signals, history: ReplayHist
     from friction_audit.replay.sums import largest_sum, sum_up
 
     samples = len(replayed.t)
-    recorded = sum_up(port.t, port.dq, port.torque)
-    before = sum_up(without.t, without.dq, without.interaction_nm)
-    after = sum_up(replayed.t, replayed.dq, replayed.interaction_nm)
+    recorded, before, after = (
+        sum_up(*map(read_only, columns))
+        for columns in (
+            (port.t, port.dq, port.torque),
+            (without.t, without.dq, without.interaction_nm),
+            (replayed.t, replayed.dq, replayed.interaction_nm),
+        )
+    )
     return Numbers(
         energy_recorded_j=recorded[0],
         energy_without_j=before[0],

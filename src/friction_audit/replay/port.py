@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.interaction.interaction import Interaction
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 
 
 class Port(NamedTuple):
@@ -46,8 +46,7 @@ class Course(NamedTuple):
 def port_of(interaction: Interaction, column: int) -> Port:
     """Return the recording of a joint (0-based), column after column in memory."""
     logged = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
-    signals = (interaction.dq[:, column], interaction.torque[:, column], logged)
-    return Port(interaction.t, *map(np.ascontiguousarray, signals))
+    return Port(*map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged)))
 
 
 def empty_course(samples: int) -> Course:

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Float, read_only
 from friction_audit.model.term import Motion, Parameter, Term
 
 DEPTH_RAD = 0.1
@@ -23,8 +23,7 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """
     upper, lower, exponent = shape
     columns = np.zeros((4, len(motion.q)))
-    q, dq = (np.ascontiguousarray(signal, dtype=np.float64) for signal in (motion.q, motion.dq))
-    _press(q, dq, float(upper), float(lower), float(exponent), columns)
+    _press(read_only(motion.q), read_only(motion.dq), float(upper), float(lower), float(exponent), columns)
     return columns.T
 
 
