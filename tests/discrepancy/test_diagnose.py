@@ -41,7 +41,7 @@ def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
         ("time_delay", 40.0),
         pytest.param("warm_up", 60.0, marks=pytest.mark.thorough),
         pytest.param("friction_step", 60.0, marks=pytest.mark.thorough),
-        ("backlash", 40.0),
+        pytest.param("backlash", 40.0, marks=pytest.mark.thorough),
         pytest.param("cable_spring", 60.0, marks=pytest.mark.thorough),
     ],
 )
@@ -135,6 +135,7 @@ def test_a_wide_play_has_no_delay_beside_it() -> None:
     assert width.low < 0.002 < width.high
 
 
+@pytest.mark.thorough
 def test_a_play_of_half_a_hundredth_of_the_way_is_found_behind_what_stands_in_for_it() -> None:
     """No width of the grid comes near it; a delay, gravity and presliding explain more than all of them."""
     found = diagnosed(recorded("backlash:gap_rad=0.008", scenario="joint-sine", seed=2))
@@ -144,7 +145,9 @@ def test_a_play_of_half_a_hundredth_of_the_way_is_found_behind_what_stands_in_fo
     assert width.value == pytest.approx(0.008, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_a_gear_that_is_soft_at_first_is_one_spring() -> None:
+    """Fitted in ``test_jointly.py`` too, as the play above is."""
     found = diagnosed(
         recorded("joint_elasticity:compliance_rad_per_nm=0.003,form=hardening", scenario="joint-sine", seed=3)
     )
