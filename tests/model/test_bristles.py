@@ -1,5 +1,6 @@
 """Bristles read off a term: by hand for a stop and for Dahl's exponential, and the path of any motion."""
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -27,18 +28,18 @@ def invent(monkeypatch: pytest.MonkeyPatch, basis: Callable[[Motion], Float]) ->
 
 
 def stop(q: Float, reach: float) -> Float:
-    z = np.zeros(len(q))
-    for i in range(1, len(q)):
-        z[i] = np.clip(z[i - 1] + (q[i] - q[i - 1]) / reach, -1.0, 1.0)
-    return z
+    z = [0.0]
+    for way in (np.diff(q) / reach).tolist():
+        z.append(min(max(z[-1] + way, -1.0), 1.0))
+    return np.array(z)
 
 
 def dahl(q: Float, reach: float) -> Float:
-    z = np.zeros(len(q))
-    for i in range(1, len(q)):
-        way = (q[i] - q[i - 1]) / reach
-        z[i] = np.sign(way) + (z[i - 1] - np.sign(way)) * np.exp(-abs(way)) if way else z[i - 1]
-    return z
+    z = [0.0]
+    for way in (np.diff(q) / reach).tolist():
+        end = math.copysign(1.0, way)
+        z.append(end + (z[-1] - end) * math.exp(-abs(way)) if way else z[-1])
+    return np.array(z)
 
 
 WAY = 0.03 * np.sin(np.linspace(0.0, 12.0, 3001)) * np.linspace(0.1, 1.0, 3001)
