@@ -21,8 +21,8 @@ TABLES = {
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("command", TABLES)
 def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
-    figures = () if command == "report" else ("--figures", "svg")
-    answer = run(command, logs / "moved1.csv", "-o", "out", *figures, "--export", "csv,parquet,mcap", "-q")
+    beside = ("--format", "markdown") if command == "report" else ("--figures", "svg")
+    answer = run(command, logs / "moved1.csv", "-o", "out", *beside, "--export", "csv,parquet,mcap", "-q")
     assert answer.code == 0, answer.err
     before = "moved1.report." if command == "report" else ""
     for name in TABLES[command]:
