@@ -17,7 +17,7 @@ import pytest
 from friction_audit.export import write_log
 from friction_audit.joint_log import JointLog
 
-KILLS = int(os.environ.get("FRICTION_AUDIT_KILLS", "3"))
+KILLS = int(os.environ.get("FRICTION_AUDIT_KILLS", "2"))
 """FRICTION_AUDIT_KILLS=10 takes a minute on a machine with nothing else to do."""
 LOGS = 8 * KILLS
 PATIENCE_S = 120.0
