@@ -39,7 +39,7 @@ def effort(motion: Motion, since_s: float = 0.0) -> float:
 
 
 def test_true_coefficients_take_friction_off_the_hand(alone: Simulation) -> None:
-    helped = simulate(replace(ALONE, compensator=TRUE_VALUES), SEED)
+    helped = simulate(replace(ALONE, compensator=TRUE_VALUES, duration_s=6.0), SEED)
     motion = helped.truth.motion
     assert power(motion) < 0.1 * power(alone.truth.motion)
     assert effort(motion) < 0.9 * effort(alone.truth.motion)
