@@ -20,10 +20,9 @@ THOROUGH = pytest.mark.thorough
 SCHEMES = ("light", "dark")
 CASES = (
     "hostile",
-    "twenty joints",
-    *(pytest.param(case, marks=THOROUGH) for case in ("plain", "one joint", "nothing")),
+    *(pytest.param(case, marks=THOROUGH) for case in ("twenty joints", "plain", "one joint", "nothing")),
 )
-"""The worst, and those that are harmless beside them."""
+"""The worst, and those that are harmless beside it; a log of twenty joints is in ``test_log_page_in_browser.py``."""
 
 
 @cache
