@@ -127,7 +127,16 @@ def test_tables_move_a_simple_joint_as_its_equation_does(assume: str, monkeypatc
 
 
 @pytest.mark.parametrize(
-    "name", ["stribeck", "presliding", "position_dependent_friction", "torque_ripple", "cable_spring", "torque_bias"]
+    "name",
+    [
+        "stribeck",
+        "presliding",
+        "cable_spring",
+        *(
+            pytest.param(name, marks=pytest.mark.thorough)
+            for name in ("position_dependent_friction", "torque_ripple", "torque_bias")
+        ),
+    ],
 )
 def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     """Without a compensator the true model gives the recording again; the simple one fitted to it does not."""
@@ -137,7 +146,13 @@ def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
     assert joint.numbers.dissipation_removed > 0.999
 
 
-@pytest.mark.parametrize("name", ["stribeck", "presliding", "position_dependent_friction"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stribeck",
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("presliding", "position_dependent_friction")),
+    ],
+)
 def test_terms_that_the_fitted_joint_lacks_are_missed_in_its_motion(name: str) -> None:
     settings = ReplaySettings(assume="same-torque")
     log = log_of(with_term(name))

@@ -85,7 +85,7 @@ def test_without_noise_no_dissipation_is_left_after_the_second_update(
 
 
 @pytest.mark.parametrize("operator", [Operator(), BY_HAND], ids=["stop and go", "sinusoid"])
-@pytest.mark.parametrize("window", [2, 4])
+@pytest.mark.parametrize("window", [2, pytest.param(4, marks=pytest.mark.thorough)])
 @pytest.mark.parametrize("logs", [3, pytest.param(20, marks=pytest.mark.thorough)])
 def test_with_the_noise_of_a_panda_little_is_left(logs: int, window: int, operator: Operator) -> None:
     noisy = BenchSettings(joints=(JOINT,), sensors=(PANDA_SENSORS[0],), operator=operator, duration_s=60.0)

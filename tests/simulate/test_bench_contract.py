@@ -147,7 +147,9 @@ def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> N
 
 
 @pytest.mark.parametrize("driven", [False, True])
-@pytest.mark.parametrize("number", range(6))
+@pytest.mark.parametrize(
+    "number", [0, 1, *(pytest.param(number, marks=pytest.mark.thorough) for number in range(2, 6))]
+)
 def test_all_effects_at_once(number: int, driven: bool) -> None:
     settings = replace(PLAIN, logs_sensor=True, gravity_nm=5.0, driven=driven, duration_s=10.0)
     hidden = everything(number)
