@@ -36,8 +36,14 @@ LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMA
 reports as in ``index.md``, tables of results."""
 EFFECTS = {DOCS / "effects" / f"{name}.md" for name in choices.EFFECTS}
 """Pages whose one command ``test_docs_effects.py`` runs."""
+REPEATED = (DOCS / "index.md", COMMANDS / "diagnose.md", COMMANDS / "replay.md")
+"""Pages whose commands on imagined logs take long, and are those of other pages with other options."""
 SHOWN = [pytest.param(page, marks=[pytest.mark.thorough] if page in LONG else []) for page in PAGES]
-IMAGINED = [one for one, page in zip(SHOWN, PAGES, strict=True) if page not in EFFECTS]
+IMAGINED = [
+    pytest.param(page, marks=[pytest.mark.thorough] if page in (*LONG, *REPEATED) else [])
+    for page in PAGES
+    if page not in EFFECTS
+]
 
 
 def cells(page: Path) -> list[list[str]]:
