@@ -48,6 +48,10 @@ def _none(_shape: Shape) -> tuple[Shape, ...]:
     return ()
 
 
+def _hidden(_data: JointData) -> tuple[Shape, ...]:
+    return ()
+
+
 def _nowhere(_data: JointData) -> Mapping[str, tuple[float, float]]:
     return {}
 
@@ -78,6 +82,7 @@ class Candidate:
         column_units: Unit of each factor, e.g. ``("nm",)``.
         untestable: ``untestable(data, baseline)``: why this log cannot show the effect, what motion is lacking; None if
             it can.
+        shown: ``shown(data)``: shapes that a log shows although ``untestable`` says what else of the effect it cannot.
         admissible: ``admissible(factors, shape)``: whether sign and size are physically possible.
         axis: The quantity on which it shows itself: speed, position, displacement, time, acceleration, load, neighbour.
         same_as: Names that no motion of this kind tells apart from it.
@@ -116,6 +121,7 @@ class Candidate:
     untestable: Callable[[JointData, Baseline], str | None]
     admissible: Callable[[Float, Shape], bool]
     axis: str
+    shown: Callable[[JointData], tuple[Shape, ...]] = _hidden
     same_as: tuple[str, ...] = ()
     part_of: tuple[str, ...] = ()
     term: Term | None = None

@@ -284,10 +284,16 @@ def _told(
         remaining=after,
         vibration=restless.vibration,
         scatter_nm=None if restless.scatter is None else restless.scatter.rms_nm,
-        untestable=names.library.untestable,
+        untestable=_not_shown(names),
         findings=subject.findings,
         traces=_traces(ground, left),
     )
+
+
+def _not_shown(names: Names) -> dict[str, str]:
+    """Why the log cannot show an effect, by name: of those that were not found even so."""
+    found = {f.candidate.name for f in names.found}
+    return {name: why for name, why in names.library.untestable.items() if name not in found}
 
 
 def _gap(ground: Ground, left: tuple[Float, Float], floor: float) -> Gap:

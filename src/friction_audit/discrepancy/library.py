@@ -37,7 +37,7 @@ class Library:
 
     Attributes:
         entries: Candidates that the log can show.
-        untestable: Why it cannot show the others, by name.
+        untestable: Why it cannot show the others, or some of their shapes, by name.
     """
 
     entries: tuple[Entry, ...]
@@ -51,8 +51,9 @@ class Library:
 def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Baseline, rows: Rows) -> Library:
     """Ask every candidate whether the log can show it, and build its columns."""
     untestable = {candidate.name: candidate.untestable(data, baseline) for candidate in candidates}
+    shapes = {c.name: c.tried(data) if untestable[c.name] is None else c.shown(data) for c in candidates}
     return Library(
-        entries=tuple(_entry(c, data, baseline, rows) for c in candidates if untestable[c.name] is None),
+        entries=tuple(_entry(c, shapes[c.name], data, baseline, rows) for c in candidates if shapes[c.name]),
         untestable={name: reason for name, reason in untestable.items() if reason is not None},
     )
 
@@ -60,7 +61,9 @@ def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Ba
 def rebuild_library(library: Library, data: JointData, baseline: Baseline, rows: Rows) -> Library:
     """Build again what leans on the declared model, whose factors are better known."""
     entries = (
-        _entry(entry.candidate, data, baseline, rows) if entry.candidate.leans_on_model else entry
+        _entry(entry.candidate, entry.candidate.tried(data), data, baseline, rows)
+        if entry.candidate.leans_on_model
+        else entry
         for entry in library.entries
     )
     return Library(entries=tuple(entries), untestable=library.untestable)
@@ -115,8 +118,7 @@ def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
     return _made(entry.candidate, shapes, columns, entry.trials) if more else entry
 
 
-def _entry(candidate: Candidate, data: JointData, baseline: Baseline, rows: Rows) -> Entry:
-    shapes = candidate.tried(data)
+def _entry(candidate: Candidate, shapes: tuple[Shape, ...], data: JointData, baseline: Baseline, rows: Rows) -> Entry:
     columns = _columns_on_rows(candidate.each(data, baseline, shapes), len(shapes), rows)
     trials = None if candidate.trials is None else candidate.trials(data)
     return _made(candidate, shapes, columns, trials)

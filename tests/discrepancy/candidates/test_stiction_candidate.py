@@ -5,7 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy.candidates.stiction import AT_ONCE_RAD, CANDIDATE, FEWEST_BREAKAWAYS
+from friction_audit.discrepancy.candidates.stiction import AGEINGS_S, AT_ONCE_RAD, CANDIDATE, FEWEST_BREAKAWAYS
+from friction_audit.discrepancy.joint_data import JointData
+from friction_audit.discrepancy.library import build_library
 from friction_audit.discrepancy.rows import make_rows
 from tests.discrepancy.candidates.joint_data_by_hand import baseline, two_sines
 from tests.discrepancy.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
@@ -25,16 +27,35 @@ def test_so_many_starts_are_enough(starts: int) -> None:
     assert (lacking is None) == (starts >= FEWEST_BREAKAWAYS)
 
 
-def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> None:
+def jumping() -> JointData:
+    """A joint that starts so fast that no row tells of it."""
     data = started_and_stopped()
     since = data.t % 1.0 - 0.5
     # The last 20 ms before a start take the torque up to friction: no few milliseconds say what it was.
     way = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
     jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * way
     held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * way
-    pushed = replace(data, torque=data.torque + jump + held_by_friction)
     assert CANDIDATE.untestable(data, baseline(data)) is None
+    return replace(data, torque=data.torque + jump + held_by_friction)
+
+
+def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> None:
+    pushed = jumping()
     assert "0 of them under a torque that rises slowly" in str(CANDIDATE.untestable(pushed, baseline(pushed)))
+
+
+def test_behind_any_start_an_excess_that_fades_over_a_path_is_looked_for() -> None:
+    data = jumping()
+    library = build_library((CANDIDATE,), data, baseline(data), make_rows(data))
+    (entry,) = library.entries
+    assert "stiction" in library.untestable
+    assert len(entry.shapes) == len(CANDIDATE.tried(data)) - len(AGEINGS_S)
+    assert min(shape["renewal_rad"] for shape in entry.shapes) > AT_ONCE_RAD
+
+
+def test_without_starts_nothing_of_it_is_looked_for() -> None:
+    data = two_sines()
+    assert build_library((CANDIDATE,), data, baseline(data), make_rows(data)).entries == ()
 
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:

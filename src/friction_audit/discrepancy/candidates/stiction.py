@@ -21,22 +21,40 @@ FEWEST_BREAKAWAYS = 6
 
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """All ageings with all paths of renewal."""
-    span = float(np.ptp(data.q)) or 1.0
-    paths = (AT_ONCE_RAD, *(SPAN_SHARES * span).tolist())
+    return _shapes(AT_ONCE_RAD, *_paths(data))
+
+
+def shown(data: JointData) -> tuple[Shape, ...]:
+    """Those that fade over a path behind the start, whatever the torque did at the moment of break-away."""
+    starts, _ = _starts(data)
+    return _shapes(*_paths(data)) if starts >= FEWEST_BREAKAWAYS else ()
+
+
+def _shapes(*paths: float) -> tuple[Shape, ...]:
     return tuple({"ageing_s": age, "renewal_rad": path} for age in AGEINGS_S for path in paths)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
-    """The motion that is lacking."""
+def _paths(data: JointData) -> list[float]:
+    span = float(np.ptp(data.q)) or 1.0
+    return [float(share) * span for share in SPAN_SHARES]
+
+
+def _starts(data: JointData) -> tuple[int, int]:
+    """How often the joint breaks away from a standstill, and how often the torque at that moment is known."""
     seen = find_breakaways(data.q, data.dq, data.dead_speed_rad_s, data.step_s)
     counted = data.valid[seen.onset] & (data.cycle[seen.onset] >= 0)
-    telling = int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
+    return int(counted.sum()), int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
+
+
+def untestable(data: JointData, baseline: Baseline) -> str | None:
+    """The motion that is lacking for an excess that is gone at once."""
+    starts, telling = _starts(data)
     if telling >= FEWEST_BREAKAWAYS:
         return moves(data, baseline)
     return (
-        f"the joint breaks away from a standstill {int(counted.sum())} times, {telling} of them under a torque that "
-        "rises slowly or falls behind the start: let it stand still for a tenth of a second or more, then raise the "
-        f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
+        f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises slowly "
+        "or falls behind the start: let it stand still for a tenth of a second or more, then raise the torque slowly "
+        f"until it moves, at least {FEWEST_BREAKAWAYS} times"
     )
 
 
@@ -55,4 +73,5 @@ CANDIDATE = Candidate(
     admissible=admissible,
     axis="displacement",
     term=TERM,
+    shown=shown,
 )
