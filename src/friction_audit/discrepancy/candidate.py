@@ -48,7 +48,7 @@ def _none(_shape: Shape) -> tuple[Shape, ...]:
     return ()
 
 
-def _hidden(_data: JointData) -> tuple[Shape, ...]:
+def _unseen(_data: JointData) -> tuple[Shape, ...]:
     return ()
 
 
@@ -121,7 +121,7 @@ class Candidate:
     untestable: Callable[[JointData, Baseline], str | None]
     admissible: Callable[[Float, Shape], bool]
     axis: str
-    shown: Callable[[JointData], tuple[Shape, ...]] = _hidden
+    shown: Callable[[JointData], tuple[Shape, ...]] = _unseen
     same_as: tuple[str, ...] = ()
     part_of: tuple[str, ...] = ()
     term: Term | None = None
