@@ -57,6 +57,14 @@ def test_what_comes_round_with_the_path_decides() -> None:
     assert any("of the path travelled" in phrase for phrase in found.phrases)
 
 
+def test_friction_that_comes_round_with_the_path_decides() -> None:
+    path = np.cumsum(np.abs(BARE.dq)) * BARE.step_s
+    found = find_restless(ground(0.05 * np.sign(BARE.dq) * np.sin(path / 0.4)), [], [], OVER, never)
+    assert found.decides
+    (phrase,) = (phrase for phrase in found.phrases if "friction" in phrase and "comes round" in phrase)
+    assert f"every {2.0 * np.pi * 0.4:.2g}" in phrase
+
+
 def test_friction_that_flips_decides() -> None:
     level = np.random.default_rng(1).integers(0, 2, 60)[np.minimum(BARE.t.astype(int), 59)] - 0.5
     found = find_restless(ground(0.08 * level * np.sign(BARE.dq)), [], [], OVER, never)

@@ -58,7 +58,9 @@ def find_restless(
     bare = beside_wanted_curves(ground, *effects)
     hum = find_line(bare, ground.rows.t, LOWEST_HZ, min(HIGHEST_HZ, ground.rows.corner_hz), least)
     speed, path = (of[:: ground.rows.every][ground.rows.used] for of in (ground.data.dq, _path(ground.data)))
-    turning = find_line(bare, path, *ROUNDS_PER_RAD, least, np.abs(speed))
+    turning, rubbing = (
+        find_line(torque, path, *ROUNDS_PER_RAD, least, np.abs(speed)) for torque in (bare, np.sign(speed) * bare)
+    )
     scatter = find_stroke_scatter(left, speed > 0.0, ground.rows.t)
     scatter = scatter if scatter is not None and scatter.rms_nm >= least else None
     shaking, motion = _shaking(ground, effects, fine)
@@ -67,9 +69,10 @@ def find_restless(
     shaken = hump is not None and hump.rms_nm > LEAST_VIBRATION * size and not rings(hump)
     vibration = hump if line is None or (hump is not None and hump.rms_nm > line.rms_nm) else line
     told = [] if vibration is None else [vibration_of(vibration)]
-    told += [] if turning is None else [_turning_phrase(turning)]
+    told += [_round_phrase(what, one) for what, one in (("torque", turning), ("friction", rubbing)) if one is not None]
     told += [] if scatter is None else [scatter.message]
-    decides = shaken or (line is not None and not rings(line)) or turning is not None or scatter is not None
+    others = any(one is not None for one in (turning, rubbing, scatter))
+    decides = shaken or (line is not None and not rings(line)) or others
     return Restless(vibration=vibration, scatter=scatter, decides=decides, phrases=tuple(told))
 
 
@@ -100,8 +103,8 @@ def _vibration(line: Line) -> Vibration:
     )
 
 
-def _turning_phrase(line: Line) -> str:
+def _round_phrase(what: str, line: Line) -> str:
     return (
-        f"a torque of {line.rms_nm:.2g} N m rms that comes round every {1.0 / line.frequency:.3g} rad of the path "
+        f"a {what} of {line.rms_nm:.2g} N m rms that comes round every {1.0 / line.frequency:.3g} rad of the path "
         "travelled, whichever way"
     )

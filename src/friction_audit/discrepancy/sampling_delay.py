@@ -66,7 +66,7 @@ def _late_torque(ground: Ground, names: Names) -> PutOnTime | None:
 
 
 def _late_turns(ground: Ground, names: Names) -> PutOnTime | None:
-    """A delay of the moments at which friction turns, if beside it presliding brings no more than chance."""
+    """A delay of the moments at which friction turns, if presliding brings no more beside it than names by chance."""
     from scipy.special import chdtri
 
     own = next((f for f in names.found if f.candidate.name == PRESLIDING.name), None)
@@ -76,7 +76,7 @@ def _late_turns(ground: Ground, names: Names) -> PutOnTime | None:
     rest = [f.columns for f in names.found if f is not own]
     with_turns = [*rest, ground.rows.of(turns)[:, None]]
     told = evidence(ground, [*with_turns, own.columns])[-1]
-    if told >= chdtri(own.columns.shape[1] + len(own.shape), BY_CHANCE):
+    if told >= chdtri(own.columns.shape[1] + len(own.shape), BY_CHANCE / len(names.library.entries)):
         return None
     delay_s = float(least_squares(np.hstack([ground.base, *with_turns]), ground.y)[-1])
     return _on_time(ground.data, delay_s * turns, "friction_delay", delay_s, MOST_TURN_SAMPLES)
