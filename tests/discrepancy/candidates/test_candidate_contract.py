@@ -10,6 +10,7 @@ from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.displacement import strokes
 from tests.discrepancy.candidates.joint_data_by_hand import at_rest, baseline, joint_data, two_sines
+from tests.discrepancy.started_and_stopped import started_and_stopped
 
 NAMES = [
     "stribeck",
@@ -68,6 +69,13 @@ def test_it_says_where_it_shows_and_what_it_is(candidate: Candidate) -> None:
         assert candidate.name in BY_NAME[other].same_as
         assert candidate.part_of == BY_NAME[other].part_of
     assert set(candidate.part_of) <= set(BY_NAME) - {candidate.name, *candidate.same_as}
+
+
+@each
+def test_what_a_log_shows_even_so_is_among_what_is_tried(candidate: Candidate) -> None:
+    for data in (MOVING, started_and_stopped(starts=8)):
+        tried = candidate.tried(data)
+        assert all(shape in tried for shape in candidate.shown(data))
 
 
 @each
