@@ -7,16 +7,18 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.signal import lfilter
 
+from friction_audit.discrepancy.alternatives import Naming
 from friction_audit.discrepancy.candidates.torque_ripple import CANDIDATE as RIPPLE
 from friction_audit.discrepancy.confirmation import confirm
 from friction_audit.discrepancy.ground import Ground, make_ground
 from friction_audit.discrepancy.library import Library, build_library, prewhitened_library
 from friction_audit.discrepancy.naming import Names
 from friction_audit.discrepancy.ripple_scan import with_scanned_orders
-from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_rows
+from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_both
 from friction_audit.joint_log import Float
 from tests.discrepancy.found_effect import found_effect
 from tests.discrepancy.moved_joint import TRUTH, moved_joint
+from tests.discrepancy.toy_candidates import BUMP
 
 QUIET = moved_joint()
 MEMORY_S = 0.1
@@ -124,16 +126,39 @@ def named(ground: Ground, order: float) -> Names:
     return Names(found=(found,), library=Library(entries=(), untestable={}), baseline=ground.baseline())
 
 
+def nothing(ground: Ground) -> Names:
+    return Names(found=(), library=Library(entries=(), untestable={}), baseline=ground.baseline())
+
+
+RIPPLING = ground_with(0.01 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S))
+
+
 def test_what_the_rows_tell_too_stays_with_its_columns_on_them() -> None:
-    ground = ground_with(0.01 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S))
-    (kept,) = told_by_rows(ground, named(ground, ORDER)).found
-    column = RIPPLE.columns(ground.data, ground.baseline(), {"ripple_order": ORDER})
-    assert kept.columns == pytest.approx(ground.rows.of(column))
+    (kept,) = told_by_both(RIPPLING, nothing(RIPPLING), named(RIPPLING, ORDER)).found
+    column = RIPPLE.columns(RIPPLING.data, RIPPLING.baseline(), {"ripple_order": ORDER})
+    assert kept.columns == pytest.approx(RIPPLING.rows.of(column))
 
 
 def test_what_the_rows_do_not_tell_is_no_name_of_news() -> None:
-    kept = [len(told_by_rows(SLOW, named(SLOW, order)).found) for order in np.linspace(20.0, 60.0, 40)]
+    orders = np.linspace(20.0, 60.0, 40)
+    kept = [len(told_by_both(SLOW, nothing(SLOW), named(SLOW, order)).found) for order in orders]
     assert sum(kept) <= 3  # one time in a hundred by chance
+
+
+@pytest.mark.parametrize("instead", [(), (BUMP.name,)])
+def test_what_is_no_news_stands_beside_it_unless_that_may_be_it(instead: tuple[str, ...]) -> None:
+    place = 0.05 * np.exp(-(((QUIET.q - 0.2) / 0.2) ** 2))
+    ground = ground_with(place + 0.02 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S))
+    plain = replace(nothing(ground), found=(found_effect(ground, BUMP, {"place_rad": 0.2, "width_rad": 0.2}),))
+    (ripple,) = named(ground, ORDER).found
+    either = replace(ripple, naming=Naming(name=RIPPLE.name, rivals=(), alternatives=instead))
+    kept = told_by_both(ground, plain, replace(plain, found=(either,))).found
+    assert [f.candidate.name for f in kept] == [RIPPLE.name, *([] if instead else [BUMP.name])]
+
+
+def test_without_a_name_of_news_the_others_stay_as_they_are() -> None:
+    plain = replace(nothing(SLOW), found=(found_effect(SLOW, BUMP, {"place_rad": 0.2, "width_rad": 0.2}),))
+    assert told_by_both(SLOW, plain, nothing(SLOW)) is plain
 
 
 def ripples(ground: Ground) -> Library:

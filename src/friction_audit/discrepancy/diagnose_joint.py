@@ -45,7 +45,7 @@ from friction_audit.discrepancy.ripple_scan import with_scanned_orders
 from friction_audit.discrepancy.rows import make_rows
 from friction_audit.discrepancy.sampling_delay import put_on_time
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_rows
+from friction_audit.discrepancy.slow_noise import news_of, prewhitened, slow_noise, told_by_both
 from friction_audit.discrepancy.tell import contact_effects, effects_of, message_of
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -177,8 +177,7 @@ def _named(
     library = prewhitened_library(undisturbed.library, news)
     fast = replace(undisturbed, ground=prewhitened(ground, news), library=library)
     first, again = _searched(fast, candidates, settings, rng)
-    again = told_by_rows(ground, again)
-    return first, (replace(again, library=undisturbed.library) if again.found else names)
+    return first, told_by_both(ground, names, again)
 
 
 def _searched(

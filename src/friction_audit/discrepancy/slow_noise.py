@@ -88,16 +88,21 @@ def prewhitened(ground: Ground, news: Prewhitening) -> Ground:
     )
 
 
-def told_by_rows(ground: Ground, names: Names) -> Names:
-    """Names that were found in news, on the rows as they are: those of which these tell too, by more than chance.
+def told_by_both(ground: Ground, plain: Names, news: Names) -> Names:
+    """Names that were found in news, and of those that were found without it what news has no other name for.
 
-    In news what changes fast counts most, and there a small flaw of a formula is the companion of another effect.
+    The rows as they are must tell them too. In news what changes fast counts most, and there a small flaw of a formula
+    is the companion of another effect; what changes slowly, as a drift, is no news.
     """
     from scipy.special import chdtri
 
-    names = on_rows(ground, names)
-    told = evidence(ground, [f.columns for f in names.found])
-    there = told >= chdtri(np.array([f.columns.shape[1] for f in names.found]), BY_CHANCE)
+    taken = {name for f in news.found for name in (f.candidate.name, *f.naming.alternatives)}
+    slow = [f for f in plain.found if f.candidate.name not in taken]
+    names = on_rows(ground, replace(news, found=(*news.found, *slow), library=plain.library))
+    numbers = np.array([f.columns.shape[1] for f in names.found])
+    there = evidence(ground, [f.columns for f in names.found]) >= chdtri(numbers, BY_CHANCE)
+    if not there[: len(news.found)].any():
+        return plain
     return replace(names, found=tuple(f for f, is_there in zip(names.found, there, strict=True) if is_there))
 
 
