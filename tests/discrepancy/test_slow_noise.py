@@ -120,28 +120,31 @@ def test_an_effect_that_slow_noise_hides_stands_out_of_news() -> None:
     assert seen[1] > 3.0 * seen[0]
 
 
+EMPTY = Library(entries=(), untestable={})
+
+
 def named(ground: Ground, order: float) -> Names:
     """A ripple of one order as it is found in the news of a joint."""
     found = found_effect(news(ground), RIPPLE, {"ripple_order": order})
-    return Names(found=(found,), library=Library(entries=(), untestable={}), baseline=ground.baseline())
+    return Names(found=(found,), library=EMPTY, baseline=ground.baseline())
 
 
 def nothing(ground: Ground) -> Names:
-    return Names(found=(), library=Library(entries=(), untestable={}), baseline=ground.baseline())
+    return Names(found=(), library=EMPTY, baseline=ground.baseline())
 
 
 RIPPLING = ground_with(0.01 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S))
 
 
 def test_what_the_rows_tell_too_stays_with_its_columns_on_them() -> None:
-    (kept,) = told_by_both(RIPPLING, nothing(RIPPLING), named(RIPPLING, ORDER)).found
+    (kept,) = told_by_both(RIPPLING, EMPTY, nothing(RIPPLING), named(RIPPLING, ORDER)).found
     column = RIPPLE.columns(RIPPLING.data, RIPPLING.baseline(), {"ripple_order": ORDER})
     assert kept.columns == pytest.approx(RIPPLING.rows.of(column))
 
 
 def test_what_the_rows_do_not_tell_is_no_name_of_news() -> None:
     orders = np.linspace(20.0, 60.0, 40)
-    kept = [len(told_by_both(SLOW, nothing(SLOW), named(SLOW, order)).found) for order in orders]
+    kept = [len(told_by_both(SLOW, EMPTY, nothing(SLOW), named(SLOW, order)).found) for order in orders]
     assert sum(kept) <= 3  # one time in a hundred by chance
 
 
@@ -152,13 +155,19 @@ def test_what_is_no_news_stands_beside_it_unless_that_may_be_it(instead: tuple[s
     plain = replace(nothing(ground), found=(found_effect(ground, BUMP, {"place_rad": 0.2, "width_rad": 0.2}),))
     (ripple,) = named(ground, ORDER).found
     either = replace(ripple, naming=Naming(name=RIPPLE.name, rivals=(), alternatives=instead))
-    kept = told_by_both(ground, plain, replace(plain, found=(either,))).found
+    kept = told_by_both(ground, EMPTY, plain, replace(plain, found=(either,))).found
     assert [f.candidate.name for f in kept] == [RIPPLE.name, *([] if instead else [BUMP.name])]
+
+
+def test_names_of_both_have_the_whole_library() -> None:
+    whole = ripples(RIPPLING)
+    names = told_by_both(RIPPLING, whole, nothing(RIPPLING), named(RIPPLING, ORDER))
+    assert names.library is whole
 
 
 def test_without_a_name_of_news_the_others_stay_as_they_are() -> None:
     plain = replace(nothing(SLOW), found=(found_effect(SLOW, BUMP, {"place_rad": 0.2, "width_rad": 0.2}),))
-    assert told_by_both(SLOW, plain, nothing(SLOW)) is plain
+    assert told_by_both(SLOW, EMPTY, plain, nothing(SLOW)) is plain
 
 
 def ripples(ground: Ground) -> Library:

@@ -177,7 +177,7 @@ def _named(
     library = prewhitened_library(undisturbed.library, news)
     fast = replace(undisturbed, ground=prewhitened(ground, news), library=library)
     first, again = _searched(fast, candidates, settings, rng)
-    return first, told_by_both(ground, names, again)
+    return first, told_by_both(ground, undisturbed.library, names, again)
 
 
 def _searched(

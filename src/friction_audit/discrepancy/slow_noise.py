@@ -9,6 +9,7 @@ from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.confirmation import evidence
 from friction_audit.discrepancy.ground import Ground
 from friction_audit.discrepancy.groups import Group
+from friction_audit.discrepancy.library import Library
 from friction_audit.discrepancy.naming import Names, on_rows
 from friction_audit.discrepancy.noise import Index, autocovariance
 from friction_audit.discrepancy.prewhitening import Prewhitening, SlowNoise, prewhitening
@@ -88,17 +89,23 @@ def prewhitened(ground: Ground, news: Prewhitening) -> Ground:
     )
 
 
-def told_by_both(ground: Ground, plain: Names, news: Names) -> Names:
+def told_by_both(ground: Ground, library: Library, plain: Names, news: Names) -> Names:
     """Names that were found in news, and of those that were found without it what news has no other name for.
 
     The rows as they are must tell them too. In news what changes fast counts most, and there a small flaw of a formula
     is the companion of another effect; what changes slowly, as a drift, is no news.
+
+    Args:
+        ground: The joint as it was measured.
+        library: All that was looked for: what was disproved on the way is not in that of either.
+        plain: What was found on its rows.
+        news: What was found in their news.
     """
     from scipy.special import chdtri
 
     taken = {name for f in news.found for name in (f.candidate.name, *f.naming.alternatives)}
     slow = [f for f in plain.found if f.candidate.name not in taken]
-    names = on_rows(ground, replace(news, found=(*news.found, *slow), library=plain.library))
+    names = on_rows(ground, replace(news, found=(*news.found, *slow), library=library))
     numbers = np.array([f.columns.shape[1] for f in names.found])
     there = evidence(ground, [f.columns for f in names.found]) >= chdtri(numbers, BY_CHANCE)
     if not there[: len(news.found)].any():
