@@ -75,8 +75,8 @@ def test_a_prediction_that_makes_locked_cycles_worse_misleads(there: float, misl
         (0.04, 0.004, 0.0, 0.01, 1.0, False, False),  # too small there, and all cycles do not pay its price
         (0.19, 0.001, 12.1, 0.01, 0.6, False, True),  # all pay, and the locked ones do not object
         (0.21, 0.001, 12.1, 0.01, 1.0, False, False),  # they do
-        (0.11, 0.001, 20.0, 0.01, 1.0, False, True),  # they might, three times out of a hundred
-        (0.11, 0.001, 50.0, 0.01, 1.0, False, False),  # hardly ever
+        (0.11, 0.001, 20.0, 0.01, 1.0, False, True),  # z of 1.2 for 2.4: one time in nine
+        (0.11, 0.001, 50.0, 0.01, 1.0, False, False),  # z of 1.2 for 3.9: hardly ever
         (0.09, 0.001, 50.0, 0.01, 1.0, False, True),  # signs of few clusters tell no better
         (0.19, 0.001, 11.9, 0.01, 1.0, False, False),  # not worth its price
         (0.09, 0.001, 50.0, 0.004, 1.0, False, False),  # too small for a word

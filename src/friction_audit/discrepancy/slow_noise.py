@@ -105,12 +105,13 @@ def told_by_both(ground: Ground, library: Library, plain: Names, news: Names) ->
 
     taken = {name for f in news.found for name in (f.candidate.name, *f.naming.alternatives)}
     slow = [f for f in plain.found if f.candidate.name not in taken]
-    names = on_rows(ground, replace(news, found=(*news.found, *slow), library=library))
-    numbers = np.array([f.columns.shape[1] for f in names.found])
-    there = evidence(ground, [f.columns for f in names.found]) >= chdtri(numbers, BY_CHANCE)
+    found = (*on_rows(ground, news).found, *slow)
+    numbers = np.array([f.columns.shape[1] for f in found])
+    there = evidence(ground, [f.columns for f in found]) >= chdtri(numbers, BY_CHANCE)
     if not there[: len(news.found)].any():
         return plain
-    return replace(names, found=tuple(f for f, is_there in zip(names.found, there, strict=True) if is_there))
+    kept = tuple(f for f, is_there in zip(found, there, strict=True) if is_there)
+    return replace(news, found=kept, library=library)
 
 
 def _group(group: Group, news: Prewhitening) -> Group:
