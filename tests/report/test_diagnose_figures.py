@@ -34,7 +34,14 @@ from friction_audit.report.figures.diagnose_ladder import closed_words, draw_lad
 from friction_audit.report.figures.diagnose_look import GROWN, STANDARD_ERRORS, verdict_words
 from friction_audit.report.figures.diagnose_own_axis import mean_along
 from friction_audit.report.figures.diagnose_residual import draw_residual, limits_for, rows_of
-from friction_audit.report.figures.diagnose_simulation import Piece, draw_simulation, lay_out, limits_with, shown_cycles
+from friction_audit.report.figures.diagnose_simulation import (
+    Piece,
+    _date,
+    draw_simulation,
+    lay_out,
+    limits_with,
+    shown_cycles,
+)
 from friction_audit.report.figures.diagnose_verdicts import draw_verdicts, said_of
 from friction_audit.report.figures.style import COLUMN_IN, SHEET_IN
 from tests.report import diagnosis_by_hand as by_hand
@@ -213,6 +220,14 @@ def test_cycles_are_put_behind_each_other_and_left_out_rows_are_not_bridged() ->
     nan = np.nan
     assert x == pytest.approx(np.array([0, 1, 2, 5, 6, nan, 7, 8, nan]), nan_ok=True)
     assert y == pytest.approx(np.array([0, 1, nan, 3, 4, nan, 5, 6, nan]), nan_ok=True)
+
+
+@pytest.mark.parametrize(("cycles", "said"), [(5, "from 10.0 s"), (6, "10.0 s")])
+def test_dates_of_many_cycles_are_numbers_alone(cycles: int, said: str) -> None:
+    """Of n cycles of a second each, centres are a second apart: a fifth of the panel, or a sixth."""
+    axes = draw_simulation(ALL, 1).axes[0]
+    _date(axes, [Piece(start=10.0 * k, stop=10.0 * k + 1.0, place=float(k)) for k in range(cycles)])
+    assert axes.texts[-cycles + 1].get_text() == said
 
 
 def test_torque_is_shown_raw_and_filtered_and_the_corner_is_said() -> None:

@@ -40,6 +40,8 @@ GAP = 0.04
 LONGEST_STEP = 1.5
 """Rows that lie farther apart than so many usual steps have others between them that were left out."""
 POINTS = 4000
+LEAST_ROOM = 0.17
+"""Of the axis, from one date in words to the next."""
 FARTHEST_RAW, FARTHEST_DECLARED = 0.5, 1.5
 """Times the range of the other curves that raw torque, and the motion of a declared model that runs away, may stretch
 a panel; there they are cut."""
@@ -222,10 +224,12 @@ def _divide(axes: "Axes", pieces: Sequence[Piece]) -> None:
 
 
 def _date(axes: "Axes", pieces: Sequence[Piece]) -> None:
-    """Write above each cycle when it began; on a sheet there is room for the number alone."""
-    words = "from " if is_narrow(axes.get_figure(root=True)) else ""
-    for piece in pieces:
-        middle = piece.place + 0.5 * (piece.stop - piece.start)
+    """Write above each cycle when it began; on a sheet, or over short cycles, there is room for the number alone."""
+    middles = [piece.place + 0.5 * (piece.stop - piece.start) for piece in pieces]
+    room = min((following - one for one, following in pairwise(middles)), default=np.inf)
+    wide = room >= LEAST_ROOM * (pieces[-1].place + pieces[-1].stop - pieces[-1].start)
+    words = "from " if wide and is_narrow(axes.get_figure(root=True)) else ""
+    for piece, middle in zip(pieces, middles, strict=True):
         axes.annotate(
             f"{words}{piece.start:.1f} s",
             (middle, 1.0),
