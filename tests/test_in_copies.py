@@ -52,7 +52,7 @@ def test_pieces_are_begun_in_the_order_that_is_asked_for(tmp_path: Path) -> None
     def work(piece: int) -> int:
         before = {int(one.name) for one in tmp_path.iterdir()}
         (tmp_path / str(piece)).touch()
-        until((tmp_path / "3").exists)  # both processes have begun
+        until(lambda: {"2", "3"} <= {one.name for one in tmp_path.iterdir()})  # both processes have begun
         return len(before)
 
     before = list(in_copies(work, 4, 2, begun=(2, 3, 0, 1)))
