@@ -1,6 +1,7 @@
 """Friction that drives: of two curves over the speed that nearly cancel, one is none."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,11 +14,27 @@ SURELY = 2.0
 """Standard errors by which Coulomb friction must be below zero to be impossible."""
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Fit:
+    """Coulomb friction of the declared model over all cycles, beside some effects.
+
+    Attributes:
+        coulomb_nm: Its size. [N m]
+        error_nm: Its standard error. [N m]
+        left: Sum of squares that is left. [(N m)^2]
+    """
+
+    coulomb_nm: float
+    error_nm: float
+    left: float
+
+
 def driving(ground: Ground, effects: Sequence[Float]) -> int | None:
     """The effect beside which Coulomb friction comes out plainly below zero, and without which not.
 
-    Two curves over the speed that nearly cancel leave their difference to Coulomb friction, which then would drive. A
-    smoothed sign that is not quite the right one leaves a little: less than Coulomb friction is without it.
+    Two curves over the speed that nearly cancel leave their difference to Coulomb friction, which then would drive:
+    the one that explains less is none. A smoothed sign that is not quite the right one leaves a little: less than
+    Coulomb friction is without it.
 
     Args:
         ground: The joint.
@@ -26,20 +43,20 @@ def driving(ground: Ground, effects: Sequence[Float]) -> int | None:
     Returns:
         Its number; None where there is none.
     """
-    value, error = _coulomb(ground, effects)
-    alone, _ = _coulomb(ground, [])
-    if value + max(SURELY * error, alone) >= 0.0 or alone < 0.0:
-        return None
-    without = [_coulomb(ground, [*effects[:k], *effects[k + 1 :]])[0] for k in range(len(effects))]
-    return int(np.argmax(without)) if max(without) >= 0.0 else None
-
-
-def _coulomb(ground: Ground, effects: Sequence[Float]) -> tuple[float, float]:
-    """Coulomb friction of the declared model over all cycles beside some columns, and its standard error. [N m]"""
     if COULOMB not in ground.declared.names:
-        return 0.0, 0.0
+        return None
+    beside, alone = _fit(ground, effects), _fit(ground, [])
+    if beside.coulomb_nm + max(SURELY * beside.error_nm, alone.coulomb_nm) >= 0.0 or alone.coulomb_nm < 0.0:
+        return None
+    fits = [_fit(ground, [*effects[:k], *effects[k + 1 :]]) for k in range(len(effects))]
+    left = [fit.left if fit.coulomb_nm >= 0.0 else np.inf for fit in fits]
+    return int(np.argmin(left)) if min(left) < np.inf else None
+
+
+def _fit(ground: Ground, effects: Sequence[Float]) -> Fit:
     at, columns = ground.declared.names.index(COULOMB), np.hstack([ground.base, *effects])
     factors = least_squares(columns, ground.y)
-    left = ground.y - columns @ factors
+    rest = ground.y - columns @ factors
     spread = np.linalg.pinv(columns.T @ columns, rcond=1e-12, hermitian=True)[at, at]
-    return float(factors[at]), float(np.sqrt(ground.memory(*effects) * np.mean(left**2) * spread))
+    error = float(np.sqrt(ground.memory(*effects) * np.mean(rest**2) * spread))
+    return Fit(coulomb_nm=float(factors[at]), error_nm=error, left=float(rest @ rest))
