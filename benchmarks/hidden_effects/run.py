@@ -41,7 +41,7 @@ FIELDS = (
 
 def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[str, object]]:
     """One log: one row per joint that moves; a row without a verdict where the strength cannot be reached."""
-    case, kinds = _case(seed, truth, scenario), [kind for kind, _ in OUTSIDE]
+    case, kinds = case_of(seed, truth, scenario), [kind for kind, _ in OUTSIDE]
     try:
         scales = () if truth in kinds else scales_for(case)
         if scales is None:
@@ -58,7 +58,8 @@ def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[st
     return [_row(case, truth, joint) | found_with for joint in found.joints]
 
 
-def _case(seed: int, truth: str, scenario: str | None = None) -> Case:
+def case_of(seed: int, truth: str, scenario: str | None = None) -> Case:
+    """The case of a seed and a truth, strengths not yet scaled."""
     names = () if truth == "none" or truth in {kind for kind, _ in OUTSIDE} else tuple(truth.split("+"))
     return draw_case(seed, names, SIZES[seed % len(SIZES)], scenario)
 
@@ -131,7 +132,7 @@ def main() -> None:
     there = list(csv.DictReader(asked.output.open())) if started else []
     done = {(row["truth"], int(row["seed"])) for row in there}
     wanted = [one for one in tasks(asked.effects, asked.first, asked.seeds) if one not in done]
-    wanted = [one for one in wanted if asked.noise in {None, _case(one[1], one[0]).noise}]
+    wanted = [one for one in wanted if asked.noise in {None, case_of(one[1], one[0]).noise}]
     with asked.output.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
         writer = csv.DictWriter(file, FIELDS)
         if not started:
