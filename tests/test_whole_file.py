@@ -1,9 +1,27 @@
+import os
 from pathlib import Path
 
 import pytest
 
 from friction_audit.errors import UsageError
 from friction_audit.whole_file import whole_file
+
+METADATA = "rosbag2_bagfile_information:\n  ros_distro: rosbags\n"
+
+
+def make_bag(folder: Path) -> Path:
+    folder.mkdir()
+    (folder / "metadata.yaml").write_text(METADATA)
+    (folder / f"{folder.name}.db3").write_text("old")
+    return folder
+
+
+def state(folder: Path) -> dict[str, bytes | None]:
+    """Return all files and folders below a folder, so that nothing is lost and nothing left over."""
+    return {
+        str(path.relative_to(folder)): path.read_bytes() if path.is_file() else None
+        for path in sorted(folder.rglob("*"))
+    }
 
 
 def test_the_file_appears_only_when_the_block_succeeds(tmp_path: Path) -> None:
@@ -29,16 +47,85 @@ def fail_half_way(draft: Path) -> None:
     raise ZeroDivisionError
 
 
-def test_an_existing_result_is_refused_unless_asked(tmp_path: Path) -> None:
-    target = tmp_path / "bag"
-    target.mkdir()
-    (target / "a").touch()
+def test_a_bag_is_refused_unless_asked_and_then_replaced_whole(tmp_path: Path) -> None:
+    target = make_bag(tmp_path / "bag")
     with pytest.raises(UsageError, match="exists already"), whole_file(target):
         pass
     with whole_file(target, overwrite=True) as draft:
         draft.mkdir()
         (draft / "b").touch()
-    assert [p.name for p in target.iterdir()] == ["b"]
+    assert state(tmp_path) == {"bag": None, "bag/b": b""}
+
+
+@pytest.mark.parametrize("kind", ["thesis", "with another file", "recorded by ROS", "a file for a bag", "a bag for a file"])
+def test_only_a_bag_of_this_program_gives_way_to_a_bag(kind: str, tmp_path: Path) -> None:
+    target = make_bag(tmp_path / "data")
+    if kind == "thesis":
+        (target / "metadata.yaml").unlink()
+    elif kind == "with another file":
+        (target / "chapter1.txt").write_text("precious")
+    elif kind == "recorded by ROS":
+        (target / "metadata.yaml").write_text(METADATA.replace("rosbags", "jazzy"))
+    elif kind == "a file for a bag":
+        target = tmp_path / "data" / "metadata.yaml"
+    before = state(tmp_path)
+    with pytest.raises(UsageError, match="choose another name"), whole_file(target, overwrite=True) as draft:
+        draft.write_text("a file") if kind == "a bag for a file" else draft.mkdir()
+    assert state(tmp_path) == before
+
+
+@pytest.mark.parametrize("fault", [OSError(30, "Read-only file system"), KeyboardInterrupt()])
+def test_the_old_bag_is_there_again_if_the_new_one_cannot_take_its_place(
+    fault: BaseException, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = make_bag(tmp_path / "bag")
+    before = state(tmp_path)
+
+    def refuse(*_: object) -> None:
+        raise fault
+
+    monkeypatch.setattr(Path, "replace", refuse)
+    kind = UsageError if isinstance(fault, OSError) else KeyboardInterrupt
+    with pytest.raises(kind), whole_file(target, overwrite=True) as draft:
+        draft.mkdir()
+    assert state(tmp_path) == before
+
+
+def test_a_link_stays_and_its_target_is_written(tmp_path: Path) -> None:
+    (tmp_path / "deep").mkdir()
+    target, link = tmp_path / "deep" / "target.txt", tmp_path / "link.csv"
+    target.write_text("old")
+    link.symlink_to("deep/target.txt")
+    with pytest.raises(UsageError, match="exists already"), whole_file(link):
+        pass
+    for text in ("new", "of a link that leads nowhere"):
+        with whole_file(link, overwrite=True) as draft:
+            assert draft.suffix == ".csv"
+            draft.write_text(text)
+        assert link.is_symlink()
+        assert target.read_text() == text
+        assert list((tmp_path / "deep").iterdir()) == [target]
+        target.unlink()
+    with pytest.raises(UsageError, match="exists already"), whole_file(link):
+        pass
+
+
+@pytest.mark.parametrize("where", ["absent/file.csv", "link.csv"])
+def test_a_link_that_no_file_can_be_written_through_is_refused(where: str, tmp_path: Path) -> None:
+    link = tmp_path / "link.csv"
+    link.symlink_to(where)
+    with pytest.raises(UsageError, match="is a link"), whole_file(link, overwrite=True):
+        pass
+    assert link.readlink() == Path(where)
+    assert list(tmp_path.iterdir()) == [link]
+
+
+def test_what_is_no_regular_file_is_not_replaced(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.csv"
+    os.mkfifo(pipe)
+    with pytest.raises(UsageError, match="no regular file"), whole_file(pipe, overwrite=True):
+        pass
+    assert pipe.is_fifo()
 
 
 def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
@@ -48,3 +135,27 @@ def test_a_folder_that_cannot_be_written_is_named(tmp_path: Path) -> None:
         whole_file(tmp_path / "file" / "out.json"),
     ):
         pass
+
+
+def test_a_disk_that_is_full_is_said_and_nothing_is_left(tmp_path: Path) -> None:
+    target = tmp_path / "result.json"
+    target.write_text("old")
+    before = state(tmp_path)
+    with pytest.raises(UsageError, match=r"result.json: .*No space left.*room"), whole_file(target, overwrite=True) as d:
+        d.write_text("half of it")
+        with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
+            full.write("the other half")
+    assert state(tmp_path) == before
+
+
+@pytest.mark.parametrize(("length", "fits"), [(255, True), (256, False)])
+def test_names_as_long_as_names_can_be(length: int, fits: bool, tmp_path: Path) -> None:
+    target = tmp_path / ("x" * length)
+    if not fits:
+        with pytest.raises(UsageError, match="name too long"), whole_file(target) as draft:
+            draft.write_text("text")
+    else:
+        with whole_file(target) as draft:
+            draft.write_text("text")
+        assert target.read_text() == "text"
+    assert len(list(tmp_path.iterdir())) == fits

@@ -58,8 +58,3 @@ def as_column(values: Sequence[Any], kind: type) -> Column:
     if kind is float:
         return np.array([np.nan if value is None else value for value in values], dtype=np.float64)
     return list(values)
-
-
-def encodable(text: str) -> str:
-    """Return text that any file can hold: bytes of a name that are no letters are spelt out."""
-    return text.encode("utf-8", "backslashreplace").decode()

@@ -1,6 +1,9 @@
 """Outputs are written whole or not at all: into a temporary neighbour, then renamed into place."""
 
+import errno
+import os
 import shutil
+import sqlite3
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -8,34 +11,118 @@ from pathlib import Path
 
 from friction_audit.errors import UsageError
 
+METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")
+"""Files of a ROS 2 bag."""
+MADE_HERE = "ros_distro: rosbags"
+"""Line of the metadata of bags that this program writes; ``ros2 bag record`` names a distribution of ROS."""
+FULL = (errno.ENOSPC, errno.EDQUOT)
+
 
 @contextmanager
 def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Yield a path that does not exist yet; what is made there becomes ``path`` if the block succeeds.
 
     The temporary path has the same suffix and lies in a private folder beside ``path``, so that the rename stays on
-    one file system; a writer may make a file or a directory there.
+    one file system; a writer may make a file or a directory there. Where ``path`` is a link, all of this concerns the
+    file that it points to, and the link stays.
 
     Raises:
-        UsageError: If ``path`` exists and ``overwrite`` is false, or its folder cannot be written to.
+        UsageError: If something is at ``path`` that may not be replaced, or the file cannot be written there.
     """
-    if path.exists() and not overwrite:
-        raise UsageError(f"{path}: exists already; nothing was written; use --overwrite or another name")
+    check_place(path, overwrite=overwrite)
+    target = Path(os.path.realpath(path))
+    with _said_of(path):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        # A part of the name: the whole of a long one would leave no room for what makes it unique.
+        workshop = Path(tempfile.mkdtemp(prefix=f".{target.name[:32]}.", dir=target.parent))
+    draft, old = workshop / f"{target.stem}{path.suffix}", workshop / f"{target.name[:32]}.replaced"
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        workshop = Path(tempfile.mkdtemp(prefix=f".{path.name}.", dir=path.parent))
-    except OSError as error:
-        raise UsageError(f"{path}: cannot be written: {error.strerror}; choose another place") from error
-    try:
-        draft = workshop / path.name
-        yield draft
-        _replace(draft, path)
+        with _said_of(path):
+            yield draft
+            check_place(path, overwrite=overwrite, folder=draft.is_dir())
+            _replace(draft, target, old)
     finally:
-        shutil.rmtree(workshop, ignore_errors=True)
+        if not old.exists() or os.path.lexists(target):  # the only copy of what was there is kept
+            shutil.rmtree(workshop, ignore_errors=True)
 
 
-def _replace(draft: Path, path: Path) -> None:
-    """Put the draft in place; a directory cannot be renamed over another one, so the old one steps aside first."""
-    if path.is_dir():
-        path.replace(draft.with_name("replaced"))
-    draft.replace(path)
+def check_place(path: Path, *, overwrite: bool, folder: bool | None = None) -> None:
+    """Refuse to write where something is that stays: all there is, or with ``overwrite`` what is no earlier output.
+
+    Args:
+        path: Where to.
+        overwrite: Whether earlier outputs are replaced: files by files, bags that this program wrote by bags.
+        folder: Whether a folder is written there, None if that is not known yet.
+
+    Raises:
+        UsageError: Naming what is there.
+    """
+    if not os.path.lexists(path):
+        return
+    if not overwrite:
+        raise UsageError(f"{path}: exists already; nothing was written; use --overwrite or another name")
+    target = Path(os.path.realpath(path))
+    if target.is_symlink() or not target.parent.is_dir():
+        what = f"a link to {target}, which cannot be made"
+    elif target.is_dir() and (folder is False or not _is_own_bag(target)):
+        what = "a folder, and only a ROS 2 bag that friction-audit wrote, with no other file in it, is replaced"
+    elif target.exists() and folder and not target.is_dir():
+        what = "a file, and a bag is a folder"
+    elif target.exists() and not (target.is_dir() or target.is_file()):
+        what = "no regular file"
+    else:
+        return
+    raise UsageError(f"{path}: is {what}; nothing was written; choose another name")
+
+
+def keep_input(path: Path, log: Path) -> None:
+    """Refuse to write over an input, over a folder that holds it, or over a file of it where it is a bag.
+
+    Raises:
+        UsageError: Naming the input.
+    """
+    target, source = Path(os.path.realpath(path)), Path(os.path.realpath(log))
+    if not (target.exists() and source.exists()):
+        return
+    if target.samefile(source):
+        what = "is the log itself"
+    elif target.is_dir() and source.is_relative_to(target):
+        what = f"holds the log {log}"
+    elif target.parent == source and (target.name == METADATA or target.suffix in STORAGES):
+        what = f"is a part of the log {log}"
+    else:
+        return
+    raise UsageError(f"{path}: {what}; nothing was written; choose another name or folder")
+
+
+def _is_own_bag(folder: Path) -> bool:
+    """Return True for a ROS 2 bag as this program writes it: metadata, one storage file, nothing else."""
+    files = {entry.name: entry for entry in folder.iterdir()}
+    metadata = files.pop(METADATA, None)
+    if metadata is None or len(files) != 1 or not all(map(Path.is_file, (metadata, *files.values()))):
+        return False
+    return Path(*files).suffix in STORAGES and MADE_HERE in metadata.read_text(encoding="utf-8", errors="replace")
+
+
+def _replace(draft: Path, target: Path, old: Path) -> None:
+    """Put the draft in place; a directory cannot be renamed over another one, so the old one steps aside until then."""
+    try:
+        if target.is_dir():
+            target.rename(old)
+        draft.replace(target)
+    except BaseException:  # a signal too
+        if old.exists() and not os.path.lexists(target):
+            old.rename(target)
+        raise
+
+
+@contextmanager
+def _said_of(path: Path) -> Iterator[None]:
+    """Say in words why something could not be written."""
+    try:
+        yield
+    except (OSError, sqlite3.OperationalError) as error:
+        why = getattr(error, "strerror", None) or error
+        full = getattr(error, "errno", None) in FULL or "full" in str(error)
+        what = "make room there or choose" if full else "choose"
+        raise UsageError(f"{path}: cannot be written: {why}; {what} another place") from error

@@ -13,6 +13,7 @@ import typer
 
 from friction_audit.cli.console import DAMAGED, Voice
 from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.whole_file import check_place, keep_input
 
 if TYPE_CHECKING:
     from friction_audit.audit import AuditSettings, Estimate
@@ -88,28 +89,30 @@ def exit_if_damaged(*logs: "JointLog") -> None:
         raise typer.Exit(DAMAGED)
 
 
-def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None) -> None:
+def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None, folder: bool = False) -> None:
     """Refuse outputs that could not be written or must not be, before anything long is done.
 
     Args:
         paths: Files that will be written.
         overwrite: If True, files that exist are replaced.
         log: The log that they are made from, which never is.
+        folder: If True, they are folders.
 
     Raises:
-        UsageError: If one of the paths is the log, exists and may not be overwritten, or its folder cannot be made or
-            written to.
+        UsageError: If one of the paths is the log or holds it, exists and may not be replaced, or its folder cannot be
+            made or written to.
     """
-    if log is not None and log.exists():
+    if log is not None:
         for path in paths:
-            if path.exists() and path.samefile(log):
-                raise UsageError(f"{path}: is the log itself; nothing was written; choose another name or folder")
-    existing = [str(path) for path in paths if path.exists()]
+            keep_input(path, log)
+    existing = [str(path) for path in paths if os.path.lexists(path)]
     if existing and not overwrite:
         names = ", ".join(existing)
         raise UsageError(f"{names}: exists already; nothing was written; use --overwrite or another name")
-    for folder in dict.fromkeys(path.absolute().parent for path in paths):
-        ground = next(parent for parent in (folder, *folder.parents) if parent.exists())
+    for path in paths:
+        check_place(path, overwrite=overwrite, folder=folder)
+    for place in dict.fromkeys(Path(os.path.realpath(path)).parent for path in paths):
+        ground = next(parent for parent in (place, *place.parents) if os.path.lexists(parent))
         if not ground.is_dir() or not os.access(ground, os.W_OK):
             why = "no permission" if ground.is_dir() else f"{ground} is a file"
-            raise UsageError(f"{folder}: cannot be written to ({why}); choose another place")
+            raise UsageError(f"{place}: cannot be written to ({why}); choose another place")

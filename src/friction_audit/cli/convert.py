@@ -71,8 +71,8 @@ def command(
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     options, joints = read_options(reading), parse_joints(selection.joints)
-    chain.check_outputs([out], overwrite=output.overwrite, log=log)
     writer = _choose_writer(out, dialect)
+    chain.check_outputs([out], overwrite=output.overwrite, log=log, folder=not writer.suffix)
     kept = _take(chain.read(log, options, voice), joints, selection)
     _write(kept, out, writer, voice, overwrite=output.overwrite)
     _report(kept, out, writer, voice, json=output.json)

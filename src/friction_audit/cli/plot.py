@@ -45,7 +45,7 @@ def command(
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
     kinds = choices.PLOTTED if "all" in kind else tuple(kind)
-    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite)
+    chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite, log=log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:
         chain.warn_about(result, voice)

@@ -229,7 +229,8 @@ def _choose_output(
     writer = choose_writer(out, dialect)
     if truth is not None:
         _check_truth(truth, out)
-    chain.check_outputs([out] if truth is None else [out, truth], overwrite=overwrite)
+    chain.check_outputs([out], overwrite=overwrite, folder=not writer.suffix)
+    chain.check_outputs([] if truth is None else [truth], overwrite=overwrite)
     return out, writer
 
 

@@ -1,11 +1,12 @@
 """TidyTable -> CSV, Parquet, or a pandas frame: the same rows and columns in each, joint and name in front."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.export.write_columns import arrow_types
-from friction_audit.tidy_table import JointRows, TidyTable, encodable
+from friction_audit.printable import csv_text, encodable
+from friction_audit.tidy_table import Column, TidyTable
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -20,7 +21,7 @@ def write_table_csv(table: TidyTable, path: Path) -> None:
     from pyarrow import csv
 
     with csv.CSVWriter(path, _schema(table)) as writer:
-        for batch in _batches(table):
+        for batch in _batches(table, csv_text):
             writer.write_batch(batch)
 
 
@@ -48,7 +49,7 @@ def _schema(table: TidyTable) -> "pa.Schema":
     return pa.schema([(name, kinds[kind]) for name, kind in (HEAD | dict(table.types)).items()])
 
 
-def _batches(table: TidyTable) -> "Iterator[pa.RecordBatch]":
+def _batches(table: TidyTable, write_text: Callable[[str], str] = encodable) -> "Iterator[pa.RecordBatch]":
     import pyarrow as pa
 
     schema = _schema(table)
@@ -56,16 +57,15 @@ def _batches(table: TidyTable) -> "Iterator[pa.RecordBatch]":
         if len(rows):
             head = [
                 pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows)),
-                pa.repeat(encodable(rows.name), len(rows)),
+                pa.repeat(write_text(rows.name), len(rows)),
             ]
-            columns = [_array(rows, name, schema.field(name).type) for name in table.types]
+            columns = [_array(rows.columns[name], schema.field(name).type, write_text) for name in table.types]
             yield pa.record_batch([*head, *columns], schema=schema)
 
 
-def _array(rows: JointRows, name: str, kind: "pa.DataType") -> "pa.Array":
+def _array(column: Column, kind: "pa.DataType", write_text: Callable[[str], str]) -> "pa.Array":
     import pyarrow as pa
 
-    column = rows.columns[name]
     if pa.types.is_string(kind):
-        return pa.array([None if text is None else encodable(text) for text in column], type=kind)
+        return pa.array([None if text is None else write_text(text) for text in column], type=kind)
     return pa.array(column, type=kind, from_pandas=True)

@@ -17,7 +17,8 @@ import numpy as np
 from friction_audit.export.mcap_file import Channel, write_channels
 from friction_audit.export.tables import NANOSECONDS, UNKNOWN_START_NS
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.tidy_table import Column, JointRows, TidyTable, encodable
+from friction_audit.printable import encodable
+from friction_audit.tidy_table import Column, JointRows, TidyTable
 
 ROOT = "/friction_audit"
 """What every topic begins with."""

@@ -4,11 +4,13 @@ import csv
 import io
 import math
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 
 from friction_audit.audit import Estimate
 from friction_audit.friction.history import CoefficientHistory, JointFriction
+from friction_audit.printable import csv_text
 
 COLUMNS = tuple(f.name for f in fields(CoefficientHistory))
 HEADER = ("joint", "name", *COLUMNS)
@@ -26,9 +28,16 @@ def history_csv(estimate: Estimate) -> str:
 
 def _rows(joint: JointFriction) -> list[list[str]]:
     columns = [np.asarray(getattr(joint.history, name)).tolist() for name in COLUMNS]
-    return [[str(joint.joint), joint.name, *map(csv_cell, row)] for row in zip(*columns, strict=True)]
+    return [list(map(csv_cell, (joint.joint, joint.name, *row))) for row in zip(*columns, strict=True)]
 
 
-def csv_cell(value: float) -> str:
-    """Return a number as a cell; an empty one for NaN."""
-    return "" if math.isnan(value) else f"{value:.10g}"
+def csv_cell(value: Any) -> str:  # noqa: ANN401 - any cell
+    """Return a value as a cell; an empty one for None and NaN, 0 or 1 for a flag."""
+    match value:
+        case None:
+            return ""
+        case str():
+            return csv_text(value)
+        case float():
+            return "" if math.isnan(value) else f"{value:.10g}"
+    return str(int(value))

@@ -4,8 +4,8 @@ import re
 from collections.abc import Iterator, Sequence
 
 from friction_audit import __version__
+from friction_audit.printable import printable
 from friction_audit.report.html.parts import Cell, Command, Figure, Page, Part, Section, Table, Terms, Text, Verdicts
-from friction_audit.report.html.printable import printable_text
 
 SPECIAL = re.compile(r"([\\`*_{}\[\]<>()#+!|~&$])")
 """Characters that Markdown, its tables, its formulas or the HTML in it may take for something."""
@@ -19,7 +19,7 @@ def write_markdown(page: Page) -> str:
     for section in page.sections:
         lines += _section(section, 2)
     lines.append(f"Made by friction-audit {__version__}.")
-    return printable_text("\n".join(lines) + "\n")
+    return printable("\n".join(lines) + "\n")
 
 
 def _section(section: Section, level: int) -> Iterator[str]:

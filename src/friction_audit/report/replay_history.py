@@ -28,6 +28,6 @@ def _rows(joint: JointReplay) -> list[list[str]]:
     columns = zip(*(getattr(history, name).tolist() for name in HISTORY), strict=True)
     found = zip(columns, history.acted.tolist(), history.status.tolist(), strict=True)
     return [
-        [str(joint.joint), joint.name, str(cycle), *map(csv_cell, values), str(int(acted)), STATUSES[status]]
+        list(map(csv_cell, (joint.joint, joint.name, cycle, *values, acted, STATUSES[status])))
         for cycle, (values, acted, status) in enumerate(found, start=1)
     ]

@@ -9,6 +9,7 @@ from typing import Any, TextIO
 from friction_audit.drift.report import ArmDrift
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import UNDETERMINED
+from friction_audit.printable import encodable
 from friction_audit.report.batch_summary import BatchSummary
 from friction_audit.report.drift_words import UNITS, iso_start
 from friction_audit.report.history_table import csv_cell
@@ -74,30 +75,18 @@ def session_columns(summary: BatchSummary) -> Iterator[dict[str, list[Any]]]:
     """
     rows = _rows(summary)
     while lot := list(islice(rows, ROWS_AT_ONCE)):
-        yield {name: [encodable(row[name]) for row in lot] for name in COLUMNS}
+        yield {name: [_plain(row[name]) for row in lot] for name in COLUMNS}
 
 
-def encodable(value: Any) -> Any:  # noqa: ANN401 - any cell
-    """Return text that any file can hold: bytes of a name that are no letters are spelt out; the rest as it is."""
-    return value.encode("utf-8", "backslashreplace").decode() if isinstance(value, str) else value
+def _plain(value: Any) -> Any:  # noqa: ANN401 - any cell
+    return encodable(value) if isinstance(value, str) else value
 
 
 def write_session_csv(summary: BatchSummary, file: TextIO) -> None:
     """Write the table as CSV; an empty cell where there is no number."""
     writer = csv.writer(file, lineterminator="\n")
     writer.writerow(COLUMNS)
-    writer.writerows([_cell(encodable(row[name])) for name in COLUMNS] for row in _rows(summary))
-
-
-def _cell(value: Any) -> str:  # noqa: ANN401 - any cell
-    match value:
-        case None:
-            return ""
-        case bool():
-            return str(int(value))
-        case float():
-            return csv_cell(value)
-    return str(value)
+    writer.writerows([csv_cell(row[name]) for name in COLUMNS] for row in _rows(summary))
 
 
 def _rows(summary: BatchSummary) -> Iterator[Row]:

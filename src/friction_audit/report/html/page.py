@@ -8,9 +8,9 @@ from importlib.resources import files
 from typing import TYPE_CHECKING
 
 from friction_audit import __version__
+from friction_audit.printable import printable
 from friction_audit.report.html.colours import colour_rules
 from friction_audit.report.html.parts import Figure, Page, Section
-from friction_audit.report.html.printable import printable_text
 from friction_audit.report.html.svg import InlinePicture
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ def render_page(page: Page) -> str:
         light=colour_rules(colours, dark=False),
         dark=colour_rules(colours, dark=True),
     )  # fmt: skip
-    return printable_text(text)
+    return printable(text)
 
 
 def figures_of(sections: Sequence[Section]) -> Iterator[Figure]:

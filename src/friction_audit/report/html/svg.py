@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
+from friction_audit.printable import printable
 from friction_audit.report.figures.style import figure_style
 from friction_audit.report.html.picture import Picture
-from friction_audit.report.html.printable import printable_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -53,7 +53,7 @@ def draw_inline(figure: "Figure", *, prefix: str, description: str) -> InlinePic
         prefix: Starts every id in it, so that figures of one page do not share any.
         description: What it shows, for those who do not see it.
     """
-    root = ET.fromstring(printable_text(_draw(figure)))  # noqa: S314 - drawn here, not read from anywhere
+    root = ET.fromstring(printable(_draw(figure)))  # noqa: S314 - drawn here, not read from anywhere
     _strip(root)
     _rename(root, prefix)
     colours = _recolour(root)
@@ -137,7 +137,7 @@ def _rounded(match: re.Match[str]) -> str:
 def _describe(root: ET.Element, prefix: str, description: str) -> None:
     """Give the drawing a name that is read aloud."""
     title = ET.Element(f"{{{SVG}}}title", {"id": f"{prefix}-title"})
-    title.text = printable_text(description)
+    title.text = printable(description)
     root.insert(0, title)
     root.set("role", "img")
     root.set("aria-labelledby", f"{prefix}-title")

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 from reportlab.platypus import Flowable
 
+from friction_audit.printable import printable
 from friction_audit.report.figures.style import figure_style
 from friction_audit.report.html.picture import Picture
-from friction_audit.report.html.printable import printable_text
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -48,7 +48,7 @@ def draw_sheet(figure: "Figure", *, prefix: str, description: str) -> SheetPictu
     with figure_style():
         figure.savefig(stream, format="pdf", dpi=CLOUDS_DPI, metadata={"CreationDate": None})
     width, height = (POINTS_PER_INCH * float(inches) for inches in figure.get_size_inches())
-    return SheetPicture(pdf=stream.getvalue(), width=width, height=height, description=printable_text(description))
+    return SheetPicture(pdf=stream.getvalue(), width=width, height=height, description=printable(description))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

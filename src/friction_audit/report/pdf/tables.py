@@ -7,8 +7,8 @@ from reportlab.lib.colors import HexColor
 from reportlab.pdfbase.pdfmetrics import stringWidth
 from reportlab.platypus import LongTable, Paragraph, TableStyle
 
+from friction_audit.printable import printable
 from friction_audit.report.html.parts import Cell, Table, Terms, Verdicts
-from friction_audit.report.html.printable import printable_text
 from friction_audit.report.pdf.type import HEAD, LINE, TONES, style
 
 PAD = 3.0
@@ -28,7 +28,7 @@ def paragraph(text: str, kind: str, **changed: object) -> Any:  # noqa: ANN401 -
 def escaped(text: str) -> str:
     """Return text in which nothing is markup, cut where it is far too long."""
     cut = text if len(text) <= LONGEST else f"{text[:LONGEST]} ..."
-    return escape(printable_text(cut)).replace("\n", "<br/>")
+    return escape(printable(cut)).replace("\n", "<br/>")
 
 
 def table_on_paper(table: Table, width: float) -> Any:  # noqa: ANN401 - as above

@@ -10,8 +10,8 @@ from reportlab.lib.pagesizes import A4
 from reportlab.platypus import CondPageBreak, KeepTogether, SimpleDocTemplate
 
 from friction_audit import __version__
+from friction_audit.printable import printable
 from friction_audit.report.html.parts import Command, Figure, Page, Part, Section, Table, Terms, Text, Verdicts
-from friction_audit.report.html.printable import printable_text
 from friction_audit.report.pdf.paper import Mark, NumberedCanvas
 from friction_audit.report.pdf.sheet import Placed, SheetPicture, SheetPlace
 from friction_audit.report.pdf.tables import paragraph, table_on_paper, terms_on_paper, verdicts_on_paper
@@ -35,7 +35,7 @@ def write_pdf(page: Page) -> bytes:
         rightMargin=MARGIN,
         topMargin=MARGIN,
         bottomMargin=FOOT,
-        title=printable_text(page.title),
+        title=printable(page.title),
         author="",
         subject="",
         creator=f"friction-audit {__version__}",
@@ -43,7 +43,7 @@ def write_pdf(page: Page) -> bytes:
     )
     # The frame of a page pads its text by 6 pt on every side.
     story = _Story(width - 2.0 * MARGIN - 12.0, height - MARGIN - FOOT - 12.0 - CAPTION_ROOM, placed)
-    document.build(list(story.of(page)), canvasmaker=partial(NumberedCanvas, printable_text(page.title)))
+    document.build(list(story.of(page)), canvasmaker=partial(NumberedCanvas, printable(page.title)))
     return _with_sheets(stream.getvalue(), placed)
 
 
@@ -72,7 +72,7 @@ class _Story:
 
     def _section(self, section: Section, level: int) -> Iterator[Any]:
         yield CondPageBreak(HEAD_ROOM)
-        yield Mark(section.anchor, printable_text(section.title), level)
+        yield Mark(section.anchor, printable(section.title), level)
         yield paragraph(section.title, "inner" if level else "section")
         for part in section.parts:
             yield from self._part(part)
