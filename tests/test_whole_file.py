@@ -57,7 +57,9 @@ def test_a_bag_is_refused_unless_asked_and_then_replaced_whole(tmp_path: Path) -
     assert state(tmp_path) == {"bag": None, "bag/b": b""}
 
 
-@pytest.mark.parametrize("kind", ["thesis", "with another file", "recorded by ROS", "a file for a bag", "a bag for a file"])
+@pytest.mark.parametrize(
+    "kind", ["thesis", "with another file", "recorded by ROS", "a file for a bag", "a bag for a file"]
+)
 def test_only_a_bag_of_this_program_gives_way_to_a_bag(kind: str, tmp_path: Path) -> None:
     target = make_bag(tmp_path / "data")
     if kind == "thesis":
@@ -141,11 +143,14 @@ def test_a_disk_that_is_full_is_said_and_nothing_is_left(tmp_path: Path) -> None
     target = tmp_path / "result.json"
     target.write_text("old")
     before = state(tmp_path)
-    with pytest.raises(UsageError, match=r"result.json: .*No space left.*room"), whole_file(target, overwrite=True) as d:
-        d.write_text("half of it")
-        with open("/dev/full", "w") as full:  # noqa: PTH123 - a device
-            full.write("the other half")
+    with pytest.raises(UsageError, match=r"result.json: .*No space.*room"), whole_file(target, overwrite=True) as draft:
+        fill_the_disk(draft)
     assert state(tmp_path) == before
+
+
+def fill_the_disk(draft: Path) -> None:
+    draft.write_text("half of it")
+    Path("/dev/full").write_text("the other half")
 
 
 @pytest.mark.parametrize(("length", "fits"), [(255, True), (256, False)])

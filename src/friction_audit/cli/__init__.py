@@ -1,18 +1,25 @@
 """The command line: read, one library call, write."""
 
+import errno
 import gc
 import io
 import os
 import sys
+import warnings
 from contextlib import nullcontext
 
-import typer
-
 from friction_audit.cli.app import app
-from friction_audit.errors import FrictionAuditError
+from friction_audit.cli.console import discard, open_streams, remark
+from friction_audit.errors import FrictionAuditError, InputError, UsageError
 from friction_audit.own_process import own_process
+from friction_audit.printable import shortened
 
 __all__ = ["app", "main"]
+
+NO_PLACE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EROFS, errno.ENAMETOOLONG)
+"""Errors of the system that say that a place cannot be written to; all others are bugs if they come as far as here."""
+LONGEST_COMMAND = 200
+"""Characters of a command that a message repeats."""
 
 
 def main(argv: list[str] | None = None) -> None:
@@ -21,17 +28,50 @@ def main(argv: list[str] | None = None) -> None:
     Args:
         argv: The words of a command, from a program that goes on; None if this process is the command.
     """
+    open_streams()
     for stream in (sys.stdout, sys.stderr):
         # File names need not be text, and terminals need not know every letter: neither is worth a traceback.
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="backslashreplace")
     # Joints run side by side and their matrices are tall and narrow: threads inside a product only wait for each other.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    if argv is None and not sys.warnoptions:
+        # Warnings of libraries are for developers, who ask for them with -W or PYTHONWARNINGS.
+        warnings.simplefilter("ignore")
+        os.environ["PYTHONWARNINGS"] = "ignore"  # for the processes of a batch
     try:
         with own_process() if argv is None else nullcontext():
             app(args=argv, prog_name="friction-audit")
     except FrictionAuditError as error:
-        typer.echo(f"error: {error}", err=True)
-        sys.exit(error.exit_code)
+        _fail(error)
+    except (MemoryError, RecursionError, OverflowError, OSError) as error:
+        reason = _in_words(error, " ".join(sys.argv[1:] if argv is None else argv))
+        if reason is None:
+            raise
+        _fail(reason)
     finally:
         gc.freeze()  # the process ends: nobody needs to search the libraries' objects for garbage first
+
+
+def _fail(error: FrictionAuditError) -> None:
+    remark(f"error: {error}")
+    sys.exit(error.exit_code)
+
+
+def _in_words(error: Exception, command: str) -> FrictionAuditError | None:
+    """Return what an error of the machine means for the command, None if it is a bug."""
+    where = shortened(command, LONGEST_COMMAND)
+    match error:
+        case MemoryError():
+            advice = "look at a part of the log with --t-start and --t-end, or --joints, or use a machine with more"
+            return InputError(f"{where}: not enough memory{f' ({error})' if str(error) else ''}; {advice}")
+        case RecursionError():
+            return InputError(f"{where}: something in the input is nested too deeply; write it anew with less nesting")
+        case OverflowError():
+            return InputError(f"{where}: a number in the input is too large ({error}); correct it or leave its row out")
+        case OSError(errno=number) if number in NO_PLACE:
+            if error.filename is None:
+                discard(sys.stdout)  # it may be what is full
+            place = error.filename or f"{where}: standard output or the temporary folder"
+            return UsageError(f"{place}: cannot be written: {error.strerror}; make room there or choose another place")
+    return None

@@ -18,6 +18,7 @@ from friction_audit.cli import (
     reproduce,
     simulate,
 )
+from friction_audit.cli.console import say
 from friction_audit.cli.grouped_help import GroupedCommand
 from friction_audit.cli.option_groups import with_option_groups
 
@@ -44,7 +45,7 @@ for module in COMMANDS:
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        typer.echo(f"friction-audit {__version__}")
+        say(f"friction-audit {__version__}")
         raise typer.Exit
 
 

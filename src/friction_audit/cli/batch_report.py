@@ -15,7 +15,7 @@ from friction_audit.cli import chain
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.command_line import command_line
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
 from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, InputError, UsageError
@@ -162,7 +162,7 @@ def command(
 ) -> None:
     """Follow the friction of each joint over many recordings: what changed, when, and how sure we are."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     output, settings = shared.output, _settings(sessions, shared)
@@ -182,7 +182,7 @@ def command(
     if not output.json:
         voice.warn(told.warnings)
     for text in told.document_of(standing) if output.json else (told.text_of(standing),):
-        typer.echo(text, nl=False)
+        say(text, nl=False)
     if told.code:
         raise typer.Exit(told.code)
 
@@ -285,7 +285,7 @@ def _catch_up(
             return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
-        typer.echo(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there", err=True)
+        remark(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from stop
 
 

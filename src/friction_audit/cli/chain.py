@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from friction_audit.cli.console import DAMAGED, Voice
+from friction_audit.cli.console import DAMAGED, Voice, remark
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.whole_file import check_place, keep_input
 
@@ -41,7 +41,7 @@ def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
         log = read_log(path, options)
     if voice.verbose:
         for channel, name in log.source.channels.items():
-            typer.echo(f"channel {channel} = {name}", err=True)
+            remark(f"channel {channel} = {name}")
     return log
 
 

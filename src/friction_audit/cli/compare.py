@@ -9,7 +9,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
@@ -114,7 +114,7 @@ def command(
 ) -> None:
     """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
     if general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in FIGURES}
@@ -176,11 +176,11 @@ def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]
     rows = tell_rows(result)
     if json:
         document = compare_document(_tell_scene(result, scene), rows, tell_curves(result), files)
-        typer.echo(write_document(document), nl=False)
+        say(write_document(document), nl=False)
         return
     print_rich(compare_table(rows, len(result.seeds), len(result.tuning_seeds)))
     for _, path in files:
-        typer.echo(path)
+        say(path)
 
 
 def _tell_scene(result: "Comparison", scene: "Scene") -> dict[str, object]:

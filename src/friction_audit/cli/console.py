@@ -1,17 +1,21 @@
-"""What a command says: results to standard output, everything else to standard error."""
+"""What a command says: results to standard output, everything else to standard error; no control characters."""
 
+import os
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TextIO
 
 import typer
 
+from friction_audit.errors import UsageError
+from friction_audit.printable import printable
+
 if TYPE_CHECKING:
-    from rich.console import RenderableType
+    from rich.console import ConsoleOptions, RenderableType
     from rich.progress import Progress
     from rich.status import Status
 
@@ -25,6 +29,50 @@ PATIENCE_S = 1.0
 """Work shorter than this shows no progress."""
 DAMAGED = 6
 """Exit code: done, but part of the input was damaged and left out."""
+UNHEARD = 141
+"""Exit code: who read standard output went away, as shells have it for SIGPIPE."""
+
+
+def say(text: str, *, nl: bool = True) -> None:
+    """Print a result."""
+    with _to_output():
+        typer.echo(printable(text), nl=nl)
+
+
+def remark(text: str) -> None:
+    """Print what is no result to standard error; where that is full or gone, the result counts all the same."""
+    try:
+        typer.echo(printable(text), err=True)
+    except OSError:
+        discard(sys.stderr)
+
+
+def discard(stream: TextIO) -> None:
+    """Let a stream that cannot be written to lead nowhere: Python would try once more at the end and complain."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, stream.fileno())
+    os.close(nowhere)
+
+
+def open_streams() -> None:
+    """Open standard streams that are closed, so that no file takes their place and nobody finds None there."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            stream = open(os.devnull, mode)  # noqa: PTH123, SIM115 - a device, open to the end
+            os.set_inheritable(stream.fileno(), True)  # noqa: FBT003 - takes no keyword
+            setattr(sys, name, stream)
+
+
+@contextmanager
+def _to_output() -> Iterator[None]:
+    try:
+        yield
+    except BrokenPipeError as error:
+        discard(sys.stdout)
+        raise typer.Exit(UNHEARD) from error
+    except OSError as error:
+        discard(sys.stdout)
+        raise UsageError(f"standard output: cannot be written: {error.strerror}; write it to another place") from error
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,7 +93,7 @@ class Voice:
         """Say warnings, one per line."""
         if not self.quiet:
             for message in messages:
-                typer.echo(f"warning: {' '.join(message.split())}", err=True)
+                remark(f"warning: {' '.join(message.split())}")
 
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
@@ -69,7 +117,7 @@ class Voice:
             yield replace(self, course=course)
 
     def _stage(self, name: str) -> "AbstractContextManager[Report] | None":
-        return None if self.course is None else self.course.stage(name)
+        return None if self.course is None else self.course.stage(printable(name))
 
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
@@ -86,17 +134,27 @@ class Voice:
         begin = time.perf_counter()
         yield
         if self.verbose:
-            typer.echo(f"{name}: {time.perf_counter() - begin:.2f} s", err=True)
+            remark(f"{name}: {time.perf_counter() - begin:.2f} s")
 
 
 def print_rich(parts: "Iterable[RenderableType]") -> None:
     """Print tables no wider than the terminal, plain where there is none; lines of text are never broken."""
     from rich.console import Console
+    from rich.segment import Segment
     from rich.text import Text
 
-    console = Console(highlight=False)
+    class Printer(Console):
+        def render(self, renderable: "RenderableType", options: "ConsoleOptions | None" = None) -> "Iterator[Segment]":
+            for text, style, control in super().render(renderable, options):
+                yield Segment(text if control else printable(text), style, control)
+
+        def on_broken_pipe(self) -> None:
+            raise BrokenPipeError
+
+    console = Printer(highlight=False)
     for part in parts:
-        console.print(part, soft_wrap=isinstance(part, Text))
+        with _to_output():
+            console.print(part, soft_wrap=isinstance(part, Text))
 
 
 @contextmanager
@@ -107,8 +165,9 @@ def _silence() -> Iterator[None]:
 @contextmanager
 def _spinner(name: str) -> Iterator[None]:
     from rich.console import Console
+    from rich.text import Text
 
-    with _late(Console(stderr=True).status(f"{name} ...")):
+    with _late(Console(stderr=True).status(Text(f"{printable(name)} ..."))):
         yield
 
 
@@ -118,9 +177,9 @@ def _bar(name: str) -> Iterator[Report]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-    columns = (TextColumn("{task.description} ..."), BarColumn(), TaskProgressColumn())
+    columns = (TextColumn("{task.description} ...", markup=False), BarColumn(), TaskProgressColumn())
     bar = Progress(*columns, console=Console(stderr=True), transient=True)
-    task = bar.add_task(name, total=None)
+    task = bar.add_task(printable(name), total=None)
     with _late(bar):
         yield lambda share: bar.update(task, total=1.0, completed=share)
 
@@ -153,7 +212,7 @@ def _course(count: int) -> Iterator[Course]:
 
     columns = (
         SpinnerColumn(),
-        TextColumn("{task.description} ..."),
+        TextColumn("{task.description} ...", markup=False),
         BarColumn(),
         TaskProgressColumn(),
         TimeElapsedColumn(),
@@ -170,14 +229,14 @@ def _counter(name: str) -> Iterator[Count]:
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
     columns = (
-        TextColumn("{task.description} ..."),
+        TextColumn("{task.description} ...", markup=False),
         BarColumn(),
         MofNCompleteColumn(),
         TextColumn("{task.fields[failed]}"),
         TimeRemainingColumn(),
     )
     bar = Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=120.0)
-    task = bar.add_task(name, total=None, failed="")
+    task = bar.add_task(printable(name), total=None, failed="")
 
     def report(done: int, total: int, failed: int) -> None:
         bar.update(task, total=total, completed=done, failed=f"{failed} failed" if failed else "")

@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
 from friction_audit.cli.settings import read_options
 from friction_audit.cli.values import parse_joints
@@ -33,7 +33,7 @@ def _list_dialects(wanted: bool) -> None:
 
         width = max(len(writer.name) for writer in WRITERS)
         for writer in WRITERS:
-            typer.echo(f"{writer.name:<{width}}  {writer.suffix or DIRECTORY:<9}  {writer.summary}")
+            say(f"{writer.name:<{width}}  {writer.suffix or DIRECTORY:<9}  {writer.summary}")
         raise typer.Exit
 
 
@@ -67,7 +67,7 @@ def command(
 ) -> None:
     """Write any log as a tidy Parquet, CSV or MCAP file, or in the form of another program."""
     if general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     options, joints = read_options(reading), parse_joints(selection.joints)
@@ -109,7 +109,7 @@ def _report(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, json:
 
     document = convert_document(log, str(out), writer.name, left_out=writer.left_out(log))
     if json:
-        typer.echo(write_document(document), nl=False)
+        say(write_document(document), nl=False)
     else:
         voice.warn(warning["message"] for warning in document["warnings"])
-        typer.echo(str(out))
+        say(str(out))

@@ -9,7 +9,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
@@ -98,7 +98,7 @@ def command(
 ) -> None:
     """Find what the model of each joint misses, name it, and show how far the gap closes."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
@@ -221,7 +221,7 @@ def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *,
 
 def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:
     if json:
-        typer.echo(document, nl=False)
+        say(document, nl=False)
     else:
         from friction_audit.report.diagnose_table import diagnose_table
 

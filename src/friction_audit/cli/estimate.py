@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
@@ -46,7 +46,7 @@ def command(
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
@@ -98,7 +98,7 @@ def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: V
 
 def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:
     if json:
-        typer.echo(_document(result, reading), nl=False)
+        say(_document(result, reading), nl=False)
     else:
         from friction_audit.report.estimate_table import estimate_table
 

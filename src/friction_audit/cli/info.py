@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import DAMAGED, Voice, print_rich
+from friction_audit.cli.console import DAMAGED, Voice, print_rich, remark, say
 from friction_audit.cli.options import (
     OUTPUT,
     CycleOptions,
@@ -48,7 +48,7 @@ def command(
 ) -> None:
     """Show what is in some logs: format, topics, channels as mapped, clock, joints, cycles."""
     if general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     options = read_options(reading)
@@ -115,11 +115,11 @@ def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
     from friction_audit.report.info_table import info_table
 
     if json:
-        typer.echo(write_document(info_document(entries)), nl=False)
+        say(write_document(info_document(entries)), nl=False)
     for entry in entries:
         if not json and (entry.summary is not None or entry.topics):
             print_rich(info_table(entry))
         if not json and entry.summary is not None:
             voice.warn(str(notice) for notice in entry.summary.notices)
         if entry.summary is None:
-            typer.echo(f"error: {entry.message}", err=True)
+            remark(f"error: {entry.message}")

@@ -7,7 +7,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFolder, ImageFormats, LogPath
 from friction_audit.cli.settings import audit_settings, read_options
@@ -40,7 +40,7 @@ def command(
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
@@ -54,7 +54,7 @@ def command(
         _print_document(result, files, chain.reading_settings(options))
     else:
         for file in files:
-            typer.echo(str(file.path))
+            say(str(file.path))
     chain.exit_if_damaged(result.log)
 
 
@@ -63,4 +63,4 @@ def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[s
     from friction_audit.report.plot_document import plot_document
 
     figures = [(file.kind, file.joint, str(file.path)) for file in files]
-    typer.echo(write_document(plot_document(result, figures, reading)), nl=False)
+    say(write_document(plot_document(result, figures, reading)), nl=False)

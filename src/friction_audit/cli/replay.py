@@ -8,7 +8,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
@@ -52,7 +52,7 @@ def command(
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings = replay_settings(options, shared.cycles)
@@ -174,7 +174,7 @@ def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bo
 
 def _print(found: "LogReplay", document: str, *, json: bool) -> None:
     if json:
-        typer.echo(document, nl=False)
+        say(document, nl=False)
     else:
         from friction_audit.report.replay_table import replay_table
 

@@ -9,7 +9,7 @@ import typer
 from friction_audit.cli import chain, choices
 from friction_audit.cli.command_line import command_line
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, write_exports
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
@@ -64,7 +64,7 @@ def command(
 ) -> None:
     """Write all that a log says on one HTML page: friction, compensator, what the model misses, how sure we are."""
     if shared.general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
@@ -146,10 +146,10 @@ def _document(report: "LogReport") -> str:
 def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
     """Print the document, or what the report says and where it is."""
     if json:
-        typer.echo(_document(report), nl=False)
+        say(_document(report), nl=False)
         return
     from friction_audit.report.log_words import lead_sentence
 
-    typer.echo(lead_sentence(report))
+    say(lead_sentence(report))
     for path in paths:
-        typer.echo(str(path))
+        say(str(path))

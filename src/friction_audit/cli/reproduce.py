@@ -9,7 +9,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, print_rich
+from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
@@ -57,7 +57,7 @@ def command(
 ) -> None:
     """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""
     if general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
     paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
@@ -91,8 +91,8 @@ def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int,
 
     rows = [asdict(claim) for claim in claims]
     if json:
-        typer.echo(write_document(reproduce_document(rows, files, seeds)), nl=False)
+        say(write_document(reproduce_document(rows, files, seeds)), nl=False)
         return
     print_rich(claim_table(rows))
     for _, _, path in files:
-        typer.echo(path)
+        say(path)

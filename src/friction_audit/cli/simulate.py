@@ -10,7 +10,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
 from friction_audit.errors import UsageError
 
@@ -153,7 +153,7 @@ def command(
 ) -> None:
     """Make a synthetic log whose friction and hidden effects are known."""
     if general.dump_config:
-        typer.echo(dump_config(context), nl=False)
+        say(dump_config(context), nl=False)
         return
     if lists.scenarios or lists.effects_there_are:
         _list(scenario, lists, json=output.json)
@@ -306,12 +306,12 @@ def _report(
 
     document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
     if json:
-        typer.echo(write_document(document), nl=False)
+        say(write_document(document), nl=False)
         return
     voice.warn(warning["message"] for warning in document["warnings"])
     for written in (path, truth):
         if written is not None:
-            typer.echo(str(written))
+            say(str(written))
 
 
 def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
@@ -326,4 +326,4 @@ def _list(name: str | None, lists: ListOptions, *, json: bool) -> None:
     if lists.effects_there_are:
         lines = [*lines, *effect_lines()]
     for line in lines:
-        typer.echo(line)
+        say(line)
