@@ -3,6 +3,10 @@
 from collections.abc import Iterable
 
 from friction_audit.errors import UsageError
+from friction_audit.printable import shortened
+
+HIGHEST = 99_999
+"""No arm has so many joints, and no ledger so many sessions of one."""
 
 
 def parse_joint_numbers(text: str, where: str) -> tuple[int, ...]:
@@ -16,14 +20,19 @@ def parse_joint_numbers(text: str, where: str) -> tuple[int, ...]:
         UsageError: If the text is anything else.
     """
     joints: set[int] = set()
+    where = shortened(where, 200)
     for part in text.split(","):
         first, dash, last = part.strip().partition("-")
-        if not first.isdecimal() or (dash and not last.isdecimal()) or int(first) < 1:
-            raise UsageError(f"{where}: {part.strip()!r} is no joint; expected e.g. 1,3-5")
+        if not _is_number(first) or (dash and not _is_number(last)):
+            raise UsageError(f"{where}: {shortened(part.strip(), 40)!r} is no joint; expected e.g. 1,3-5")
         if dash and int(last) < int(first):
             raise UsageError(f"{where}: {part.strip()!r} runs backwards; expected e.g. 1,3-5")
         joints.update(range(int(first), int(last if dash else first) + 1))
     return tuple(sorted(joints))
+
+
+def _is_number(text: str) -> bool:
+    return text.isdecimal() and len(text) <= len(str(HIGHEST)) and int(text) > 0
 
 
 def write_joint_numbers(joints: Iterable[int]) -> str:

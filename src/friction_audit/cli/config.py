@@ -1,15 +1,18 @@
 """``--config`` and ``--dump-config``: options from and to TOML."""
 
 import json
-import tomllib
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from friction_audit.cli.choices import near_misses
+from friction_audit.printable import printable, shortened
+from friction_audit.toml_file import read_toml
 
 NOT_IN_FILES = ("config", "dump_config", "help")
+MOST_NAMED, LONGEST_KEY = 5, 40
+"""Unknown keys that a message names, and characters of one."""
 
 
 def load_config(context: typer.Context, path: Path | None) -> Path | None:
@@ -34,20 +37,22 @@ def _options(context: typer.Context) -> dict[str, Any]:
 
 def _read(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return read_toml(path)
     except OSError as error:
         raise typer.BadParameter(f"{path}: cannot be read: {error.strerror}") from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise typer.BadParameter(f"{path}: not TOML: {error}") from error
+    except ValueError as error:
+        raise typer.BadParameter(f"{path}: not TOML with options: {printable(str(error))}") from error
 
 
 def _translate(values: dict[str, Any], path: Path, options: dict[str, Any]) -> dict[str, Any]:
     """Return the file's values by parameter name, as the command line would give them."""
     named = {key.replace("_", "-"): value for key, value in values.items()}
-    unknown = [f"{key}{near_misses(key, tuple(options))}" for key in named if key not in options]
+    unknown = [shortened(printable(key), LONGEST_KEY) for key in named if key not in options]
     if unknown:
+        few = [f"{key}{near_misses(key, tuple(options))}" for key in unknown[:MOST_NAMED]]
+        more = f" and {len(unknown) - len(few)} more" if len(unknown) > len(few) else ""
         raise typer.BadParameter(
-            f"{path}: no option {', '.join(unknown)} (options of this command: {', '.join(options)})"
+            f"{path}: no option {', '.join(few)}{more} (options of this command: {', '.join(options)})"
         )
     return {options[key].name: _as_given(value, repeatable=options[key].multiple) for key, value in named.items()}
 

@@ -1,8 +1,9 @@
 """ArmModel <-> ``model.toml``, the file that people may read and edit."""
 
 import json
-import tomllib
+import sys
 from collections.abc import Iterator, Mapping
+from itertools import chain, islice
 from pathlib import Path
 from typing import Any
 
@@ -10,11 +11,15 @@ from friction_audit import __version__
 from friction_audit.errors import AnalysisError, InputError
 from friction_audit.model.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.model.terms import TERMS, near_names
+from friction_audit.printable import shortened
+from friction_audit.toml_file import read_toml
 from friction_audit.whole_file import whole_file
 
 SCHEMA = "friction-audit/model/1"
 ORIGIN: dict[str, type] = {"method": str, "log": str, "sha256": str, "cycles": int}
 """Keys of a joint's provenance and their types."""
+MOST_FAULTS, LONGEST_VALUE = 50, 80
+"""Faults that a message names, and characters of a key or value in it."""
 
 
 def save_model(model: ArmModel, path: Path, *, overwrite: bool = False) -> None:
@@ -36,12 +41,14 @@ def load_model(path: Path) -> ArmModel:
     document = _read(path)
     schema = document.get("schema")
     if schema != SCHEMA:
-        raise InputError(f"{path}: schema is {schema!r}; expected {SCHEMA!r}; is it a file of a joint model?")
+        found = shortened(repr(schema), LONGEST_VALUE)
+        raise InputError(f"{path}: schema is {found}; expected {SCHEMA!r}; is it a file of a joint model?")
     tables = document.get("joint")
     if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
         raise InputError(f"{path}: no [[joint]] table; expected one per joint; write the model again")
-    faults = [fault for i, table in enumerate(tables) for fault in _faults(table, f"joint {i + 1}")]
-    faults = [*_strangers(document, ("schema", "version", "joint"), "the file"), *faults]
+    strange = _strangers(document, ("schema", "version", "joint"), "the file")
+    of_joints = (fault for i, table in enumerate(tables) for fault in _faults(table, f"joint {i + 1}"))
+    faults = list(islice(chain(strange, of_joints), MOST_FAULTS))
     if faults:
         raise InputError(f"{path}: {'; '.join(faults)}; correct the file or write the model again")
     joints = tuple(_joint(path, i + 1, table) for i, table in enumerate(tables))
@@ -82,12 +89,12 @@ def _text(text: str) -> str:
 def _read(path: Path) -> dict[str, Any]:
     """Return the file as TOML."""
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return read_toml(path)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}; give a file of a joint model") from error
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: is no text in UTF-8; expected a model.toml") from error
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
         raise InputError(f"{path}: is no TOML: {error}; expected a model.toml") from error
 
 
@@ -145,12 +152,14 @@ def _origin_faults(origin: object, where: str) -> Iterator[str]:
 
 def _strangers(table: Mapping[str, Any], known: tuple[str, ...], where: str) -> Iterator[str]:
     """Yield the keys that nobody knows."""
-    yield from (f"{where}: {key!r} is no key{near_names(key, list(known))}" for key in table if key not in known)
+    strange = (shortened(key, LONGEST_VALUE) for key in table if key not in known)
+    yield from (f"{where}: {key!r} is no key{near_names(key, list(known))}" for key in strange)
 
 
 def _is_number(value: object) -> bool:
-    """Return True for a number that is no truth value."""
-    return isinstance(value, (int, float)) and not isinstance(value, bool)
+    """Return True for a number that is no truth value and that a float can hold."""
+    whole = isinstance(value, int) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+    return whole or isinstance(value, float)
 
 
 def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | None:
