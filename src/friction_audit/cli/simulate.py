@@ -184,12 +184,13 @@ class _Run:
         self, log: "JointLog", path: Path, writer: "Writer", truth: Path | None, voice: Voice, *, overwrite: bool
     ) -> "SimulatedLog":
         """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
-        from friction_audit.export import write_log
+        from friction_audit.export.write_log import check_fit
         from friction_audit.ingest.fingerprint import sha256_of
         from friction_audit.whole_file import whole_file
 
         with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
-            write_log(log, draft, dialect=writer.name)
+            check_fit(log, writer)
+            writer.write(log, draft)
             simulated = self._tell(sha256_of(draft))
             if truth is not None:
                 _write_truth(simulated, truth, overwrite=overwrite)

@@ -26,7 +26,7 @@ def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrit
         UsageError: If the dialect is unknown, contradicts the ending or cannot hold the log, or something is there.
     """
     writer = choose_writer(path, dialect)
-    _check_fit(log, writer)
+    check_fit(log, writer)
     with whole_file(path, overwrite=overwrite) as draft:
         writer.write(log, draft)
     return writer
@@ -58,8 +58,12 @@ def choose_writer(path: Path, dialect: str | None = None) -> Writer:
     return named
 
 
-def _check_fit(log: JointLog, writer: Writer) -> None:
-    """Refuse what the dialect cannot hold and say which dialects can."""
+def check_fit(log: JointLog, writer: Writer) -> None:
+    """Refuse what the dialect cannot hold and say which dialects can.
+
+    Raises:
+        UsageError: Naming what the log lacks.
+    """
     channels, joints = log.channels(), len(log.joint_names)
     missing = [name for name in writer.needs if name not in channels]
     lacks = [f"{', '.join(missing)} (the log has {', '.join(channels)})"] if missing else []
