@@ -31,6 +31,8 @@ SETTINGS, TOLD = "reported_settings", "reported"
 """Notes of the ledger: which settings made the results that lie beside it, and what they were and said."""
 MOST_NAMED = 4
 """Files that a message names; more are counted."""
+LONGEST_PREFIX = 60
+"""Characters of an arm's name in the names of its files, which may have 255 bytes."""
 EXCEEDED = 5
 """Exit code: a limit that the user set is exceeded."""
 
@@ -193,7 +195,7 @@ def _prefixes(arms: "Sequence[ArmDrift]") -> dict[str, str]:
     robots = [arm.robot for arm in arms if arm.joints]
     if len(robots) == 1:
         return {robots[0]: ""}
-    names = [re.sub(r"[^\w.-]+", "-", robot).strip("-.") or "robot" for robot in robots]
+    names = [re.sub(r"[^\w.-]+", "-", robot[:LONGEST_PREFIX]).strip("-.") or "robot" for robot in robots]
     return {
         robot: f"{name}{_number(names[:place], name)}-"
         for place, (robot, name) in enumerate(zip(robots, names, strict=True))

@@ -151,7 +151,7 @@ def print_rich(parts: "Iterable[RenderableType]") -> None:
         def on_broken_pipe(self) -> None:
             raise BrokenPipeError
 
-    console = Printer(highlight=False)
+    console = Printer(highlight=False, markup=False)
     for part in parts:
         with _to_output():
             console.print(part, soft_wrap=isinstance(part, Text))

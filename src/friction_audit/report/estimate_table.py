@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.printable import printable, shortened
 from friction_audit.report.reasons import reason_lines
 
 if TYPE_CHECKING:
@@ -13,6 +14,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 NOTHING = "-"
+LONGEST_NAME = 24
+"""Characters of a joint's name in tables and figures; no column and no panel has room for more."""
 TITLES = (
     "joint",
     "Coulomb\n[N m]",
@@ -75,8 +78,9 @@ def _row(joint: JointFriction) -> tuple[str, ...]:
 
 
 def joint_label(joint: int, name: str) -> str:
-    """Return the joint's number, and its name where that says more."""
-    return str(joint) if not name or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {name}"
+    """Return the joint's number, and its name, cut where it is far too long, where that says more."""
+    said = shortened(printable(name), LONGEST_NAME)
+    return str(joint) if not said or re.search(rf"(?<!\d)0*{joint}$", name) else f"{joint} {said}"
 
 
 def format_coefficient(coefficient: Coefficient) -> str:

@@ -17,7 +17,7 @@ def plain_lines(table: "Table") -> list[str]:
     """
     from rich.console import Console
 
-    console = Console(highlight=False, color_system=None)
+    console = Console(highlight=False, markup=False, color_system=None)
     roomy = console.options.update(max_width=WIDEST)
     for column in table.columns:
         if column.no_wrap:

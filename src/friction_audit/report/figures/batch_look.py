@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.printable import shortened
 from friction_audit.report.drift_words import (
     DRIFT,
     coefficient_name,
@@ -17,7 +18,6 @@ from friction_audit.report.drift_words import (
 )
 from friction_audit.report.estimate_table import NOTHING, joint_label
 from friction_audit.report.figures.layout import add_legend, new_pairs
-from friction_audit.report.figures.names import printable
 from friction_audit.report.figures.style import DISSIPATED, FILTERED, FITTED, MUTED, figure_style
 
 if TYPE_CHECKING:
@@ -76,12 +76,7 @@ def name_joints_left_out(figure: "Figure", arm: ArmDrift, drawn: Sequence[JointD
 
 def joint_name(joint: JointDrift) -> str:
     """Return what a panel calls a joint."""
-    return f"joint {shortened(printable(joint_label(joint.joint, joint.name)))}"
-
-
-def shortened(name: str) -> str:
-    """Return a name that fits above a panel."""
-    return name if len(name) <= LONGEST_NAME else f"{name[: LONGEST_NAME - 3]}..."
+    return f"joint {shortened(joint_label(joint.joint, joint.name), LONGEST_NAME)}"
 
 
 def verdict_words(found: CoefficientDrift) -> str:

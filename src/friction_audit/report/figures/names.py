@@ -5,9 +5,4 @@ from friction_audit.report.estimate_table import joint_label
 
 def joint_title(joint: int, name: str) -> str:
     """Return what a panel of a figure calls a joint."""
-    return f"joint {printable(joint_label(joint, name))}"
-
-
-def printable(name: str) -> str:
-    """Return a name without characters that no font can draw and no drawing can hold."""
-    return "".join(letter if letter.isprintable() else "\N{REPLACEMENT CHARACTER}" for letter in name)
+    return f"joint {joint_label(joint, name)}"

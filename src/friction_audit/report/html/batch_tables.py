@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.printable import shortened
 from friction_audit.report.batch_summary import FailedLog
 from friction_audit.report.drift_words import (
     DRIFT,
@@ -29,7 +30,7 @@ from friction_audit.report.drift_words import (
     trend_text,
 )
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
-from friction_audit.report.figures.batch_look import shortened
+from friction_audit.report.figures.batch_look import LONGEST_NAME
 from friction_audit.report.html.parts import Cell, Table, Tone
 
 TONES: Mapping[str, Tone] = {DRIFT: "alert", STEADY: "fine", TEMPERATURE: "unsure", UNTESTED: "off"}
@@ -271,7 +272,7 @@ def _coefficient_table(arm: ArmDrift, coefficient: str, joints: Sequence[JointDr
     which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
     return Table(
         caption=f"{which}, with its 95 % interval [{UNITS[coefficient]}]{_cut(arm, most)}",
-        titles=("session", *(shortened(joint_label(joint.joint, joint.name)) for joint in joints)),
+        titles=("session", *(shortened(joint_label(joint.joint, joint.name), LONGEST_NAME) for joint in joints)),
         rows=[
             (
                 Cell(text=str(k + 1), key=k),

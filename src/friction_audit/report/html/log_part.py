@@ -8,9 +8,9 @@ import numpy as np
 from friction_audit.audit import Estimate
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.printable import printable, shortened
 from friction_audit.report.estimate_table import joint_label
-from friction_audit.report.figures.batch_look import shortened
-from friction_audit.report.figures.names import printable
+from friction_audit.report.figures.batch_look import LONGEST_NAME
 from friction_audit.report.log_report import LogReport
 
 PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
@@ -39,12 +39,9 @@ def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
     return replace(report, estimate=_estimate(report.estimate, numbers), diagnosis=diagnosis, replay=replayed)
 
 
-def _fitting(joint: int, name: str, most: int | None = None) -> str:
-    """Return a name that can be drawn, above a panel or in so many letters; none where it says only the number."""
-    if joint_label(joint, name) == str(joint):
-        return ""
-    fitting = shortened(printable(name))
-    return fitting if most is None or len(fitting) <= most else f"{fitting[: most - 2]}.."
+def _fitting(joint: int, name: str, most: int = LONGEST_NAME) -> str:
+    """Return a name in so many letters, by default what fits above a panel; none where it says only the number."""
+    return "" if joint_label(joint, name) == str(joint) else shortened(printable(name), most)
 
 
 def _estimate(estimate: Estimate, numbers: Collection[int]) -> Estimate:
