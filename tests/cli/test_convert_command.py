@@ -1,9 +1,17 @@
+import resource
+import shutil
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+import pytest
 
+from friction_audit.export.writers import WRITERS
 from friction_audit.ingest import read_log
 from tests.cli.conftest import Run
+
+LOG = Path(__file__).parents[2] / "sample_logs" / "formats" / "csv.csv"
+"""A log with all that any dialect needs."""
 
 
 def test_a_log_comes_back_to_the_bit(run: Run, logs: Path, tmp_path: Path) -> None:
@@ -28,3 +36,52 @@ def test_an_older_file_stays(run: Run, logs: Path, tmp_path: Path) -> None:
     assert run("convert", logs / "moved1.csv", "out.csv").code == 2
     assert (tmp_path / "out.csv").read_text() == "old"
     assert run("convert", logs / "moved1.csv", "out.csv", "--overwrite").code == 0
+
+
+def test_a_folder_is_never_lost_to_a_bag_or_a_file(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "mydata"
+    folder.mkdir()
+    (folder / "chapter1.txt").write_text("precious")
+    shutil.copy(LOG, folder / "raw.csv")
+    (tmp_path / "out.csv").mkdir()
+    assert run("convert", LOG, tmp_path / "bag", "--dialect", "rosbag2-mcap").code == 0
+    before = files(tmp_path)
+    for words, message in (
+        ((LOG, "mydata", "--dialect", "rosbag2-sqlite3"), "only a ROS 2 bag"),
+        (("mydata/raw.csv", "mydata", "--dialect", "rosbag2-mcap"), "holds the log"),
+        (("mydata/raw.csv", ".", "--dialect", "rosbag2-mcap"), "holds the log"),
+        ((LOG, "out.csv"), "is a folder"),
+        ((LOG, "mydata/raw.csv", "--dialect", "rosbag2-mcap"), "a bag is a folder"),
+        (("bag", "bag", "--dialect", "rosbag2-mcap"), "is the log itself"),
+        (("bag", "bag/bag.mcap"), "is a part of the log"),
+        (("bag/bag.mcap", "bag", "--dialect", "rosbag2-mcap"), "holds the log"),
+    ):
+        answer = run("convert", *words, "--overwrite")
+        assert answer.code == 2, answer
+        assert message in answer.err
+    assert files(tmp_path) == before
+    assert run("convert", LOG, "bag", "--dialect", "rosbag2-mcap", "--overwrite").code == 0
+    assert files(tmp_path).keys() == before.keys()
+
+
+def files(folder: Path) -> dict[str, bytes | None]:
+    return {str(path): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+@pytest.fixture
+def small_disk() -> Iterator[None]:
+    """Limit the size of files, in the place of a disk that is full."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))
+    yield
+    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.usefixtures("small_disk")
+@pytest.mark.parametrize("dialect", ["csv", "mcap", "npz", "parquet", "rosbag1-joint-state", "rosbag2-db3"])
+def test_a_disk_that_is_full_is_said_and_nothing_is_left(dialect: str, run: Run, tmp_path: Path) -> None:
+    out = f"out{next(writer.suffix for writer in WRITERS if writer.name == dialect)}"
+    answer = run("convert", LOG, out, "--dialect", dialect, "-q")
+    assert (answer.code, answer.out) == (2, "")
+    assert answer.err.startswith(f"error: {out}: cannot be written: ")
+    assert list(tmp_path.iterdir()) == []
