@@ -1,5 +1,6 @@
 """TOML that people write, read in bounded time: ``tomllib`` is quadratic in the parts of a dotted key."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -7,7 +8,8 @@ from typing import Any
 MOST_BYTES = 1_000_000
 """Files of options and of joint models have a few kB."""
 MOST_DOTS = 100
-"""Dots in a line; the longest honest line is a list of some ten settings, each with two."""
+"""Dots in a line, outside strings; keys have two, and a list of numbers one for each."""
+STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -21,7 +23,8 @@ def read_toml(path: Path) -> dict[str, Any]:
         content = stream.read(MOST_BYTES + 1)
     if len(content) > MOST_BYTES:
         raise ValueError(f"more than {MOST_BYTES} bytes")
-    number = next((i for i, line in enumerate(content.split(b"\n"), 1) if line.count(b".") > MOST_DOTS), None)
+    lines = STRING.sub(b"", content).split(b"\n")
+    number = next((i for i, line in enumerate(lines, 1) if line.count(b".") > MOST_DOTS), None)
     if number is not None:
         raise ValueError(f"more than {MOST_DOTS} dots in line {number}")
     try:

@@ -46,6 +46,16 @@ def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -
         ('model = "combind"', "did you mean combined?"),
         ('window = "many"', "'--window'"),
         ("log = 1", "no option log"),
+        pytest.param("window = " + "1" * 5000, "digits", id="a number of 5000 digits"),
+        pytest.param("map = " + "[" * 20000 + "]" * 20000, "nested too deeply", id="deep arrays"),
+        pytest.param(".".join("k" * 20000) + " = 1", "dots in line 1", id="a key of many parts"),
+        pytest.param(".".join(['"k"'] * 20000) + " = 1", "dots in line 1", id="a quoted key of many parts"),
+        pytest.param("".join(f"k{i} = 1\n" for i in range(300_000)), "bytes", id="a large file"),
+        pytest.param("".join(f"k{i} = 1\n" for i in range(50_000)), "and 49995 more", id="many keys"),
+        pytest.param("k" * 900_000 + " = 1", "no option kkkkk", id="a long key"),
+        pytest.param('"\\u001b[2J\\u202e" = 1', "no option \ufffd[2J\ufffd (", id="a key that a terminal obeys"),
+        pytest.param('joints = "1-99999999999"', "'1-99999999999' is no joint", id="many joints"),
+        pytest.param("joints = " + "9" * 4000, "is no joint", id="a large joint"),
     ],
 )
 def test_mistakes_in_the_file_are_usage_errors(text: str, message: str, run: Run, logs: Path, tmp_path: Path) -> None:

@@ -1,5 +1,6 @@
 """Words -> exit code -> text, through ``main``."""
 
+import re
 from pathlib import Path
 
 import pytest
@@ -87,6 +88,27 @@ def test_an_option_without_effect_is_said(run: Run, logs: Path) -> None:
     answer = run("estimate", logs / "moved1.csv", "--payload", "0.7,0,0,0")
     assert answer.code == 0
     assert "warning: --payload: not used: F_m = tau_interaction" in answer.err
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "text"),
+    [
+        (MemoryError("Unable to allocate 769 MiB"), 3, r"not enough memory \(Unable to allocate 769 MiB\); .*--t-end"),
+        (RecursionError(), 3, "nested too deeply"),
+        (OverflowError("int too large"), 3, r"too large \(int too large\)"),
+        (OSError(28, "No space left on device", "/tmp/x"), 2, "/tmp/x: .*No space left on device; make room"),
+    ],
+)
+def test_what_the_machine_cannot_do_is_one_line(
+    error: Exception, code: int, text: str, run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(*_: object) -> None:
+        raise error
+
+    monkeypatch.setattr("friction_audit.cli.chain.read", fail)
+    answer = run("estimate", logs / "moved1.csv", "-q")
+    assert (answer.code, answer.out) == (code, "")
+    assert re.fullmatch(f"error: .*{text}.*\n", answer.err)
 
 
 def test_a_bug_keeps_its_traceback(logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:

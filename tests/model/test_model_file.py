@@ -143,6 +143,12 @@ JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
             "stribeck_excess_nm, stribeck_speed_rad_s missing",
         ),
         ("color = 1\n" + HEAD + JOINT_TEXT, "the file: 'color' is no key"),
+        pytest.param(HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = 1' + "0" * 400, "no number", id="10^400"),
+        pytest.param(HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = 1" + "0" * 400, "no number", id="10^400 N m"),
+        pytest.param("schema = " + "1" * 5000, "is no TOML.*digits", id="a number of 5000 digits"),
+        pytest.param("schema = " + "[" * 20000 + "]" * 20000, "nested too deeply", id="deep arrays"),
+        pytest.param(".".join("k" * 20000) + " = 1", "dots in line 1", id="a key of many parts"),
+        pytest.param(HEAD + JOINT_TEXT + "".join(f"k{i} = 1\n" for i in range(50_000)), "'k0' is no key", id="keys"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path: Path, content: str, message: str) -> None:

@@ -1,5 +1,6 @@
 """JointLog -> text tables: tidy, long, and as bags are exported to CSV."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,9 @@ JOINT_STATE_FIELDS = {"q": "position", "dq": "velocity", "tau_J": "effort"}
 
 JOINT_STATE_CHANNELS = tuple(JOINT_STATE_FIELDS)
 
+STRUCTURE = re.compile('[,"]')
+"""Characters of a name that needs quotes."""
+
 
 def write_tidy(log: JointLog, path: Path) -> None:
     """Write ``time`` [s], then ``q_1``, ``q_2``, ...; every number so that it reads back to the bit."""
@@ -24,7 +28,7 @@ def write_long(log: JointLog, path: Path) -> None:
     """Write one row per time and joint: ``time``, ``joint``, ``position``, ``velocity``, ``effort``."""
     joints = len(log.joint_names)
     fields = {JOINT_STATE_FIELDS[name]: log.channels()[name].ravel(order="C") for name in JOINT_STATE_CHANNELS}
-    names = np.tile(np.array(log.joint_names, dtype=object), len(log.t))
+    names = np.tile(np.array(_names(log), dtype=object), len(log.t))
     write_columns({"time": np.repeat(log.t, joints), "joint": names, **fields}, path)
 
 
@@ -37,7 +41,7 @@ def write_rostopic(log: JointLog, path: Path) -> None:
         "field.header.stamp": stamps,
         "field.header.frame_id": _constant("", len(stamps)),
     }
-    names = {f"field.name{j}": _constant(name, len(stamps)) for j, name in enumerate(log.joint_names)}
+    names = {f"field.name{j}": _constant(name, len(stamps)) for j, name in enumerate(_names(log))}
     write_columns({**head, **names, **_joint_state(log, "field.{field}{joint}")}, path)
 
 
@@ -45,19 +49,29 @@ def write_bag_export(log: JointLog, path: Path) -> None:
     """Write what scripts that turn a bag into CSV make of a JointState: ``header.stamp.sec``, ``position.0``, ..."""
     stamps = stamps_ns(log)
     head: dict[str, Column] = {"header.stamp.sec": stamps // NANOSECONDS, "header.stamp.nanosec": stamps % NANOSECONDS}
-    names = {f"name.{j}": _constant(name, len(stamps)) for j, name in enumerate(log.joint_names)}
+    names = {f"name.{j}": _constant(name, len(stamps)) for j, name in enumerate(_names(log))}
     write_columns({**head, **names, **_joint_state(log, "{field}.{joint}")}, path)
 
 
 def write_columns(columns: dict[str, Column], path: Path) -> None:
-    """Write columns of numbers and plain words, numbers in the shortest form that reads back to the bit."""
+    """Write columns of numbers and names, numbers in the shortest form that reads back to the bit.
+
+    Names are written as they are, unlike in tables of results: a log is read back, with the same names.
+    """
     import pyarrow as pa
     from pyarrow import csv
 
-    options = csv.WriteOptions(include_header=False, quoting_style="none")
+    names = {name for column in columns.values() if column.dtype == object for name in column.tolist()}
+    special = any(STRUCTURE.search(name) for name in names)
+    options = csv.WriteOptions(include_header=False, quoting_style="needed" if special else "none")
     with path.open("wb") as stream:
         stream.write((",".join(columns) + "\n").encode())
         csv.write_csv(pa.table({name: pa.array(column) for name, column in columns.items()}), stream, options)
+
+
+def _names(log: JointLog) -> list[str]:
+    """Return the joints' names, each in one line: readers of such tables go by lines."""
+    return [" ".join(name.splitlines()) for name in log.joint_names]
 
 
 def _joint_state(log: JointLog, name: str) -> dict[str, Column]:
