@@ -63,16 +63,16 @@ def check_place(path: Path, *, overwrite: bool, folder: bool | None = None) -> N
         raise UsageError(f"{path}: exists already; nothing was written; use --overwrite or another name")
     target = Path(os.path.realpath(path))
     if target.is_symlink() or not target.parent.is_dir():
-        what = f"a link to {target}, which cannot be made"
+        what = f"is a link to {target}, which cannot be made"
     elif target.is_dir() and (folder is False or not _is_own_bag(target)):
-        what = "a folder, and only a ROS 2 bag that friction-audit wrote, with no other file in it, is replaced"
+        what = "is a folder, and only a ROS 2 bag that friction-audit wrote, with no other file in it, is replaced"
     elif target.exists() and folder and not target.is_dir():
-        what = "a file, and a bag is a folder"
+        what = "is a file, and a bag is a folder"
     elif target.exists() and not (target.is_dir() or target.is_file()):
-        what = "no regular file"
+        what = "is no regular file"
     else:
         return
-    raise UsageError(f"{path}: is {what}; nothing was written; choose another name")
+    raise UsageError(f"{path}: {what}; nothing was written; choose another name")
 
 
 def keep_input(path: Path, log: Path) -> None:

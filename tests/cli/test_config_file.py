@@ -54,6 +54,7 @@ def test_what_is_dumped_can_be_read_back(run: Run, logs: Path, tmp_path: Path) -
         pytest.param("".join(f"k{i} = 1\n" for i in range(50_000)), "and 49995 more", id="many keys"),
         pytest.param("k" * 900_000 + " = 1", "no option kkkkk", id="a long key"),
         pytest.param('"\\u001b[2J\\u202e" = 1', "no option \ufffd[2J\ufffd (", id="a key that a terminal obeys"),
+        pytest.param('model = "\\u001b[2J"', "\ufffd[2J: expected", id="a value that a terminal obeys"),
         pytest.param('joints = "1-99999999999"', "'1-99999999999' is no joint", id="many joints"),
         pytest.param("joints = " + "9" * 4000, "is no joint", id="a large joint"),
     ],

@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from friction_audit.printable import printable
+
 TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
 GRAVITIES = ("auto", "logged", "model", "none")
 INERTIAS = ("auto", "model", "none")
@@ -172,4 +174,4 @@ def near_misses(word: str, names: Sequence[str]) -> str:
 
 def _check(value: str, names: Sequence[str]) -> None:
     if value not in names:
-        raise typer.BadParameter(f"{value}: expected one of {', '.join(names)}{near_misses(value, names)}")
+        raise typer.BadParameter(f"{printable(value)}: expected one of {', '.join(names)}{near_misses(value, names)}")

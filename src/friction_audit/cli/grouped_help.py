@@ -2,24 +2,13 @@
 
 from typing import Any
 
-import typer
 from typer.core import TyperCommand
-
-from friction_audit.printable import printable
 
 GENERAL = "General"
 
 
 class GroupedCommand(TyperCommand):
     """A command whose help lists its options by task, those without a task (``--help``) last."""
-
-    def make_context(self, *words: Any, **settings: Any) -> Any:  # noqa: ANN401 - as below
-        """Read the words of a command; what a message repeats of them or of a file of options is made printable."""
-        try:
-            return super().make_context(*words, **settings)
-        except typer.BadParameter as error:
-            error.message = printable(error.message)
-            raise
 
     def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - types of Typer's private copy of click
         """Write arguments, then the options of each group in the order of declaration."""
