@@ -9,33 +9,27 @@ import sys
 from contextlib import suppress
 from types import FrameType
 
-INTERRUPTED = 128 + signal.SIGINT
-STOPS = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+STOPS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 
 
 def main() -> None:
     """Run the command line; a signal ends it as an error does, so that temporary folders are removed."""
     for stop in STOPS:
-        if signal.getsignal(stop) == signal.SIG_DFL:  # nohup ignores SIGHUP
+        if signal.getsignal(stop) in (signal.SIG_DFL, signal.default_int_handler):  # nohup ignores SIGHUP
             signal.signal(stop, _end)
     try:
         from friction_audit.cli import main as run
 
         run()
     except KeyboardInterrupt:
-        _say("stopped")
-        sys.exit(INTERRUPTED)
+        sys.exit(128 + signal.SIGINT)
 
 
 def _end(number: int, _: FrameType | None) -> None:
     signal.signal(number, signal.SIG_DFL)  # a second one ends the process at once
-    _say(f"stopped by {signal.Signals(number).name}")
-    sys.exit(128 + number)
-
-
-def _say(line: str) -> None:
     with suppress(OSError):  # standard error may be closed
-        os.write(2, f"{line}\n".encode())
+        os.write(2, f"stopped by {signal.Signals(number).name}\n".encode())
+    raise KeyboardInterrupt if number == signal.SIGINT else SystemExit(128 + number)
 
 
 if __name__ == "__main__":
