@@ -213,13 +213,15 @@ def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFil
 
     Raises:
         InputError: If there are none, or the manifest is wrong.
-        UsageError: If none were named.
+        UsageError: If none were named, or the manifest is where results are written.
     """
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.manifest import read_manifest
 
     if not names and manifest is None:
         raise UsageError("no logs named; give files, folders, globs or URLs, or --manifest with their paths")
+    if manifest is not None and manifest.resolve() in [(folder / name).resolve() for name in RESULTS]:
+        raise UsageError(f"--manifest {manifest}: is a result of an earlier run and would be replaced; copy it elsewhere")
     rows = {} if manifest is None else read_manifest(manifest)
     return find_logs(names, rows, leave_out=[folder, *([manifest] if manifest else [])])
 
