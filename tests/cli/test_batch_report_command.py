@@ -138,7 +138,7 @@ TABLE = [
     ("batch-report bad.csv", 3, "none of 1 logs can be used:\n  bad.csv: no column for dq"),
     ("batch-report {logs}/still.csv", 4, "no joint of any session has an estimate:\n  {logs}/still.csv: joint 1: "),
     ("batch-report bad.csv --manifest wrong.csv", 3, "wrong.csv: no column path"),
-    ("batch-report bad.csv --manifest here/../sessions.csv -o .", 2, "is a result of an earlier run"),
+    ("batch-report bad.csv --manifest here/../here/sessions.csv -o here", 2, "is a result of an earlier run"),
     ("batch-report bad.csv --baseline x", 2, "--baseline x"),
     ("batch-report bad.csv --fail-on coulomb", 2, "--fail-on coulomb"),
     ("batch-report bad.csv --workers 0", 2, "--workers"),
@@ -152,6 +152,7 @@ TABLE = [
 def test_table(words: str, code: int, text: str, run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "empty").mkdir()
     (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "sessions.csv").write_text("path\n")
     (tmp_path / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     (tmp_path / "wrong.csv").write_text("robot\nleft\n")
     answer = run(*(word.format(logs=logs) for word in words.split()))

@@ -221,7 +221,7 @@ def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFil
     if not names and manifest is None:
         raise UsageError("no logs named; give files, folders, globs or URLs, or --manifest with their paths")
     if manifest is not None and manifest.resolve() in [(folder / name).resolve() for name in RESULTS]:
-        raise UsageError(f"--manifest {manifest}: is a result of an earlier run and would be replaced; copy it elsewhere")
+        raise UsageError(f"--manifest {manifest}: is a result of an earlier run; give a copy that is not replaced")
     rows = {} if manifest is None else read_manifest(manifest)
     return find_logs(names, rows, leave_out=[folder, *([manifest] if manifest else [])])
 
