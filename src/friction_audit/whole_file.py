@@ -123,6 +123,6 @@ def _said_of(path: Path) -> Iterator[None]:
         yield
     except (OSError, sqlite3.OperationalError) as error:
         why = getattr(error, "strerror", None) or error
-        full = getattr(error, "errno", None) in FULL or "full" in str(error)
+        full = isinstance(error, sqlite3.OperationalError) or error.errno in FULL
         what = "make room there or choose" if full else "choose"
         raise UsageError(f"{path}: cannot be written: {why}; {what} another place") from error

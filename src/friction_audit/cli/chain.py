@@ -114,5 +114,5 @@ def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = 
     for place in dict.fromkeys(Path(os.path.realpath(path)).parent for path in paths):
         ground = next(parent for parent in (place, *place.parents) if os.path.lexists(parent))
         if not ground.is_dir() or not os.access(ground, os.W_OK):
-            why = "no permission" if ground.is_dir() else f"{ground} is a file"
+            why = "read-only, or no permission" if ground.is_dir() else f"{ground} is a file"
             raise UsageError(f"{place}: cannot be written to ({why}); choose another place")
