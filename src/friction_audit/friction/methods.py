@@ -90,8 +90,8 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
     if changed and all(np.isnan(changed.get(name, getattr(joint, name)).value) for name in UNITS):
         half = max((getattr(joint, name).high - getattr(joint, name).low) / (2 * largest[name]) for name in changed)
         reason = (
-            f"the cycles do not determine its friction: its interval is {half * MOST_UNCERTAIN:.2g} times the torque in "
-            "motion; move at several speeds, back and forth, with more strokes"
+            f"the cycles do not determine its friction: an interval is ± {half * MOST_UNCERTAIN:.2g} times the torque "
+            "in motion; move at several speeds, back and forth, with more strokes"
         )
     return replace(joint, **changed, history=replace(joint.history, **history), reason=reason)
 

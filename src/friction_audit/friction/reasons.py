@@ -29,10 +29,10 @@ def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) ->
         dead_torque: Whether the reader found its torque dead; what is removed from a dead torque makes it move.
     """
     torque, q, dq = (channel[:, column] for channel in (interaction.torque, interaction.q, interaction.dq))
-    if dead_torque or np.ptp(torque) == 0.0:
+    travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
+    if dead_torque or (np.ptp(torque) == 0.0 and travel > LEAST_TRAVEL_RAD):
         level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes while it moves"
         return f"its torque {level}: the channel is dead, or of another joint; check the sensor, or --map its column"
-    travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
     if travel > LEAST_TRAVEL_RAD and np.abs(dq).max() * duration_s < 0.5 * travel:
         return (
             f"its velocity is at most {np.abs(dq).max():.2g} rad/s while its position changes by {travel:.3g} rad: dq "
@@ -111,8 +111,8 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
     if duration_s < SHORT_S:
         return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several strokes back and forth"
     return (
-        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} but never came back below {termination:.2g} "
-        f"{unit}; pause between strokes, or choose other --thresholds, as auto"
+        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} but never came back "
+        f"below {termination:.2g} {unit}; pause between strokes, or choose other --thresholds, as auto"
     )
 
 

@@ -9,9 +9,9 @@ from friction_audit.joint_log import JointLog
 from friction_audit.report.units import NEWTON_METRES, in_unit
 
 IN_AMPERE = (
-    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of the "
-    "JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, multiply "
-    "the column by torque constant and gear ratio"
+    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
+    "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
+    "multiply the column by torque constant and gear ratio"
 )
 
 
