@@ -1,5 +1,7 @@
 """Which method gives the coefficients, and what their intervals hold."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,7 @@ from tests.synthetic_interaction import interaction, strokes
 COULOMB, VISCOUS, INERTIA = 0.3, 0.1, 0.2
 
 
-def estimated(log: Interaction, **settings: bool) -> FrictionHistory:
+def estimated(log: Interaction, **settings: Any) -> FrictionHistory:
     return estimate_friction(log, segment_cycles(log, CycleSettings()), FrictionSettings(**settings))
 
 
@@ -56,7 +58,7 @@ def test_a_joint_whose_torque_follows_another_is_refused_with_its_name_and_takes
 
 
 @pytest.mark.parametrize("settings", [{"compare": False}, {"estimator": "paper"}, {"model": "coulomb"}])
-def test_no_other_method_than_the_one_asked_for(settings: dict[str, bool]) -> None:
+def test_no_other_method_than_the_one_asked_for(settings: dict[str, Any]) -> None:
     assert all(joint.reason for joint in estimated(two_joints(coupling=0.0), **settings).joints)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -77,7 +78,8 @@ def _largest(interaction: Interaction, column: int, standstill_rad_s: float) -> 
 
 def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:
     """Drop the coefficients, of the log and of its history, whose intervals are too wide."""
-    changed, history = {}, {}
+    changed: dict[str, Any] = {}
+    history: dict[str, Float] = {}
     for name, unit in UNITS.items():
         one: Coefficient = getattr(joint, name)
         if one.high - one.low > 2.0 * largest[name]:
@@ -124,7 +126,8 @@ def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:
     """
     if joint.regression is None:
         return joint
-    changed, history = {}, {}
+    changed: dict[str, Any] = {}
+    history: dict[str, Float] = {}
     for name, unit in UNITS.items():
         one, other = getattr(joint, name), getattr(joint.regression, name)
         if alike or one.low > other.high or other.low > one.high:

@@ -4,7 +4,7 @@ Everything downstream writes newton metres; what leaves the program is renamed h
 """
 
 from dataclasses import fields, is_dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.tidy_table import TidyTable
 
@@ -14,24 +14,24 @@ if TYPE_CHECKING:
 NEWTON_METRES = "N m"
 FROM_TORQUE = {NEWTON_METRES: "{}", "[J]": "[{} rad]", "kg m²": "{} s²/rad", "kg m^2": "{} s^2/rad"}
 """Units that follow from that of the torque."""
-Part = TypeVar("Part")
 
 
-def in_unit(part: Part, unit: str) -> Part:
+def in_unit(part: Any, unit: str) -> Any:  # noqa: ANN401 - any tree of texts
     """Return a text, or a tree of dataclasses, lists and documents of texts, with the unit of the torque in it."""
     if unit == NEWTON_METRES:
         return part
-    changed: Any = part
     if isinstance(part, str):
         for metric, other in FROM_TORQUE.items():
-            changed = changed.replace(metric, other.format(unit))
+            part = part.replace(metric, other.format(unit))
     elif isinstance(part, dict):
-        changed = {key: in_unit(item, unit) for key, item in changed.items()}
-    elif type(part) in (list, tuple):
-        changed = type(part)(in_unit(item, unit) for item in changed)
+        return {key: in_unit(item, unit) for key, item in part.items()}
+    elif type(part) is tuple:
+        return tuple(in_unit(item, unit) for item in part)
+    elif isinstance(part, list):
+        return [in_unit(item, unit) for item in part]
     elif is_dataclass(part) and not isinstance(part, type):
-        changed = replace(changed, **{f.name: in_unit(getattr(part, f.name), unit) for f in fields(part) if f.init})
-    return changed
+        return replace(part, **{f.name: in_unit(getattr(part, f.name), unit) for f in fields(part) if f.init})
+    return part
 
 
 def column_in_unit(name: str, unit: str) -> str:
