@@ -79,7 +79,7 @@ def _largest(interaction: Interaction, column: int, standstill_rad_s: float) -> 
 def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFriction:
     """Drop the coefficients, of the log and of its history, whose intervals are too wide."""
     changed: dict[str, Any] = {}
-    history: dict[str, Float] = {}
+    history: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one: Coefficient = getattr(joint, name)
         if one.high - one.low > 2.0 * largest[name]:
@@ -98,17 +98,14 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
     return replace(joint, **changed, history=replace(joint.history, **history), reason=reason)
 
 
-def _lost(joint: JointFriction, determined: JointFriction) -> tuple[Caution, ...]:
-    names = [n for n in UNITS if np.isnan(getattr(determined, n).value) and not np.isnan(getattr(joint, n).value)]
-    return tuple(
-        _caution(
-            joint,
-            f"{name}_not_determined",
-            f"the {name} coefficient is not determined: its interval is more than {MOST_UNCERTAIN:g} times the torque "
-            "in motion; move at several speeds, with more strokes",
-        )
-        for name in names
-    )
+def _lost(joint: JointFriction, determined: JointFriction) -> Iterator[Caution]:
+    for name in UNITS:
+        if np.isnan(getattr(determined, name).value) and not np.isnan(getattr(joint, name).value):
+            message = (
+                f"joint {joint.joint} ({joint.name}): the {name} coefficient is not determined: its interval is more "
+                f"than {MOST_UNCERTAIN:g} times the torque in motion; move at several speeds, with more strokes"
+            )
+            yield Caution(code=f"{name}_not_determined", joint=joint.joint, message=message)
 
 
 def _speed_condition(kept: EnergyCycles) -> float:
@@ -127,7 +124,7 @@ def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:
     if joint.regression is None:
         return joint
     changed: dict[str, Any] = {}
-    history: dict[str, Float] = {}
+    history: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one, other = getattr(joint, name), getattr(joint.regression, name)
         if alike or one.low > other.high or other.low > one.high:
@@ -144,22 +141,17 @@ def _history_of(joint: JointFriction, name: str) -> Iterator[Float]:
 
 
 def _one_profile_caution(joint: JointFriction) -> Caution:
-    return _caution(
-        joint,
-        "one_speed_profile",
-        "all cycles have one speed profile, so their energies give friction at its mean speed only; the intervals "
-        "cover the torque regression too; move at several speeds",
+    message = (
+        f"joint {joint.joint} ({joint.name}): all cycles have one speed profile, so their energies give friction at "
+        "its mean speed only; the intervals cover the torque regression too; move at several speeds"
     )
+    return Caution(code="one_speed_profile", joint=joint.joint, message=message)
 
 
 def _regression_caution(joint: JointFriction) -> Caution:
-    return _caution(
-        joint,
-        "from_regression",
-        "too few energy cycles count, so its coefficients are from a regression of the torque on direction, velocity, "
-        "acceleration and gravity; it assumes a constant inertia and that no other joint acts on this one",
+    message = (
+        f"joint {joint.joint} ({joint.name}): too few energy cycles count, so its coefficients are from a regression "
+        "of the torque on direction, velocity, acceleration and gravity; it assumes a constant inertia and that no "
+        "other joint acts on this one"
     )
-
-
-def _caution(joint: JointFriction, code: str, message: str) -> Caution:
-    return Caution(code=code, joint=joint.joint, message=f"joint {joint.joint} ({joint.name}): {message}")
+    return Caution(code="from_regression", joint=joint.joint, message=message)
