@@ -92,6 +92,13 @@ def test_cycles_of_one_speed_profile_have_intervals_that_hold_both_methods() -> 
     assert "one_speed_profile" in [one.code for one in history.warnings]
 
 
+@pytest.mark.parametrize("settings", [{"model": "coulomb"}, {"estimator": "paper"}])
+def test_one_speed_profile_matters_only_where_two_coefficients_are_separated(settings: dict[str, Any]) -> None:
+    history = estimated(log_of([0.8, -0.8] * 8, [1.2] * 16, stribeck_nm=0.0), **settings)
+    assert "one_speed_profile" not in [one.code for one in history.warnings]
+    assert np.isnan(history.joints[0].viscous.low)
+
+
 def test_methods_that_disagree_have_intervals_that_hold_both() -> None:
     lengths, durations = [0.8, -0.5, 0.6, -0.9, 0.7, -0.6, 0.4, -0.5] * 3, [1.2, 0.9, 0.7, 1.1, 1.6, 0.8, 1.0, 0.9] * 3
     t, v, a = strokes(lengths, durations)

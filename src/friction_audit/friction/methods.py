@@ -44,7 +44,8 @@ def conclude(
     lost = _lost(joint, determined)
     if joint.method == "regression":
         return determined, (_regression_caution(joint), *lost)
-    alike = found is not None and not _speed_condition(own.rows(own.reason == KEPT)) < HIGHEST_CONDITION
+    separate = found is not None and joint.model == "combined" and np.isfinite(joint.coulomb.low)
+    alike = bool(separate) and not _speed_condition(own.rows(own.reason == KEPT)) < HIGHEST_CONDITION
     one_profile = (_one_profile_caution(joint),) if alike else ()
     return _covering(determined, alike=alike), (*cautions_of(determined), *one_profile, *lost)
 
@@ -90,10 +91,9 @@ def _determined(joint: JointFriction, largest: dict[str, float]) -> JointFrictio
             history[f"{name}{part}_{unit}"] = np.where(wide, np.nan, column)
     reason = ""
     if changed and all(np.isnan(changed.get(name, getattr(joint, name)).value) for name in UNITS):
-        half = max((getattr(joint, name).high - getattr(joint, name).low) / (2 * largest[name]) for name in changed)
         reason = (
-            f"the cycles do not determine its friction: an interval is ± {half * MOST_UNCERTAIN:.2g} times the torque "
-            "in motion; move at several speeds, back and forth, with more strokes"
+            f"the cycles do not determine its friction: intervals reach more than {MOST_UNCERTAIN:g} times the torque "
+            "in motion to either side; move at several speeds, back and forth, with more strokes"
         )
     return replace(joint, **changed, history=replace(joint.history, **history), reason=reason)
 
@@ -127,7 +127,7 @@ def _covering(joint: JointFriction, *, alike: bool) -> JointFriction:
     history: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one, other = getattr(joint, name), getattr(joint.regression, name)
-        if alike or one.low > other.high or other.low > one.high:
+        if (alike and np.isfinite(one.low)) or one.low > other.high or other.low > one.high:
             low, high = np.fmin(one.low, other.low), np.fmax(one.high, other.high)
             changed[name] = replace(one, low=float(low), high=float(high))
             _, lows, highs = _history_of(joint, name)
