@@ -126,3 +126,10 @@ def test_a_coefficient_with_an_interval_beyond_any_torque_is_not_determined() ->
     assert np.isnan([joint.coulomb.value, joint.viscous.value]).all()
     assert "do not determine its friction" in joint.reason
     assert np.isnan(joint.history.viscous_nms_per_rad).any()
+
+
+def test_a_dead_velocity_is_named_and_not_taken_for_standstill() -> None:
+    t, q, v, _ = excitation(0.0)
+    (joint,) = estimated(interaction(t, 0.0 * v, np.sign(v), q=q)).joints
+    assert "dq is dead" in joint.reason
+    assert "did not move" not in joint.reason
