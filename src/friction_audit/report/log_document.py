@@ -39,7 +39,8 @@ def log_document(report: LogReport) -> Document:
         "diagnose": None if diagnosis is None else _part(diagnose_document(diagnosis)),
         "replay": None if replay is None else _part(replay_document(replay)),
     }
-    return in_unit(document, report.estimate.log.source.torque_unit)
+    in_its_unit: Document = in_unit(document, report.estimate.log.source.torque_unit)
+    return in_its_unit
 
 
 def report_settings(report: LogReport) -> Document:

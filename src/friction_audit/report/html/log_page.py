@@ -90,7 +90,8 @@ def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
             citation_section(),
         ),
     )
-    return in_unit(page, report.estimate.log.source.torque_unit)
+    in_its_unit: Page = in_unit(page, report.estimate.log.source.torque_unit)
+    return in_its_unit
 
 
 def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
