@@ -71,6 +71,22 @@ def test_the_bag_at_30_hz_reads_warns_and_estimates_joint_7(capsys: pytest.Captu
     assert abs(document["joints"][6]["coulomb_nm"]["value"] - 0.25) < 0.05
 
 
+def test_an_excitation_log_is_answered_by_a_regression_but_for_its_coupled_wrist(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """A Staubli TX40; friction of joints 1 to 4 as its identification was published."""
+    code, out, _ = run(capsys, "estimate", path("thanhndv212+figaroh-examples/tx40_tidy.csv"), "--json")
+    joints = json.loads(out)["joints"]
+    published = ((7.14, 8.05), (8.26, 5.53), (6.34, 1.97), (2.48, 1.11))
+    assert code == 0
+    for joint, (coulomb, viscous) in zip(joints[:4], published, strict=True):
+        assert joint["method"] == "regression"
+        assert joint["coulomb_nm"]["value"] == pytest.approx(coulomb, rel=0.11)
+        assert joint["viscous_nms_per_rad"]["value"] == pytest.approx(viscous, rel=0.11)
+    assert "joint 6" in joints[4]["reason"]
+    assert "joint 5" in joints[5]["reason"]
+
+
 @cache
 def diagnosed(name: str, *options: str) -> dict[int, dict[str, Any]]:
     """Every joint of a log as the program tells it, by its number."""

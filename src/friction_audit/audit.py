@@ -70,7 +70,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
     hand = settings.cycles.cycles_from == "hand"
     interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
     cycles = segment_cycles(interaction, settings.cycles)
-    friction = estimate_friction(interaction, cycles, settings.friction)
+    friction = estimate_friction(interaction, cycles, settings.friction, log.source.dead_torque)
     return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
 
 

@@ -31,6 +31,9 @@ JOINT_CHANNELS = (
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 """Channels from which the interaction torque can be made; a log has at least one of them."""
 
+DEAD_TORQUE = "torque_dead"
+"""Code of the finding that a moving joint's torque is constant or a few counts."""
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Finding:
@@ -65,6 +68,7 @@ class Source:
         start_s: Unix time of the first sample, or None when the clock does not tell. [s]
         topic: Topic that was read, or None for tables.
         channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
+        torque_unit: ``"N m"``, or ``"A"`` (``"mA"``) where the name of the torque column says motor current.
         findings: What was noticed about the recording.
     """
 
@@ -77,7 +81,13 @@ class Source:
     start_s: float | None = None
     topic: str | None = None
     channels: Mapping[str, str] = field(default_factory=dict)
+    torque_unit: str = "N m"
     findings: tuple[Finding, ...] = ()
+
+    @property
+    def dead_torque(self) -> frozenset[int]:
+        """Numbers (1..n) of moving joints whose torque is constant or a few counts: no estimate, no vote on a sign."""
+        return frozenset(found.joint for found in self.findings if found.code == DEAD_TORQUE and found.joint)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -77,3 +77,55 @@ def test_verbose_says_how_the_log_was_understood(run: Run, logs: Path) -> None:
 def test_nothing_is_written_without_an_estimate(run: Run, logs: Path, tmp_path: Path) -> None:
     assert run("estimate", logs / "still.csv", "-o", "out").code == 4
     assert not (tmp_path / "out").exists()
+
+
+def spoiled(log: Path, path: Path, names: dict[str, str], rows: int | None = None, **columns: float) -> Path:
+    """Write a log with other names, fewer rows, or columns that stand still."""
+    lines = list(csv.DictReader(log.read_text().splitlines()))[:rows]
+    with path.open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names.get(name, name) for name in lines[0])
+        writer.writerows((columns.get(name, cell) for name, cell in line.items()) for line in lines)
+    return path
+
+
+def test_a_dead_torque_has_a_reason_and_takes_no_other_joint_along(run: Run, logs: Path, tmp_path: Path) -> None:
+    log = spoiled(logs / "moved2.csv", tmp_path / "dead.csv", {}, tau_interaction_2=0.0)
+    answer = run("estimate", log, "--json")
+    good, dead = answer.document()["joints"]
+    assert answer.code == 0
+    assert good["coulomb_nm"]["value"] == pytest.approx(COULOMB[0], abs=0.02)
+    assert dead["coulomb_nm"] is None
+    assert "torque" in dead["reason"]
+    assert "dead" in dead["reason"]
+
+
+def test_a_log_too_short_for_a_cycle_is_called_short(run: Run, logs: Path, tmp_path: Path) -> None:
+    answer = run("estimate", spoiled(logs / "moved1.csv", tmp_path / "log.csv", {}, rows=200))
+    assert answer.code == 4
+    assert "the log lasts 0.8" in answer.err
+    assert "pause" not in answer.err
+
+
+@pytest.fixture
+def amperes(logs: Path, tmp_path: Path) -> Path:
+    return spoiled(logs / "moved1.csv", tmp_path / "current.csv", {"tau_interaction_1": "actual_current_1"})
+
+
+@pytest.mark.usefixtures("sketched")
+def test_motor_current_is_written_in_ampere(run: Run, amperes: Path, tmp_path: Path) -> None:
+    answer = run("estimate", amperes, "-o", "out")
+    assert answer.code == 0
+    assert "[A s/rad]" in answer.out
+    assert "N m" not in answer.out
+    assert "coulomb_a,coulomb_low_a" in (tmp_path / "out" / "history.csv").read_text()
+    document = json.loads((tmp_path / "out" / "estimate.json").read_text())
+    assert document["source"]["torque_unit"] == "A"
+    assert "torque_in_ampere" in [warning["code"] for warning in document["warnings"]]
+    assert "[A]" in run("replay", amperes).out
+
+
+def test_gravity_is_not_removed_from_a_current(run: Run, amperes: Path) -> None:
+    answer = run("estimate", amperes, "--gravity", "model", "--robot", "panda")
+    assert answer.code == 2
+    assert "motor current" in answer.err

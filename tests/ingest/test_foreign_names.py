@@ -1,6 +1,6 @@
 import pytest
 
-from friction_audit.ingest.foreign_names import is_label, labels_of, parse_name
+from friction_audit.ingest.foreign_names import is_label, labels_of, parse_name, torque_unit
 
 
 @pytest.mark.parametrize(
@@ -83,3 +83,22 @@ def test_labels_belong_to_the_columns_of_their_message() -> None:
     names = ["field.name0", "field.name10", "field.position0", "field.position10", "other.position0", "position[0]"]
     labels = labels_of(names[2:], {"field.name0": "elbow", "field.name10": "wrist"})
     assert labels == {0: "elbow", 1: "wrist"}
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("actual_current_{i}", "A"),
+        ("target_current", "A"),
+        ("joint1.curr", "A"),
+        ("i_{i}", "A"),
+        ("motorCurrent{i}", "A"),
+        ("effort_{i} [A]", "A"),
+        ("effort_{i} [mA]", "mA"),
+        ("current_torque_{i}", "N m"),
+        ("tau_J_{i}", "N m"),
+        ("amplitude_{i}", "N m"),
+    ],
+)
+def test_a_column_of_motor_current_is_in_ampere(name: str, unit: str) -> None:
+    assert torque_unit(name) == unit

@@ -277,6 +277,13 @@ def test_a_few_wild_torques_are_no_unit() -> None:
     assert "torque_unit_suspected" not in codes(vetted(given_recording))
 
 
+def test_a_mapped_current_makes_the_unit_of_the_log_ampere() -> None:
+    given_recording = recording()
+    given_recording.mapping = {"q": "actual_q_{i}", "tau_J": "actual_current_{i}"}
+    assert vetted(given_recording).source.torque_unit == "A"
+    assert vetted(recording()).source.torque_unit == "N m"
+
+
 @pytest.mark.parametrize("stretch", [0.8, 0.96, 1.04, 1.3])
 def test_a_stretched_clock_is_noticed_and_kept(stretch: float) -> None:
     given_recording = recording()

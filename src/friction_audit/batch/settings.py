@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from friction_audit.ingest.fingerprint import sha256_of
 if TYPE_CHECKING:
     from friction_audit.discrepancy.settings import DiagnosisSettings
 
-RESULTS_VERSION = 10
+RESULTS_VERSION = 11
 """Raised with every change of the program after which the same log gives other numbers: ledgers then compute anew."""
 
 
@@ -22,7 +22,7 @@ class BatchSettings:
     """What is done with each log of a batch.
 
     Attributes:
-        audit: The chain; without the regression beside the estimate, of which a session keeps nothing.
+        audit: The chain.
         reading: How logs are read.
         diagnosis: What is asked of a diagnosis, or None for none.
     """
@@ -30,11 +30,6 @@ class BatchSettings:
     audit: AuditSettings = field(default_factory=AuditSettings)
     reading: ReadOptions = field(default_factory=ReadOptions)
     diagnosis: "DiagnosisSettings | None" = None
-
-    def __post_init__(self) -> None:
-        """Leave out what nobody reads and a quarter of the time would go to."""
-        without = replace(self.audit.friction, compare=False)
-        object.__setattr__(self, "audit", replace(self.audit, friction=without))
 
     def text(self) -> str:
         """Return all that the numbers depend on beside the log, as JSON in a fixed order."""

@@ -216,7 +216,8 @@ def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *,
 
     kinds = {kind.name: partial(kind.draw, found) for kind in DIAGNOSIS_FIGURES}
     numbers = [joint.joint for joint in found.discrepancy.joints]
-    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice)
+    unit = found.estimate.log.source.torque_unit
+    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice, unit=unit)
 
 
 def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:

@@ -47,7 +47,10 @@ def write_figures(
     }
     chosen |= _of_a_diagnosis(result, kinds, voice)
     numbers = result.interaction.joint_numbers
-    return draw_files(chosen, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice)
+    unit = result.log.source.torque_unit
+    return draw_files(
+        chosen, numbers, folder, formats, each_joint=each_joint, overwrite=overwrite, voice=voice, unit=unit
+    )
 
 
 def _of_a_diagnosis(
@@ -74,6 +77,7 @@ def draw_files(
     each_joint: bool,
     overwrite: bool,
     voice: Voice,
+    unit: str = "N m",
 ) -> list[FigureFile]:
     """Draw figures of a sheet or of single joints, several at a time where the process may be copied.
 
@@ -85,6 +89,7 @@ def draw_files(
         each_joint: If True, each joint also alone.
         overwrite: If True, files that exist are replaced.
         voice: Told what is drawn.
+        unit: Of the torque.
     """
     from friction_audit.in_copies import in_copies, workers_for
     from friction_audit.report.figures.save import load_matplotlib
@@ -98,7 +103,7 @@ def draw_files(
         for name, joint in ((kind, sheet), *((f"{kind}-joint{number}", number) for number in alone))
     ]
     load_matplotlib(formats)  # once, and not by every copy
-    contents = in_copies(partial(_content, kinds, figures, formats), len(figures), workers_for(len(figures)))
+    contents = in_copies(partial(_content, kinds, figures, formats, unit), len(figures), workers_for(len(figures)))
     files = []
     for kind, name, joint in figures:
         paths = [folder / f"{name}.{suffix}" for suffix in formats]
@@ -112,13 +117,15 @@ def _content(
     kinds: "Mapping[str, Callable[[int | None], Figure]]",
     figures: Sequence[tuple[str, str, int | None]],
     formats: Sequence[str],
+    unit: str,
     number: int,
 ) -> list[bytes]:
     """Draw one of the figures: what its files hold."""
     from friction_audit.report.figures.save import figure_bytes
+    from friction_audit.report.units import label_in_unit
 
     kind, _, joint = figures[number]
-    figure = kinds[kind](joint)
+    figure = label_in_unit(kinds[kind](joint), unit)
     return [figure_bytes(figure, suffix) for suffix in formats]
 
 

@@ -169,7 +169,8 @@ def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bo
     draws = (partial(draw_log_replay, found), partial(draw_log_replay_velocity_torque, found))
     kinds = dict(zip(choices.REPLAY_FIGURES, draws, strict=True))
     numbers = [joint.joint for joint in found.replay.joints]
-    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice)
+    unit = found.estimate.log.source.torque_unit
+    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice, unit=unit)
 
 
 def _print(found: "LogReplay", document: str, *, json: bool) -> None:

@@ -28,6 +28,10 @@ FEWEST_SAMPLES = 20
 OUTERMOST = 0.002
 """Share of the samples beyond each end of the curve: single glitches of the velocity would stretch it."""
 THIRD = 3
+BY_REGRESSION = (
+    "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
+)
+"""A change of method from session to session would look like drift."""
 
 
 def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
@@ -71,18 +75,20 @@ def summarise_joints(
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
         velocity = interaction.dq[moving, column]
         diagnosed = said.get(joint.joint)
+        by_energy = joint.method == "energy"
+        coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
         found.append(
             JointSummary(
                 joint=joint.joint,
                 name=joint.name,
-                coefficients=dict(zip(COEFFICIENTS, (joint.coulomb, joint.viscous), strict=True)),
+                coefficients=dict(zip(COEFFICIENTS, coefficients, strict=True)),
                 cycles=joint.cycles,
                 moving_s=joint.moving_s,
                 speed_rad_s=_quartiles(np.abs(velocity)),
                 temperature_c=_mean_temperature(log, joint.joint - 1),
                 within=_change_within(cycles.of_joint(column), joint),
                 curve=bin_torque(velocity, _port_torque(interaction, column)[moving]),
-                reason=joint.reason,
+                reason=joint.reason if by_energy else BY_REGRESSION,
                 verdict=None if diagnosed is None else diagnosed.verdict,
                 effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
             )

@@ -10,9 +10,12 @@ if TYPE_CHECKING:
 
 
 def estimate_friction(
-    interaction: "Interaction", cycles: "EnergyCycles", settings: "FrictionSettings"
+    interaction: "Interaction",
+    cycles: "EnergyCycles",
+    settings: "FrictionSettings",
+    dead_torque: frozenset[int] = frozenset(),
 ) -> "FrictionHistory":
     """Estimate the friction of every joint; see :mod:`friction_audit.friction.estimate`."""
     from friction_audit.friction.estimate import estimate_friction as estimate
 
-    return estimate(interaction, cycles, settings)
+    return estimate(interaction, cycles, settings, dead_torque)

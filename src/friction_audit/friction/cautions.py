@@ -91,7 +91,7 @@ def _disagreement(joint: JointFriction, where: str) -> Iterator[Caution]:
         if _disagree(energy, torque, LEAST_DIFFERENCE[name]):
             message = (
                 f"{where}: the {name} coefficient is {energy.value:.3f} by energy and {torque.value:.3f} by torque "
-                f"regression, and the intervals do not meet; {MEANING[name]}"
+                f"regression, and the intervals do not meet; the interval covers both; {MEANING[name]}"
             )
             yield Caution(code=f"{name}_disagrees", joint=joint.joint, message=message)
 

@@ -6,7 +6,6 @@ from functools import partial
 import numpy as np
 
 from friction_audit.cycles.energy_cycles import KEPT, EnergyCycles
-from friction_audit.friction.cautions import cautions_of
 from friction_audit.friction.equations import Equations, set_up
 from friction_audit.friction.history import (
     UNDETERMINED,
@@ -15,47 +14,62 @@ from friction_audit.friction.history import (
     FrictionHistory,
     JointFriction,
 )
+from friction_audit.friction.methods import conclude
 from friction_audit.friction.paper import estimate_paper
-from friction_audit.friction.reasons import missing_motion, one_speed
+from friction_audit.friction.reasons import dead_channel, missing_motion, one_speed
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
 from friction_audit.friction.torque_regression import regress_torque
 from friction_audit.friction.weighted import conditioning, fit_windows
-from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.interaction import Caution, Interaction
 from friction_audit.joint_log import Float
 from friction_audit.per_joint import per_joint
 
 NAN = float("nan")
 
 
-def estimate_friction(interaction: Interaction, cycles: EnergyCycles, settings: FrictionSettings) -> FrictionHistory:
+def estimate_friction(
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    settings: FrictionSettings,
+    dead_torque: frozenset[int] = frozenset(),
+) -> FrictionHistory:
     """Estimate the friction of every joint.
 
     Args:
         interaction: Motion and torque at the friction port.
         cycles: Its energy cycles.
         settings: Estimator, model and window.
+        dead_torque: Numbers (1..n) of joints whose torque channel records nothing.
 
     Returns:
         Coefficients with intervals and history; a joint that cannot be estimated carries the reason.
     """
-    work = partial(_estimate_joint, interaction, cycles, settings)
-    joints = tuple(per_joint(work, len(interaction.joint_numbers)))
-    warnings = tuple(caution for joint in joints for caution in cautions_of(joint))
-    return FrictionHistory(estimator=settings.estimator, joints=joints, warnings=warnings)
+    work = partial(_estimate_joint, interaction, cycles, settings, dead_torque)
+    found = per_joint(work, len(interaction.joint_numbers))
+    return FrictionHistory(
+        estimator=settings.estimator,
+        joints=tuple(joint for joint, _ in found),
+        warnings=tuple(caution for _, cautions in found for caution in cautions),
+    )
 
 
 def _estimate_joint(
-    interaction: Interaction, cycles: EnergyCycles, settings: FrictionSettings, column: int
-) -> JointFriction:
+    interaction: Interaction, cycles: EnergyCycles, settings: FrictionSettings, dead_torque: frozenset[int], column: int
+) -> tuple[JointFriction, tuple[Caution, ...]]:
+    number = interaction.joint_numbers[column]
     own = cycles.of_joint(column)
     kept = own.rows(own.reason == KEPT)
-    reason = missing_motion(own, column, settings)
+    reason = dead_channel(interaction, column, dead_torque=number in dead_torque)
+    dead = bool(reason)
+    reason = reason or missing_motion(own, column, settings, float(interaction.t[-1] - interaction.t[0]))
+    instead = bool(reason) and not dead and settings.estimator == "weighted" and settings.model == "combined"
     if not reason and settings.model == "combined":
         reason = one_speed(kept)
+    compare = settings.compare and (instead or not reason)
     solution = _NOTHING if reason else _SOLVERS[settings.estimator](own, settings)
-    compare = settings.compare and not reason
-    return JointFriction(
-        joint=interaction.joint_numbers[column],
+    standstill = float(cycles.standstill_rad_s[column])
+    joint = JointFriction(
+        joint=number,
         name=interaction.joint_names[column],
         model=settings.model,
         window=settings.cycles_per_point,
@@ -68,10 +82,11 @@ def _estimate_joint(
         gravity_error_nm=solution.gravity_error_nm,
         condition_number=solution.condition_number,
         correlation=solution.correlation,
-        regression=regress_torque(interaction, column, float(cycles.standstill_rad_s[column])) if compare else None,
+        regression=regress_torque(interaction, column, standstill, alone=instead) if compare else None,
         history=solution.history,
         reason=reason,
     )
+    return conclude(joint, interaction, own, column)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -64,6 +64,9 @@ class TorqueRegression:
         inertia: Coefficient of the acceleration. [kg m^2]
         residual_rms_nm: Root mean square of what is left. [N m]
         samples: Rows used.
+        condition_number: Of the scaled regression matrix.
+        correlation: Between the Coulomb and the viscous coefficient.
+        doubt: Why it cannot stand alone for the friction of the joint; empty if it can, or if that was not asked.
     """
 
     coulomb: Coefficient
@@ -72,6 +75,9 @@ class TorqueRegression:
     inertia: Coefficient
     residual_rms_nm: float
     samples: int
+    condition_number: float = float("nan")
+    correlation: float = float("nan")
+    doubt: str = ""
 
     @property
     def inertia_kg_m2(self) -> float:
@@ -87,6 +93,7 @@ class JointFriction:
         joint: Number for people.
         name: Name in the log.
         model: ``"combined"``, ``"coulomb"`` or ``"viscous"``.
+        method: ``"energy"`` of the cycles, or ``"regression"`` of the torque where too few cycles count.
         window: Cycles behind each point of the history, once there are so many.
         cycles: Cycles that count.
         rejected_cycles: Cycles left out.
@@ -118,6 +125,7 @@ class JointFriction:
     regression: TorqueRegression | None
     history: CoefficientHistory
     reason: str
+    method: str = "energy"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

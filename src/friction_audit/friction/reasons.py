@@ -4,6 +4,7 @@ import numpy as np
 
 from friction_audit.cycles.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, Int
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
+from friction_audit.interaction.interaction import Interaction
 
 SMALLEST_SPREAD = 0.1
 """Coefficient of variation of the speed over the path below which a log has one speed only."""
@@ -19,16 +20,42 @@ ADVICE = {
 }
 
 
-def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings) -> str:
+def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) -> str:
+    """Say which channel of a joint records nothing; empty if none.
+
+    Args:
+        interaction: Motion and torque.
+        column: Joint, 0-based.
+        dead_torque: Whether the reader found its torque dead; what is removed from a dead torque makes it move.
+    """
+    torque, q, dq = (channel[:, column] for channel in (interaction.torque, interaction.q, interaction.dq))
+    travel, duration_s = float(np.ptp(q)), float(interaction.t[-1] - interaction.t[0])
+    if dead_torque or (np.ptp(torque) == 0.0 and travel > LEAST_TRAVEL_RAD):
+        level = f"is {torque[0]:.4g} N m in every sample" if np.ptp(torque) == 0.0 else "hardly changes while it moves"
+        return f"its torque {level}: the channel is dead, or of another joint; check the sensor, or --map its column"
+    if travel > LEAST_TRAVEL_RAD and np.abs(dq).max() * duration_s < 0.5 * travel:
+        return (
+            f"its velocity is at most {np.abs(dq).max():.2g} rad/s while its position changes by {travel:.3g} rad: dq "
+            "is dead, or of another joint; --map its column (--map dq=NAME)"
+        )
+    return ""
+
+
+LEAST_TRAVEL_RAD = 0.01
+"""Below, a position may only be noisy."""
+
+
+def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings, duration_s: float) -> str:
     """Say why the cycles of one joint allow no estimate; empty if they do.
 
     Args:
         cycles: All cycles of this joint.
         column: Joint, 0-based, for its thresholds.
         settings: Settings of the estimate.
+        duration_s: Length of the log. [s]
     """
     if not len(cycles.joint):
-        return _no_cycle(cycles, column)
+        return _no_cycle(cycles, column, duration_s)
     if not cycles.sums.path_rad.any():
         return "its position never changes while its velocity does; check that q and dq are of this joint (--map q=...)"
     kept = int((cycles.reason == KEPT).sum())
@@ -65,7 +92,7 @@ def one_speed(cycles: EnergyCycles) -> str:
     )
 
 
-def _no_cycle(cycles: EnergyCycles, column: int) -> str:
+def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
     initiation, termination, fastest = (
         float(values[column]) for values in (cycles.initiation, cycles.termination, cycles.fastest)
     )
@@ -81,12 +108,16 @@ def _no_cycle(cycles: EnergyCycles, column: int) -> str:
             f"moved too slowly: {speed} peaks at {fastest:.3g} {unit}, the initiation threshold is {initiation:.3g} "
             f"{unit}; move it back and forth faster, or lower the thresholds (--thresholds auto)"
         )
+    if duration_s < SHORT_S:
+        return f"no complete energy cycle: the log lasts {duration_s:.2g} s; record several strokes back and forth"
     return (
-        f"no complete energy cycle: {speed} peaks at {fastest:.2g} {unit} but never came back below {termination:.2g} "
-        f"{unit}; pause between strokes, or choose other --thresholds, as auto"
+        f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} but never came back "
+        f"below {termination:.2g} {unit}; pause between strokes, or choose other --thresholds, as auto"
     )
 
 
+SHORT_S = 5.0
+"""A log that is shorter holds no four strokes back and forth at usual speeds, paused or not."""
 STANDSTILL = 0.1
 """Share of the initiation threshold below which a joint stands still."""
 

@@ -23,8 +23,9 @@ from friction_audit.friction.equations import Equations
 from friction_audit.friction.history import TorqueRegression
 from friction_audit.friction.huber import huber_weights
 from friction_audit.friction.instruments import block_length, instruments_at, reach
+from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import fit_windows
+from friction_audit.friction.weighted import Fit, conditioning, fit_windows
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, median_step
 
@@ -41,13 +42,29 @@ LONGEST = 2.0
 """What a row rests on may last so many times longer than its samples should; beyond, there is a hole in it."""
 
 
-def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float) -> TorqueRegression | None:
+HIGHEST_CONDITION = 30.0
+"""Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
+E. Kuh, R. E. Welsch, Regression Diagnostics, Wiley 1980)."""
+LEAST_ONE_WAY = 0.1
+"""Share of the samples that each direction has at least, or the offset takes what is friction."""
+LEAST_FRICTION_SHARE = 0.85
+"""Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
+published ones, 0.79 where the inertia of other joints doubles the Coulomb coefficient."""
+LARGEST_COUPLED_SHARE = 0.5
+"""Share of the residual that the velocity of another joint may explain: 0.92 and 0.96 on a wrist whose two joints
+share gears, at most 0.40 elsewhere."""
+
+
+def regress_torque(
+    interaction: Interaction, column: int, dead_band_rad_s: float, *, alone: bool = False
+) -> TorqueRegression | None:
     """Regress the torque of one joint on its motion, samples slower than the dead band left out.
 
     Args:
         interaction: Motion and torque.
         column: Joint, 0-based.
         dead_band_rad_s: Speed below which the sign of the velocity means nothing. [rad/s]
+        alone: Also check whether the regression can stand for the friction of the joint where no energy does.
 
     Returns:
         The regression, or None with too few moving samples or strokes.
@@ -59,6 +76,7 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
     equations, clipping = _gather(rows)
     fit = fit_windows(equations, strokes)
     fit = replace(fit, error=clipping * fit.error)
+    condition, correlation = conditioning(equations)
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
@@ -66,7 +84,57 @@ def regress_torque(interaction: Interaction, column: int, dead_band_rad_s: float
         inertia=fit.coefficient("inertia"),
         residual_rms_nm=float(np.sqrt(np.mean((rows.torque - rows.columns @ fit.value[0]) ** 2))),
         samples=len(rows.torque),
+        condition_number=condition,
+        correlation=correlation,
+        doubt=_coupling(rows, interaction, column, dead_band_rad_s) or _doubt(rows, fit, condition) if alone else "",
     )
+
+
+def _doubt(rows: "_Rows", fit: Fit, condition: float) -> str:
+    """Say why direction and velocity do not stand for friction; empty if they do."""
+    speed, forwards = np.abs(rows.columns[:, 1]), float(np.mean(rows.columns[:, 0] > 0))
+    if min(forwards, 1.0 - forwards) < LEAST_ONE_WAY:
+        return f"{100 * max(forwards, 1.0 - forwards):.0f} % of the motion goes one way; move it there and back"
+    if speed.std() < SMALLEST_SPREAD * speed.mean():
+        return f"all motion has one speed ({speed.mean():.2g} rad/s); move at two or more speeds"
+    if not condition < HIGHEST_CONDITION:
+        return (
+            f"direction, speed, acceleration and gravity are collinear (condition number {condition:.3g}, at most "
+            f"{HIGHEST_CONDITION:g}); move further and at several speeds"
+        )
+    share = 1.0 - _left_by(rows.columns, rows.torque) / _left_by(rows.columns[:, 2:], rows.torque)
+    if share < LEAST_FRICTION_SHARE:
+        return (
+            f"direction and velocity explain {100 * share:.0f} % of the torque that inertia and gravity leave, at "
+            f"least {100 * LEAST_FRICTION_SHARE:.0f} % are needed; the inertia or gravity of other joints is in the "
+            "torque: give the arm's model (--urdf), or move one joint at a time"
+        )
+    found = [fit.coefficient(name) for name in ("coulomb", "viscous")]
+    if not max(one.low for one in found) > 0.0 or min(one.high for one in found) < 0.0:
+        return "its coefficients are negative, or not different from zero; check gravity, payload and the sign"
+    return ""
+
+
+def _coupling(rows: "_Rows", interaction: Interaction, column: int, dead_band_rad_s: float) -> str:
+    """Say whether the residual follows the velocity of another joint; empty if it does not."""
+    left = _left_by(rows.columns, rows.torque)
+    rate_hz = 1.0 / median_step(interaction.t)
+    for other in range(len(interaction.joint_numbers)):
+        velocity = filter_velocity(interaction.dq[:, other], rate_hz=rate_hz, cutoff_hz=CUTOFF_HZ)[rows.index]
+        direction = np.tanh(velocity / dead_band_rad_s)
+        more = np.column_stack([rows.columns, direction, velocity])
+        share = 1.0 - _left_by(more, rows.torque) / left
+        if other != column and share > LARGEST_COUPLED_SHARE:
+            return (
+                f"{100 * share:.0f} % of the residual follows the velocity of joint {interaction.joint_numbers[other]}"
+                ", so the two share a transmission and one joint alone has no friction of its own"
+            )
+    return ""
+
+
+def _left_by(columns: Float, torque: Float) -> float:
+    """Return the sum of squares that least squares on some columns leaves."""
+    return float(np.sum((torque - columns @ np.linalg.lstsq(columns, torque, rcond=None)[0]) ** 2))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -79,6 +147,7 @@ class _Rows:
         instruments: What stands for the columns where their noise must not count, shape (m, p).
         torque: Shape (m,). [N m]
         stroke: Number of the stroke, shape (m,).
+        index: Sample of each row, shape (m,).
     """
 
     names: tuple[str, ...]
@@ -86,6 +155,7 @@ class _Rows:
     instruments: Float
     torque: Float
     stroke: NDArray[np.int64]
+    index: NDArray[np.int64]
 
 
 def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Rows:
@@ -117,6 +187,7 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Row
         instruments=np.stack(list(instruments.values()), axis=1),
         torque=smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
         stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
+        index=index,
     )
 
 

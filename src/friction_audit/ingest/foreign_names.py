@@ -12,7 +12,8 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "dq": ("dq", "actual_qd", "qdot", "q_dot", "joint_velocities", "joint_velocity", "velocities", "velocity",
            "joint_vel", "vel"),
     "tau_J": ("tau_j", "motor_torques_measured", "tau_measured", "joint_torques", "joint_torque", "joint_efforts",
-              "joint_effort", "efforts", "effort", "torques", "torque", "tau"),
+              "joint_effort", "efforts", "effort", "torques", "torque", "tau", "actual_current", "joint_currents",
+              "joint_current", "motor_currents", "motor_current", "currents", "current"),
     "tau_J_d": ("tau_j_d", "motor_torques_desired", "tau_desired", "tau_d"),
     "tau_ext_hat_filtered": ("tau_ext_hat_filtered", "tau_ext_hat", "tau_j_ext", "tau_ext", "motor_torques_external",
                              "external_joint_torques", "external_torques", "external_torque", "tau_external"),
@@ -46,6 +47,9 @@ _PATTERNS = tuple(
 _COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|goal|reference|action)(?:[^a-z]|$)")
 _MOTOR_SIDE = re.compile(r"motor_state")
 _EXTERNAL = re.compile(r"tau_ext|external")
+_SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|_(?P<suffix>m?A)(?![a-zA-Z])")
+_SAYS_CURRENT = re.compile(r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])")
+_SAYS_TORQUE = re.compile(r"torque|effort|tau|nm(?![a-z])|moment", re.IGNORECASE)
 _ELEMENT = re.compile(r"(?P<head>(?:.*[./])?)(?P<stem>[^\W\d][^./]*?)(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))")
 _LABEL = re.compile(r"(?:joint_)?names?", re.IGNORECASE)
 
@@ -81,6 +85,17 @@ def parse_name(name: str) -> ForeignName | None:
         if match is not None:
             return _foreign_name(text, match)
     return None
+
+
+def torque_unit(name: str) -> str:
+    """Return the unit of a torque column, ``"N m"`` unless its name says motor current.
+
+    ``current_torque`` is the torque at present, and no current.
+    """
+    ampere = _SAYS_AMPERE.search(name)
+    if ampere is not None:
+        return "mA" if (ampere["bracket"] or ampere["suffix"]).startswith("m") else "A"
+    return "A" if _SAYS_CURRENT.search(name) and not _SAYS_TORQUE.search(name) else "N m"
 
 
 def is_label(name: str) -> bool:

@@ -1,6 +1,6 @@
 """What the interaction torque is made of: decided from what the log holds and what the user said."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -62,6 +62,7 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
     Raises:
         UsageError: If the settings contradict each other or the log.
     """
+    settings = _in_newton_metres(log, settings)
     _check_settings(log, settings)
     robot = known_robot(log, settings)
     source, reason = _source(log, settings, robot)
@@ -85,6 +86,19 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
         reason=REASONS[reason],
         warnings=warnings,
     )
+
+
+def _in_newton_metres(log: JointLog, settings: TorqueSettings) -> TorqueSettings:
+    """Leave gravity and inertia, which are in newton metres, in a torque that is not; refuse them if asked for."""
+    unit = log.source.torque_unit
+    if unit == "N m":
+        return settings
+    if settings.gravity in ("logged", "model") or settings.inertia == "model":
+        raise UsageError(
+            f"{log.source.path}: the torque column is a motor current [{unit}], gravity and inertia are in N m; leave "
+            "--gravity and --inertia away, or multiply the column by torque constant and gear ratio"
+        )
+    return replace(settings, gravity="none", inertia="none")
 
 
 def known_robot(log: JointLog, settings: TorqueSettings) -> str:

@@ -11,6 +11,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
 from friction_audit.report.estimate_document import coefficient_document
 from friction_audit.report.notices import diagnose_notices
+from friction_audit.report.units import in_unit
 
 
 def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = MappingProxyType({})) -> Document:
@@ -26,7 +27,7 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = MappingP
         "source": source_document(found.estimate.log),
         "settings": settings | {"diagnosis": to_json(asdict(found.settings))},
         "warnings": [notice._asdict() for notice in diagnose_notices(found)],
-        "joints": [_joint(joint) for joint in found.discrepancy.joints],
+        "joints": in_unit([_joint(joint) for joint in found.discrepancy.joints], found.estimate.log.source.torque_unit),
     }
 
 

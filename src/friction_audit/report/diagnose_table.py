@@ -14,6 +14,7 @@ from friction_audit.model.joint_model import ArmModel
 from friction_audit.model.terms import TERMS
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
 from friction_audit.report.plain_table import plain_lines
+from friction_audit.report.units import in_unit
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -52,11 +53,12 @@ def diagnose_table(found: Diagnosis, *, verbose: bool = False) -> "list[Text]":
     """
     from rich.text import Text
 
-    parts = [Text(line) for line in (*_head(found), *plain_lines(_table(found.discrepancy.joints)))]
+    unit = found.estimate.log.source.torque_unit
+    parts = [Text(line) for line in (*_head(found), *plain_lines(_table(found.discrepancy.joints, unit)))]
     for joints in _alike(found.discrepancy.joints, together=not verbose):
-        parts.extend(Text(line) for line in _sentences(joints))
+        parts.extend(Text(in_unit(line, unit)) for line in _sentences(joints))
         if verbose:
-            parts.extend(Text(f"  {line}") for line in _details(joints[0]))
+            parts.extend(Text(in_unit(f"  {line}", unit)) for line in _details(joints[0]))
     return parts
 
 
@@ -97,13 +99,13 @@ def _locked(found: Diagnosis) -> str:
     return f" ({span} per joint)"
 
 
-def _table(joints: tuple[JointDiscrepancy, ...]) -> "Table":
+def _table(joints: tuple[JointDiscrepancy, ...], unit: str) -> "Table":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-    for column, title in enumerate(TITLES):
+    for column, title in enumerate(in_unit(TITLES, unit)):
         table.add_column(Text(title), justify="left" if column < WORDS else "right", no_wrap=True)
     for joint in joints:
         table.add_row(*_row(joint))

@@ -58,6 +58,7 @@ def source_document(log: JointLog) -> Document:
         "samples": len(log.t),
         "rate_hz": to_json(log.rate_hz),
         "duration_s": to_json(log.duration_s),
+        "torque_unit": source.torque_unit,
     }
 
 

@@ -7,6 +7,7 @@ from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, CoefficientHistory, JointFriction, TorqueRegression
 from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
 from friction_audit.report.notices import estimate_notices
+from friction_audit.report.units import in_unit
 
 
 def estimate_document(estimate: Estimate, reading: Mapping[str, object] = MappingProxyType({})) -> Document:
@@ -22,7 +23,7 @@ def estimate_document(estimate: Estimate, reading: Mapping[str, object] = Mappin
         "settings": settings_document(estimate, reading),
         "warnings": [notice._asdict() for notice in estimate_notices(estimate)],
         "estimator": estimate.friction.estimator,
-        "joints": [_joint(joint) for joint in estimate.friction.joints],
+        "joints": in_unit([_joint(joint) for joint in estimate.friction.joints], estimate.log.source.torque_unit),
     }
 
 
@@ -31,6 +32,7 @@ def _joint(joint: JointFriction) -> Document:
         "joint": joint.joint,
         "name": joint.name,
         "model": joint.model,
+        "method": joint.method,
         "cycles": joint.cycles,
         "rejected_cycles": joint.rejected_cycles,
         "moving_s": to_json(joint.moving_s),

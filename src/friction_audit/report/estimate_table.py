@@ -8,6 +8,7 @@ from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.printable import printable, shortened
 from friction_audit.report.reasons import reason_lines
+from friction_audit.report.units import in_unit
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -31,9 +32,10 @@ def estimate_table(estimate: Estimate) -> "list[RenderableType]":
     """Return what was chosen, a row per joint, and the reasons of the joints that have no estimate."""
     from rich.text import Text
 
+    unit = estimate.log.source.torque_unit
     parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
-    parts.append(_table(estimate.friction.joints))
-    parts.extend(Text(f"not determined: {line}") for line in reason_lines(estimate.friction.joints))
+    parts.append(_table(estimate.friction.joints, unit))
+    parts.extend(Text(in_unit(f"not determined: {line}", unit)) for line in reason_lines(estimate.friction.joints))
     return parts
 
 
@@ -50,16 +52,18 @@ def _head(estimate: Estimate) -> tuple[str, ...]:
     return f"{log.source.path}: {log.source.format}, {samples}", torque, choices, estimator
 
 
-def _table(joints: tuple[JointFriction, ...]) -> "Table":
+def _table(joints: tuple[JointFriction, ...], unit: str) -> "Table":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-    for title in TITLES:
-        table.add_column(Text(title), justify="left" if title == TITLES[0] else "right", no_wrap=True)
+    # Only where not all are by energy: the method would be one word in every row.
+    methods = any(joint.method != "energy" for joint in joints)
+    for title in (*in_unit(TITLES, unit), *(("method",) if methods else ())):
+        table.add_column(Text(title), justify="left" if title in (TITLES[0], "method") else "right", no_wrap=True)
     for joint in joints:
-        table.add_row(*_row(joint))
+        table.add_row(*_row(joint), *((NOTHING if joint.reason else joint.method,) if methods else ()))
     return table
 
 

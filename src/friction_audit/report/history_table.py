@@ -11,6 +11,7 @@ import numpy as np
 from friction_audit.audit import Estimate
 from friction_audit.friction.history import CoefficientHistory, JointFriction
 from friction_audit.printable import csv_text
+from friction_audit.report.units import column_in_unit
 
 COLUMNS = tuple(f.name for f in fields(CoefficientHistory))
 HEADER = ("joint", "name", *COLUMNS)
@@ -20,7 +21,7 @@ def history_csv(estimate: Estimate) -> str:
     """Return the histories of all joints; an empty cell where a window cannot give a value."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    writer.writerow(column_in_unit(name, estimate.log.source.torque_unit) for name in HEADER)
     for joint in estimate.friction.joints:
         writer.writerows(_rows(joint))
     return text.getvalue()

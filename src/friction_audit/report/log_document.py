@@ -9,6 +9,7 @@ from friction_audit.report.estimate_document import estimate_document
 from friction_audit.report.log_report import LogReport, report_notices
 from friction_audit.report.log_words import lead_sentence, verdict_sentence, verdict_word
 from friction_audit.report.replay_document import replay_document
+from friction_audit.report.units import in_unit
 
 SHARED = ("schema", "version", "source", "settings", "warnings")
 """Keys of the documents of the parts that the whole document has once."""
@@ -17,7 +18,7 @@ SHARED = ("schema", "version", "source", "settings", "warnings")
 def log_document(report: LogReport) -> Document:
     """Return the document of a report."""
     diagnosis, replay = report.diagnosis, report.replay
-    return {
+    document = {
         **new_document("report"),
         "command": report.command or None,
         "source": source_document(report.estimate.log),
@@ -38,6 +39,8 @@ def log_document(report: LogReport) -> Document:
         "diagnose": None if diagnosis is None else _part(diagnose_document(diagnosis)),
         "replay": None if replay is None else _part(replay_document(replay)),
     }
+    in_its_unit: Document = in_unit(document, report.estimate.log.source.torque_unit)
+    return in_its_unit
 
 
 def report_settings(report: LogReport) -> Document:

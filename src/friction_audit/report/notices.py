@@ -6,6 +6,13 @@ from typing import NamedTuple
 from friction_audit.audit import Diagnosis, Estimate, LogReplay
 from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import JointLog
+from friction_audit.report.units import NEWTON_METRES, in_unit
+
+IN_AMPERE = (
+    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
+    "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
+    "multiply the column by torque constant and gear ratio"
+)
 
 
 class Notice(NamedTuple):
@@ -24,7 +31,9 @@ class Notice(NamedTuple):
 
 def log_notices(log: JointLog) -> tuple[Notice, ...]:
     """Return what was noticed while the log was read."""
-    return tuple(Notice(found.code, found.joint, found.message) for found in log.source.findings)
+    unit = log.source.torque_unit
+    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(log.source.path, unit)),)
+    return own + tuple(Notice(found.code, found.joint, found.message) for found in log.source.findings)
 
 
 def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
@@ -36,14 +45,14 @@ def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the coefficients, each once."""
     friction = tuple(Notice(found.code, found.joint, found.message) for found in estimate.friction.warnings)
     every = log_notices(estimate.log) + interaction_notices(estimate.interaction) + friction
-    return tuple(dict.fromkeys(every))
+    return _each_once(every, estimate.log)
 
 
 def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
     """Return what was noticed on the way from the log to the replay, each once; not what only concerns the estimate."""
     own = tuple(Notice(one.code, one.joint, one.message) for one in found.replay.warnings)
     every = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction) + own
-    return tuple(dict.fromkeys(every))
+    return _each_once(every, found.estimate.log)
 
 
 def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
@@ -68,7 +77,12 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     )
     of_log = log_notices(found.estimate.log) + interaction_notices(found.estimate.interaction)
     every = of_log + limits + disagreements
-    return tuple(dict.fromkeys(every))
+    return _each_once(every, found.estimate.log)
+
+
+def _each_once(every: Iterable[Notice], log: JointLog) -> tuple[Notice, ...]:
+    unit = log.source.torque_unit
+    return tuple(dict.fromkeys(one._replace(message=in_unit(one.message, unit)) for one in every))
 
 
 def notice_lines(notices: Iterable[Notice]) -> list[str]:

@@ -14,6 +14,7 @@ from friction_audit.replay.settings import ReplaySettings
 from friction_audit.report.document import Document, new_document, settings_document, source_document, to_json
 from friction_audit.report.estimate_document import coefficient_document
 from friction_audit.report.notices import replay_notices
+from friction_audit.report.units import in_unit
 
 
 def replay_document(found: LogReplay, reading: Mapping[str, object] = MappingProxyType({})) -> Document:
@@ -32,7 +33,7 @@ def replay_document(found: LogReplay, reading: Mapping[str, object] = MappingPro
         "warnings": [notice._asdict() for notice in replay_notices(found)],
         "assume": counterfactual.name,
         "assumes": counterfactual.assumes,
-        "joints": [_joint(joint) for joint in found.replay.joints],
+        "joints": in_unit([_joint(joint) for joint in found.replay.joints], found.estimate.log.source.torque_unit),
     }
 
 

@@ -7,6 +7,7 @@ from friction_audit.audit import LogReplay
 from friction_audit.replay.result import STATUSES, JointReplay
 from friction_audit.report.history_table import csv_cell
 from friction_audit.report.replay_document import HISTORY
+from friction_audit.report.units import column_in_unit
 
 HEADER = ("joint", "name", "cycle", *HISTORY, "acted", "status")
 
@@ -15,7 +16,7 @@ def replay_csv(found: LogReplay) -> str:
     """Return the histories of all joints; an empty cell where there is no estimate yet."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(HEADER)
+    writer.writerow(column_in_unit(name, found.estimate.log.source.torque_unit) for name in HEADER)
     for joint in found.replay.joints:
         writer.writerows(_rows(joint))
     return text.getvalue()

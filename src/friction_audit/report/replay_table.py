@@ -11,6 +11,7 @@ from friction_audit.replay.compensators import EnergyCompensator, JointModelComp
 from friction_audit.replay.result import JointReplay
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
 from friction_audit.report.reasons import reason_lines
+from friction_audit.report.units import in_unit
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -40,11 +41,12 @@ def replay_table(found: LogReplay) -> "list[RenderableType]":
 
     joints = found.replay.joints
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
-    parts.append(_table(joints))
-    parts.extend(Text(line) for line in _models(found))
-    parts.extend(Text(line) for joint in joints for line in _moved(joint))
-    parts.extend(Text(line) for joint in joints for line in _recovery(joint))
-    parts.extend(Text(f"not replayed: {line}") for line in reason_lines(joints))
+    unit = found.estimate.log.source.torque_unit
+    parts.append(_table(joints, unit))
+    lines = [*_models(found), *(line for joint in joints for line in _moved(joint))]
+    lines += [line for joint in joints for line in _recovery(joint)]
+    lines += [f"not replayed: {line}" for line in reason_lines(joints)]
+    parts.extend(Text(line) for line in in_unit(lines, unit))
     return parts
 
 
@@ -81,13 +83,13 @@ def describe_compensator(joint: JointReplay) -> str:
     return f"{kind.name}, {law}, {controller} passivity controller"
 
 
-def _table(joints: tuple[JointReplay, ...]) -> "Table":
+def _table(joints: tuple[JointReplay, ...], unit: str) -> "Table":
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-    for title in TITLES:
+    for title in in_unit(TITLES, unit):
         table.add_column(Text(title), justify="left" if title == TITLES[0] else "right", no_wrap=True)
     for joint in joints:
         table.add_row(*_row(joint))

@@ -6,6 +6,7 @@
 from dataclasses import replace
 
 from friction_audit.errors import InputError
+from friction_audit.ingest.foreign_names import torque_unit
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet.batches import spread_batches
 from friction_audit.ingest.vet.clock import order_clock
@@ -14,7 +15,7 @@ from friction_audit.ingest.vet.motion import check_motion, mend_units
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.ingest.vet.torque import check_torque
-from friction_audit.joint_log import MINIMUM_SAMPLES, JointLog, Source
+from friction_audit.joint_log import MINIMUM_SAMPLES, TORQUE_CHANNELS, JointLog, Source
 
 
 def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recording:
@@ -54,10 +55,17 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         start_s=None if recording.start_s is None else recording.start_s + first,
         topic=recording.topic,
         channels=dict(recording.mapping),
+        torque_unit=_torque_unit(recording),
         findings=recording.findings,
     )
     t = recording.t if first == 0.0 else recording.t - first
     return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
+
+
+def _torque_unit(recording: Recording) -> str:
+    """Return the unit that the name of the first torque channel says."""
+    channel = next(name for name in TORQUE_CHANNELS if name in recording.channels)
+    return torque_unit(recording.mapping.get(channel, ""))
 
 
 def _refuse_short(recording: Recording, path: str) -> None:

@@ -26,6 +26,7 @@ from friction_audit.report.html.picture import Picture
 from friction_audit.report.html.svg import draw_inline
 from friction_audit.report.log_report import JointReport, LogReport
 from friction_audit.report.log_words import friction_words, removal_words
+from friction_audit.report.units import label_in_unit
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -276,7 +277,7 @@ def _sheets(report: LogReport) -> Iterator[tuple[LogFigure, LogReport, str]]:
 
 
 def _figure(kind: LogFigure, part: LogReport, title: str, draw: Draw) -> Figure:
-    drawing = kind.draw(part)
+    drawing = label_in_unit(kind.draw(part), part.estimate.log.source.torque_unit)
     _make_small(drawing)
     joints = part.joints
     words = [f"joint {joint_label(one.friction.joint, one.friction.name)}: {kind.tell(one)}" for one in joints]

@@ -32,6 +32,7 @@ from friction_audit.report.log_summary import LogSummary, summarize_log
 from friction_audit.report.log_words import lead_sentence, verdict_sentence, verdict_word
 from friction_audit.report.notices import log_notices, notice_lines
 from friction_audit.report.replay_table import describe_compensator, shown_joint
+from friction_audit.report.units import in_unit
 
 NO_FIGURES = Drawn(by_section={}, left_out={})
 WORDS = {
@@ -73,7 +74,7 @@ def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
         draw: Draws a figure for the page, or None for none.
     """
     drawn = NO_FIGURES if draw is None else draw_figures(report, draw)
-    return Page(
+    page = Page(
         title=f"Joint friction: {report.file_name}",
         lead=lead_sentence(report),
         facts=tuple(_facts(report)),
@@ -89,6 +90,8 @@ def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
             citation_section(),
         ),
     )
+    in_its_unit: Page = in_unit(page, report.estimate.log.source.torque_unit)
+    return in_its_unit
 
 
 def _facts(report: LogReport) -> Iterator[tuple[str, str]]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.audit import Diagnosis
 from friction_audit.discrepancy.result import JointDiscrepancy, Profile, SimulationGap, Traces
+from friction_audit.report.units import table_in_unit
 from friction_audit.tidy_table import Column, JointRows, TidyTable, as_column
 
 VERDICTS: dict[str, type] = {
@@ -88,7 +89,7 @@ Rows = Callable[[JointDiscrepancy], list[dict[str, Any]]]
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis, in the order of DIAGNOSE_TABLES."""
     joints = found.discrepancy.joints
-    return (
+    tables = (
         _table("verdicts", "verdict and gap of a joint", VERDICTS, joints, _verdict),
         _table("effects", "an effect that the model of a joint misses, the strongest first", EFFECTS, joints, _effects),
         _table("effect_parameters", "a number of an effect, with its 95 % interval", PARAMETERS, joints, _parameters),
@@ -109,6 +110,7 @@ def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
             rows=tuple(_rows(one, _motion(one.simulation)) for one in joints if one.simulation is not None),
         ),
     )
+    return tuple(table_in_unit(table, found.estimate.log.source.torque_unit) for table in tables)
 
 
 def _table(

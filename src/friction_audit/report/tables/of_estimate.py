@@ -8,10 +8,12 @@ import numpy as np
 from friction_audit.audit import Estimate
 from friction_audit.cycles.energy_cycles import REASONS
 from friction_audit.friction.history import Coefficient, CoefficientHistory, JointFriction
+from friction_audit.report.units import table_in_unit
 from friction_audit.tidy_table import Column, JointRows, TidyTable, as_column
 
 COEFFICIENTS: dict[str, type] = {
     "model": str,
+    "method": str,
     "cycles": int,
     "left_out_cycles": int,
     "moving_s": float,
@@ -51,7 +53,8 @@ ESTIMATE_TABLES: tuple[str, ...] = ("coefficients", "coefficient_history", "cycl
 
 def estimate_tables(estimate: Estimate) -> tuple[TidyTable, ...]:
     """Return the tables of an estimate, in the order of ESTIMATE_TABLES."""
-    return (_coefficients(estimate), _history(estimate), _cycles(estimate), _interaction(estimate))
+    tables = (_coefficients(estimate), _history(estimate), _cycles(estimate), _interaction(estimate))
+    return tuple(table_in_unit(table, estimate.log.source.torque_unit) for table in tables)
 
 
 def _coefficients(estimate: Estimate) -> TidyTable:
@@ -74,6 +77,7 @@ def _one_row(cells: dict[str, Any], types: dict[str, type]) -> dict[str, Column]
 def _coefficient_cells(joint: JointFriction) -> dict[str, Any]:
     return {
         "model": joint.model,
+        "method": joint.method,
         "cycles": joint.cycles,
         "left_out_cycles": joint.rejected_cycles,
         "moving_s": joint.moving_s,

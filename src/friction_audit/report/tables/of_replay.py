@@ -9,6 +9,7 @@ from friction_audit.audit import LogReplay
 from friction_audit.replay.compensators import kind_of
 from friction_audit.replay.result import STATUSES, JointReplay, ReplayHistory, Signals
 from friction_audit.report.replay_document import HISTORY, NUMBERS
+from friction_audit.report.units import table_in_unit
 from friction_audit.tidy_table import Column, JointRows, TidyTable, as_column
 
 PASSIVITY: dict[str, type] = {
@@ -43,7 +44,7 @@ REPLAY_TABLES: tuple[str, ...] = ("replay_joints", "replay_cycles", "replay_sign
 def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
     """Return the tables of a replay, in the order of REPLAY_TABLES."""
     joints = found.replay.joints
-    return (
+    tables = (
         TidyTable(
             name="replay_joints",
             summary="what a compensator would have come to on a joint, over the whole log",
@@ -66,6 +67,7 @@ def replay_tables(found: LogReplay) -> tuple[TidyTable, ...]:
             rows=tuple(_rows(one, _signals(one.without, one.replayed)) for one in joints if one.replayed is not None),
         ),
     )
+    return tuple(table_in_unit(table, found.estimate.log.source.torque_unit) for table in tables)
 
 
 def _rows(joint: JointReplay, columns: dict[str, Column]) -> JointRows:
