@@ -51,7 +51,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    options = read_options(reading)
+    options = read_options(reading, selection)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, view, voice, failures) for path in logs]
@@ -67,7 +67,6 @@ class _View:
 
     def __init__(self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings") -> None:
         self.joints = parse_joints(selection.joints)
-        self.start_s, self.stop_s = selection.t_start, selection.t_end
         self.torque, self.cycles = torque, cycles
 
 
@@ -80,7 +79,7 @@ def _entry(
     topics: tuple[TopicSummary, ...] = ()
     try:
         topics = _topics(path)
-        log = chain.read(path, options, voice).take_window(view.start_s, view.stop_s)
+        log = chain.read(path, options, voice)
         return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
     except FrictionAuditError as error:
         failures.append(error)

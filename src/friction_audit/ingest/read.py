@@ -9,7 +9,7 @@ from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.readers import READERS
 from friction_audit.ingest.vet import examine, to_joint_log
-from friction_audit.joint_log import Finding, JointLog
+from friction_audit.joint_log import Finding, JointLog, find_window
 
 _DEFAULT = ReadOptions()
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
@@ -45,7 +45,22 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
                 raise
             raise InputError("; ".join((str(error), *notes))) from error
     recording = _with_findings(recording, _growth(before, _stamp(file)))
-    return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    if not options.has_window:
+        return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    recording = _part(recording, options, str(path))
+    log = to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    window = (options.t_start_s, options.t_end_s)
+    return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
+
+
+def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
+    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
+    t = recording.t - first_s
+    part = find_window(t, options.t_start_s, options.t_end_s, path)
+    channels = {channel: array[part] for channel, array in recording.channels.items()}
+    begun = None if recording.start_s is None else recording.start_s + first_s
+    return replace(recording, t=t[part], channels=channels, start_s=begun)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:

@@ -11,6 +11,13 @@ from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
 
 MAPPABLE = ("t", *JOINT_CHANNELS)
 """What ``--map`` may name."""
+MARGIN_S = 1.0
+"""Read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours. [s]"""
+WHOLE_BYTES = 256 << 20
+"""Size of the arrays up to which a reader reads a log whole although a part is asked for.
+
+Units, signs and delays are then judged by all of the log. Beyond, a part is long enough to judge them by.
+"""
 
 
 class SeveralArmsError(UsageError):
@@ -40,6 +47,8 @@ class ReadOptions:
         robot: Robot stated by the user, wins over the log's own names.
         time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
         allow_short: Read a log that looks like a libfranka exception log all the same.
+        t_start_s: Start of the part to read, from the log's first sample, or None. [s]
+        t_end_s: End of that part, or None. [s]
     """
 
     topic: str | None = None
@@ -47,18 +56,33 @@ class ReadOptions:
     robot: str | None = None
     time_scale: float = 1.0
     allow_short: bool = False
+    t_start_s: float | None = None
+    t_end_s: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the factor and the channels.
+        """Check the factor, the channels and the part.
 
         Raises:
-            UsageError: If the factor is no number above zero, or a channel does not exist.
+            UsageError: If the factor is no number above zero, a channel does not exist, or the part holds no time.
         """
         wrong = [f"--map {c}: no such channel{_did_you_mean(c)}" for c in self.mapping if c not in MAPPABLE]
         if wrong:
             raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
+        if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
+            raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
+
+    @property
+    def has_window(self) -> bool:
+        """True if a part of the log is asked for."""
+        return self.t_start_s is not None or self.t_end_s is not None
+
+    def window_of_clock(self) -> tuple[float, float]:
+        """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
+        start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
+        stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
+        return start, stop
 
 
 def _did_you_mean(channel: str) -> str:
@@ -78,6 +102,7 @@ class Recording:
         joint_names: One name per joint.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of t = 0, or None when the clock does not tell. [s]
+        first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
         robot: Robot told by joint names or message types, or ``"unknown"``.
         serial: Serial number of the arm as the file states it, empty if it does not.
         topic: Topic read, or None.
@@ -90,6 +115,7 @@ class Recording:
     joint_names: tuple[str, ...]
     clock: str = "column"
     start_s: float | None = None
+    first_s: float | None = None
     robot: str = "unknown"
     serial: str = ""
     topic: str | None = None
