@@ -13,8 +13,12 @@ LOGS = sorted((Path(__file__).parents[2] / "sample_logs" / "formats").iterdir())
 WINDOWS = [(0.5, 1.5), (None, 1.0), (1.0, None), (-3.0, 1.0)]
 
 
+@pytest.mark.parametrize("is_large", [False, True], ids=["small", "large"])
 @pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
-def test_a_part_is_the_part_of_the_whole(path: Path) -> None:
+def test_a_part_is_the_part_of_the_whole(path: Path, is_large: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    if is_large:  # so that readers leave out what lies outside the part
+        monkeypatch.setattr("friction_audit.ingest.reader.WHOLE_BYTES", 0)
+        monkeypatch.setattr("friction_audit.ingest.read_csv._BLOCK_BYTES", 20_000)
     whole = read_log(path)
     for start_s, stop_s in WINDOWS:
         part, expected = (
@@ -40,6 +44,8 @@ def test_a_part_of_a_part_lies_within_it() -> None:
     assert part.take_window(0.5, 1.0).source.skipped_s == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_part_beyond_the_end_is_refused_with_the_duration() -> None:
+@pytest.mark.parametrize("path", LOGS, ids=[path.name for path in LOGS])
+def test_a_part_beyond_the_end_is_refused_with_the_duration(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.ingest.reader.WHOLE_BYTES", 0)
     with pytest.raises(UsageError, match=r"0 samples between 5000 s .*the log lasts from 0 to"):
-        read_log(LOGS[0], ReadOptions(t_start_s=5000.0))
+        read_log(path, ReadOptions(t_start_s=5000.0))

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
-from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.reader import TAKE_A_PART, Reader, ReadOptions, Recording, TooLargeError, Topic
 from friction_audit.ingest.readers import READERS
 from friction_audit.ingest.vet import examine, to_joint_log
 from friction_audit.joint_log import Finding, JointLog, find_window
@@ -30,20 +30,27 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     reader = choose_reader(file)
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         digest = pool.submit(sha256_of, file)  # hashlib gives the lock away: this costs no time on a second core
+        damage: tuple[Finding, ...] = ()
         try:
             recording = reader.read(file, options)
+            damage = recording.findings
             recording = _with_findings(recording, _suffix_mismatch(file, reader))
             recording = examine(recording, path=str(path), options=options)
             sha256 = digest.result()
         except OSError as error:
             raise _unreadable(file, error) from error
+        except MemoryError as error:
+            raise TooLargeError(
+                f"{path}: not enough memory to read a file of {before.size} bytes; {TAKE_A_PART}"
+            ) from error
         except InputError as error:
             notes = [finding.message for finding in _suffix_mismatch(file, reader)]
+            notes += [finding.message for finding in damage if finding.damaged and finding.message not in str(error)]
             if _stamp(file) != before:
                 notes.append("the file changed while it was read: read it again when it is finished")
             if not notes:
                 raise
-            raise InputError("; ".join((str(error), *notes))) from error
+            raise type(error)("; ".join((str(error), *notes))) from error
     recording = _with_findings(recording, _growth(before, _stamp(file)))
     if not options.has_window:
         return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)

@@ -1,12 +1,13 @@
 """What a reader is: one record per container format."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import inf
 from pathlib import Path
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
 
 MAPPABLE = ("t", *JOINT_CHANNELS)
@@ -18,6 +19,51 @@ WHOLE_BYTES = 256 << 20
 
 Units, signs and delays are then judged by all of the log. Beyond, a part is long enough to judge them by.
 """
+
+_BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100
+"""No recording of a gigabyte shrinks to a hundredth when it is compressed: noise does not."""
+_GIGABYTE = 1e9
+TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
+
+
+class TooLargeError(InputError):
+    """A log does not fit into memory; a part of it may."""
+
+
+def refuse_too_large(path: Path, needed: int, packed: int) -> None:
+    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later.
+
+    Args:
+        path: The file.
+        needed: Size of the arrays that its header claims. [bytes]
+        packed: What they take in the file. [bytes]
+
+    Raises:
+        TooLargeError: If they are larger than the memory.
+        InputError: If no recording can be packed so tightly.
+    """
+    if needed > max(_BOMB_BYTES, _BOMB_RATIO * packed):
+        raise InputError(
+            f"{path}: {needed / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that were "
+            f"measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
+        )
+    if needed > (memory := _memory()):
+        raise TooLargeError(
+            f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
+            f"memory here; {TAKE_A_PART}"
+        )
+
+
+def _memory() -> float:
+    """Return the memory that this process can have. [bytes]"""
+    try:
+        import resource
+
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (ImportError, AttributeError, ValueError, OSError):  # Windows does not hand out what it does not have
+        return inf
+    return installed if limit == resource.RLIM_INFINITY else min(limit, installed)
 
 
 class SeveralArmsError(UsageError):
@@ -77,6 +123,10 @@ class ReadOptions:
     def has_window(self) -> bool:
         """True if a part of the log is asked for."""
         return self.t_start_s is not None or self.t_end_s is not None
+
+    def reads_part(self, whole_bytes: float) -> bool:
+        """Return True if a reader leaves out what lies outside the part: the log is large and a part is asked for."""
+        return self.has_window and whole_bytes > WHOLE_BYTES
 
     def window_of_clock(self) -> tuple[float, float]:
         """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
