@@ -15,7 +15,9 @@ from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 REQUIRED = ("q", "dq")
 _SHOWN_GROUPS = 14
-_MOST_JOINTS = 60
+_SHOWN_JOINTS = 60
+MOST_JOINTS = 1000
+"""No robot has as many; with more, a table is transposed or a column is not what its name says."""
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
 """Names of the columns of a table with one row per number: what it is, and how much."""
 _AMBIGUOUS = ("torque", "tau", "effort")
@@ -398,7 +400,7 @@ def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] |
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
     keys = _sorted_keys(cells)
-    if len(keys) > _MOST_JOINTS:
+    if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
     return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
         str(key + 1) if isinstance(key, int) else key for key in keys

@@ -9,7 +9,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.ingest.columns import ColumnMap, ambiguous_torque, column_position, refuse_absent, stated_time
+from friction_audit.ingest.columns import (
+    MOST_JOINTS,
+    ColumnMap,
+    ambiguous_torque,
+    column_position,
+    refuse_absent,
+    stated_time,
+)
 from friction_audit.ingest.foreign_names import ForeignName, parse_name
 from friction_audit.ingest.joint_order import choose_arm, robot_of
 from friction_audit.ingest.reader import Recording
@@ -18,8 +25,6 @@ from friction_audit.ingest.to_recording import to_recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
-MOST_JOINTS = 1000
-"""No robot has as many; with more, a table is transposed or a column is not what its name says."""
 _WHOLE = re.compile(r"^(\d+)\.0+$")
 """A joint's number in a column that was written as floats."""
 
