@@ -1,3 +1,4 @@
+import gzip
 import os
 from pathlib import Path
 
@@ -345,3 +346,50 @@ def test_a_measured_libfranka_log() -> None:
     assert (len(log.t), len(log.joint_names), log.source.robot) == (11_023, 7, "panda")
     assert log.duration_s == pytest.approx(11.061)
     assert {f.code: f.amount for f in log.source.findings} == {"dropped_samples": 19 + 2 * 7 + 3 * 2}
+
+
+def test_a_table_below_a_megabyte_of_comments(tmp_path: Path) -> None:
+    text = "# a comment\n\n" * 100_000 + tidy_frame(300).to_csv(index=False)
+    path = write(tmp_path / "run.csv", text)
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+    with pytest.raises(InputError, match=r"line 200102 has 11 fields"):
+        read_log(write(path, text.replace("\n1.0,", "\n1.0,1,")))
+    with pytest.raises(InputError, match="all lines are blank or comments"):
+        read_log(write(path, "# a comment, and no more\n" * 100_000))
+
+
+def test_lines_longer_than_what_is_looked_at_first(tmp_path: Path) -> None:
+    more = {f"a_long_name_of_a_column_{number}": np.zeros(3) for number in range(50_000)}
+    frame = pd.concat([tidy_frame(3), pd.DataFrame(more)], axis=1)
+    assert len(read_log(write(tmp_path / "run.csv", frame.to_csv(index=False))).t) == 3
+
+
+def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
+    names = [f"{channel}_{joint}" for channel in ("q", "dq", "tau_J") for joint in range(2000)]
+    wide = ",".join(["t", *names]) + "\n" + ",".join(["0"] * 6001) + "\n"
+    long = "t,joint,q,dq,tau_J\n" + "".join(f"{row},j{joint},0,0,0\n" for row in range(2) for joint in range(2000))
+    for text in (wide, long):
+        with pytest.raises(InputError, match="2000 .*expected at most 1000"):
+            read_log(write(tmp_path / "run.csv", text))
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (tidy_frame(30).to_csv(index=False).encode("utf-32"), "UTF-32"),
+        (tidy_frame(30).to_csv(index=False).encode("utf-16"), "UTF-16"),
+        (gzip.compress(tidy_frame(30).to_csv(index=False).encode()), "gzip -d"),
+    ],
+    ids=["utf-32", "utf-16", "gzip"],
+)
+@pytest.mark.parametrize("name", ["run.csv", "run.csv.gz"])
+def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, content: bytes, word: str, name: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=word if name == "run.csv" or "gzip" in word else "no known format"):
+        read_log(tmp_path / name)
+
+
+def test_two_recordings_in_one_file_are_named_as_that(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    with pytest.raises(InputError, match="time .* goes back at 1 of 599 rows"):
+        read_log(write(tmp_path / "run.csv", pd.concat([frame, frame]).to_csv(index=False)))

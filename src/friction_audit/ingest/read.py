@@ -6,12 +6,14 @@ from pathlib import Path
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
+from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.reader import TAKE_A_PART, Reader, ReadOptions, Recording, TooLargeError, Topic
 from friction_audit.ingest.readers import READERS
 from friction_audit.ingest.vet import examine, to_joint_log
 from friction_audit.joint_log import Finding, JointLog, find_window
 
 _DEFAULT = ReadOptions()
+_PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
@@ -95,6 +97,11 @@ def choose_reader(path: Path) -> Reader:
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):
             return reader
+    packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
+    if packed is not None:
+        raise InputError(
+            f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
+        )
     if by_suffix and not path.is_dir():
         return by_suffix[0]
     if path.is_dir():

@@ -161,13 +161,13 @@ def _refuse_centuries(elapsed_s: Float, path: str) -> None:
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     """Find a stamp kept as whole seconds beside nanoseconds, as ROS messages do."""
-    lower = [name.lower() for name in names]
-    for cell, name in enumerate(lower):
+    lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
+    for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
-        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
-            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}" if match else ""
+        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs") if match else ():
+            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
             if partner in lower:
-                cells = (cell, lower.index(partner))
+                cells = (cell, lower[partner])
                 return TimeColumn(
                     cells=cells, name=f"{names[cell]} + {names[cells[1]]}", unit="ns", clock="header_stamp"
                 )
@@ -197,5 +197,6 @@ def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
 def _median_step(elapsed: Float) -> float:
     """Return the median step between stamps in the order of time; two recordings or joints may share their stamps."""
     in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    steps = np.diff(np.unique(elapsed[: 1 << 16] if in_order else elapsed[np.isfinite(elapsed)]))
-    return float(np.nanmedian(steps)) if len(steps) else 0.0
+    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed[np.isfinite(elapsed)],)
+    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot)))), np.zeros(1))
+    return float(np.nanmedian(steps))
