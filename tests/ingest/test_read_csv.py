@@ -352,16 +352,16 @@ def test_a_table_below_a_megabyte_of_comments(tmp_path: Path) -> None:
     text = "# a comment\n\n" * 100_000 + tidy_frame(300).to_csv(index=False)
     path = write(tmp_path / "run.csv", text)
     np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
-    with pytest.raises(InputError, match=r"line 200102 has 11 fields"):
-        read_log(write(path, text.replace("\n1.0,", "\n1.0,1,")))
+    with pytest.raises(InputError, match=r"line 200301 has 11 fields"):
+        read_log(write(path, text.rstrip("\n") + ",1\n" + text.splitlines()[-1] + "\n"))
     with pytest.raises(InputError, match="all lines are blank or comments"):
         read_log(write(path, "# a comment, and no more\n" * 100_000))
 
 
 def test_lines_longer_than_what_is_looked_at_first(tmp_path: Path) -> None:
-    more = {f"a_long_name_of_a_column_{number}": np.zeros(3) for number in range(50_000)}
-    frame = pd.concat([tidy_frame(3), pd.DataFrame(more)], axis=1)
-    assert len(read_log(write(tmp_path / "run.csv", frame.to_csv(index=False))).t) == 3
+    more = {f"{number}_{'a' * 6000}": np.zeros(5) for number in range(200)}
+    frame = pd.concat([tidy_frame(5), pd.DataFrame(more)], axis=1)
+    assert len(read_log(write(tmp_path / "run.csv", frame.to_csv(index=False))).t) == 5
 
 
 def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
@@ -369,7 +369,7 @@ def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
     wide = ",".join(["t", *names]) + "\n" + ",".join(["0"] * 6001) + "\n"
     long = "t,joint,q,dq,tau_J\n" + "".join(f"{row},j{joint},0,0,0\n" for row in range(2) for joint in range(2000))
     for text in (wide, long):
-        with pytest.raises(InputError, match="2000 .*expected at most 1000"):
+        with pytest.raises(InputError, match=r"2000 .*expected at most 1000"):
             read_log(write(tmp_path / "run.csv", text))
 
 
@@ -391,5 +391,6 @@ def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, content: by
 
 def test_two_recordings_in_one_file_are_named_as_that(tmp_path: Path) -> None:
     frame = tidy_frame(300)
-    with pytest.raises(InputError, match="time .* goes back at 1 of 599 rows"):
+    frame["time"] *= 20.0
+    with pytest.raises(InputError, match=r"time .* goes back at 1 of 599 rows"):
         read_log(write(tmp_path / "run.csv", pd.concat([frame, frame]).to_csv(index=False)))
