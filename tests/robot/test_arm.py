@@ -187,7 +187,7 @@ def test_every_number_of_a_urdf_is_checked(tmp_path: Path, sound: str, wrong: st
     text = PENDULUM.format(kind="revolute")
     assert sound in text
     path = tmp_path / "wrong.urdf"
-    path.write_text(text.replace(sound, wrong, 1).replace("carriage", "wagon"))
+    path.write_text(text.replace(sound, wrong, 1))
     with pytest.raises(UsageError, match=rf"wrong\.urdf: .*{message}"):
         load_arm(path)
 

@@ -1,9 +1,10 @@
 """Parquet -> Recording: scalar columns, or one list-valued column per channel."""
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +16,7 @@ from friction_audit.ingest.columns import ColumnMap, map_columns
 from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
-from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic, refuse_too_large
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic, address_limit, refuse_too_large
 from friction_audit.ingest.stated_serial import serial_in
 from friction_audit.ingest.time_column import Clock, TimeColumn, TimePart, take_part, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
@@ -26,6 +27,10 @@ _MAGIC = b"PAR1"
 _BATCH_ROWS = 1 << 16
 _LOOK_ROWS = 1000
 """Rows among which the first list that is not empty is looked for: the first messages of a topic may be empty."""
+
+if address_limit() < inf:  # before Arrow is loaded
+    # Its own allocator asks for a gigabyte of addresses at once, which the limit counts as if they were used.
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,7 +47,8 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
             f"{path}: {needed / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that were "
             f"measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
         )
-    if needed > (memory := _memory()):
+    memory = _memory()
+    if needed > memory:
         raise TooLargeError(
             f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
             f"memory here; {TAKE_A_PART}"
@@ -57,13 +58,19 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
 def _memory() -> float:
     """Return the memory that this process can have. [bytes]"""
     try:
-        import resource
-
-        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-        installed = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (ImportError, AttributeError, ValueError, OSError):  # Windows does not hand out what it does not have
+        return min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):  # Windows does not hand out what it does not have
         return inf
-    return installed if limit == resource.RLIM_INFINITY else min(limit, installed)
+
+
+def address_limit() -> float:
+    """Return the limit on the addresses of this process, as ``ulimit -v`` sets it. [bytes]"""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return inf
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return inf if limit == resource.RLIM_INFINITY else limit
 
 
 class SeveralArmsError(UsageError):
