@@ -122,10 +122,10 @@ class _Numbers:
         stamps = _column(_array(self._archive, self._entries[time[0]]), time[1])
         raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
         clock = to_clock(raw, "ms" if is_panda else columns.time.unit, path=str(self._path))
-        rows, first_s = np.ones(samples, dtype=np.bool_), None
+        rows: NDArray[np.bool_] = np.ones(samples, dtype=np.bool_)
+        first_s = None
         if is_part:
-            part = take_part(clock, options, path=str(self._path))
-            clock, rows, first_s = part.clock, part.rows, part.first_s
+            clock, rows, first_s = take_part(clock, options, path=str(self._path))
             refuse_too_large(self._path, needed // samples * len(clock.t), packed)
         return clock, {c: self._channel(own, rows, is_part=is_part) for c, own in columns.channels.items()}, first_s
 
@@ -196,9 +196,9 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("compressed in another way than NumPy does")
     with archive.open(info) as stream:
-        version = npy.read_magic(stream)  # type: ignore[no-untyped-call]
+        version = npy.read_magic(stream)
         read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, by_column, dtype = read(stream)  # type: ignore[no-untyped-call]
+        shape, by_column, dtype = read(stream)
         entry = Entry(info=info, shape=shape, by_column=by_column, dtype=dtype, offset=stream.tell())
     if not dtype.itemsize or (not dtype.hasobject and entry.offset + prod(shape) * dtype.itemsize != info.file_size):
         raise ValueError(f"shape {shape} of {dtype} in {info.file_size} bytes")

@@ -18,7 +18,7 @@ from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic, address_limit, refuse_too_large
 from friction_audit.ingest.stated_serial import serial_in
-from friction_audit.ingest.time_column import Clock, TimeColumn, TimePart, take_part, to_clock
+from friction_audit.ingest.time_column import Clock, TimeColumn, take_part, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
 from friction_audit.joint_log import Finding, Float
 from friction_audit.per_joint import per_joint
@@ -94,7 +94,7 @@ def _joints_of_first_row(file: Any) -> dict[str, list[str]]:  # noqa: ANN401
     first = next(file.iter_batches(batch_size=_LOOK_ROWS, columns=columns), None) if columns else None
     if first is None:
         return {}
-    rows = {column: next(filter(None, _child(first, column).to_pylist()), []) for column in columns}
+    rows: dict[str, list[object]] = {c: next(filter(None, _child(first, c).to_pylist()), []) for c in columns}
     return {column: [str(joint) for joint in row] for column, row in rows.items() if row}
 
 
@@ -142,12 +142,12 @@ def _read_wide(
         raise InputError(f"{path}: 0 samples; the table has columns and no rows; record the arm while it moves")
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
     numbers = _Numbers(file, path, cells, columns.time, unit)
-    channels, part = numbers.read(columns.channels, options)
-    recording = to_recording(columns, part.clock, channels, findings=numbers.findings())
+    channels, clock, _, first_s = numbers.read(columns.channels, options)
+    recording = to_recording(columns, clock, channels, findings=numbers.findings())
     metadata = file.schema_arrow.metadata or {}
     notes = _as_text(metadata)
-    start_s = _start_of(recording, notes, part.first_s)
-    recording = replace(recording, serial=serial_in(notes), start_s=start_s, first_s=part.first_s)
+    start_s = _start_of(recording, notes, first_s)
+    recording = replace(recording, serial=serial_in(notes), start_s=start_s, first_s=first_s)
     return recording if is_named else name_joints(recording, *_stated_joints(metadata))
 
 
@@ -186,34 +186,47 @@ class _Numbers:
         self._file, self._path, self._cells, self._time, self._unit = file, path, cells, time, unit
         self._damage: dict[tuple[str, int], str] = {}
 
-    def read(self, channels: Mapping[str, Sequence[int]], options: ReadOptions) -> tuple[dict[str, Float], TimePart]:
-        """Return the arrays of channels, given by cells, and their clock; of a large log only the part asked for."""
-        metadata = self._file.metadata
-        rows, packed = metadata.num_rows, self._path.stat().st_size
+    def read(
+        self, channels: Mapping[str, Sequence[int]], options: ReadOptions
+    ) -> tuple[dict[str, Float], Clock, NDArray[np.bool_] | None, float | None]:
+        """Return the arrays of channels, given by cells, and their clock.
+
+        Of a large log only the part asked for is read; then the mask of its rows and the first stamp of all follow.
+        """
+        rows, packed = self._file.metadata.num_rows, self._path.stat().st_size
         width = sum(map(len, channels.values()))
-        time: NDArray[Any] = np.empty(0)
-        part = None
-        if options.reads_part(8 * rows * (width + 1)):
-            refuse_too_large(self._path, 8 * rows, packed)
+        if not options.reads_part(8 * rows * (width + 1)):
+            refuse_too_large(self._path, 8 * rows * (width + 1), packed)
             time, aims = self._stamps(rows)
-            self._read_columns(aims)
-            part = take_part(self._to_clock(time), options, path=str(self._path))
-            rows, aims = int(np.count_nonzero(part.rows)), []
-        refuse_too_large(self._path, 8 * rows * (width + 1), packed)
-        if part is None:
-            time, aims = self._stamps(rows)
-        arrays = {channel: np.empty((rows, len(own)), order="F") for channel, own in channels.items()}
-        aims += [(self._cells[c], arrays[ch][:, j]) for ch, own in channels.items() for j, c in enumerate(own)]
-        self._read_columns(aims, None if part is None else part.rows)
-        return arrays, part or TimePart(self._to_clock(time), None, None)
+            arrays = self._read_channels(channels, rows, aims, None)
+            return arrays, self._to_clock(time), None, None
+        refuse_too_large(self._path, 8 * rows, packed)
+        time, aims = self._stamps(rows)
+        self._read_columns(aims, None)
+        clock, kept, first_s = take_part(self._to_clock(time), options, path=str(self._path))
+        refuse_too_large(self._path, 8 * len(clock.t) * (width + 1), packed)
+        return self._read_channels(channels, len(clock.t), [], kept), clock, kept, first_s
+
+    def _read_channels(
+        self,
+        channels: Mapping[str, Sequence[int]],
+        count: int,
+        aims: Sequence[tuple[Cell, NDArray[Any]]],
+        rows: NDArray[np.bool_] | None,
+    ) -> dict[str, Float]:
+        """Read channels, and whatever else is aimed at, in some rows."""
+        arrays: dict[str, Float] = {c: np.empty((count, len(own)), order="F") for c, own in channels.items()}
+        own = [(self._cells[cell], arrays[c][:, j]) for c, cells in channels.items() for j, cell in enumerate(cells)]
+        self._read_columns([*aims, *own], rows)
+        return arrays
 
     def read_texts(self, column: str, rows: NDArray[np.bool_] | None) -> NDArray[Any]:
         """Return the texts of a column in some rows."""
         found, start = [], 0
         for group in range(self._file.metadata.num_row_groups):
             size = self._file.metadata.row_group(group).num_rows
-            own = slice(None) if rows is None else rows[start : start + size]
-            if rows is None or own.any():
+            own = np.ones(size, dtype=np.bool_) if rows is None else rows[start : start + size]
+            if own.any():
                 table = self._file.read_row_group(group, columns=[column])
                 found.append(table[column].to_numpy()[own].astype(str).astype(object))
             start += size
@@ -335,11 +348,12 @@ def _read_long(
     """Read a table with one row per joint and time."""
     unit = _stamp_unit(file, cells[long.time.cells[0]])
     numbers = _Numbers(file, path, cells, long.time, unit or long.time.unit)
-    channels, part = numbers.read({channel: (cell,) for channel, cell in long.channels.items()}, options)
+    own = {channel: (cell,) for channel, cell in long.channels.items()}
+    channels, clock, rows, first_s = numbers.read(own, options)
     values = {channel: array[:, 0] for channel, array in channels.items()}
-    joint = numbers.read_texts(cells[long.joint].column, part.rows)
-    recording = pivot_long(long, joint, part.clock, values, path=str(path), arm=arm, findings=numbers.findings())
-    return replace(recording, first_s=part.first_s)
+    joint = numbers.read_texts(cells[long.joint].column, rows)
+    recording = pivot_long(long, joint, clock, values, path=str(path), arm=arm, findings=numbers.findings())
+    return replace(recording, first_s=first_s)
 
 
 def _refuse_missing_stamps(path: Path, column: str, values: NDArray[Any], target: NDArray[Any]) -> None:

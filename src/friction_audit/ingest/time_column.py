@@ -3,6 +3,7 @@
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -68,23 +69,8 @@ class Clock:
     unit: str
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class TimePart:
-    """The part of a clock that was asked for.
-
-    Attributes:
-        clock: The stamps in it.
-        rows: Mask of its rows among all rows, or None where all were read.
-        first_s: The first stamp of the whole clock, or None where all were read. [s]
-    """
-
-    clock: Clock
-    rows: NDArray[np.bool_] | None
-    first_s: float | None
-
-
-def take_part(clock: Clock, options: ReadOptions, *, path: str) -> TimePart:
-    """Return the part of a clock that was asked for, with margins.
+def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
+    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all.
 
     Raises:
         UsageError: If no sample lies in it.
@@ -96,7 +82,7 @@ def take_part(clock: Clock, options: ReadOptions, *, path: str) -> TimePart:
     if not rows.any():
         scale = options.time_scale
         find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
-    return TimePart(Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s)
+    return Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s
 
 
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
@@ -138,13 +124,13 @@ def to_clock(
         raise InputError(
             f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
         )
-    origin = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
-    elapsed = np.subtract(raw, origin, out=raw) if raw.dtype == np.float64 else (raw - origin).astype(np.float64)
-    found = unit or _unit_from_values(float(origin), elapsed, path)
+    begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
+    elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
+    found = unit or _unit_from_values(float(begin), elapsed, path)
     if UNITS[found] != 1.0:
         elapsed /= UNITS[found]
     _refuse_centuries(elapsed, path)
-    start_s = float(origin) / UNITS[found]
+    start_s = float(begin) / UNITS[found]
     return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
 
 
@@ -164,7 +150,9 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
     for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
-        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs") if match else ():
+        if match is None:
+            continue
+        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
             partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
             if partner in lower:
                 cells = (cell, lower[partner])

@@ -80,15 +80,17 @@ def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         yield f"inertial without <{'mass' if mass is None else 'inertia'}>"
-    if mass is not None:
-        yield from _wrong_numbers("mass", mass.get("value", ""), 1, lowest=0.0)
-    for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz") if inertia is not None else ():
+        return
+    yield from _wrong_numbers("mass", mass.get("value", ""), 1, lowest=0.0)
+    for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
         yield from _wrong_numbers(f"inertia {name}", inertia.get(name, ""), 1)
 
 
 def _wrong_origin(parent: ET.Element, what: str) -> Iterator[str]:
     origin = parent.find("origin")
-    for name in ("xyz", "rpy") if origin is not None else ():
+    if origin is None:
+        return
+    for name in ("xyz", "rpy"):
         yield from _wrong_numbers(f"{what} {name}", origin.get(name, "0 0 0"), 3)
 
 
