@@ -116,7 +116,7 @@ def to_clock(
     """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits.
 
     Raises:
-        InputError: If the unit is not stated and the steps do not tell it, or a stamp is centuries off.
+        InputError: If there is no stamp, or one is centuries off.
     """
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
@@ -126,7 +126,7 @@ def to_clock(
         )
     begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
     elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
-    found = unit or _unit_from_values(float(begin), elapsed, path)
+    found = unit or _unit_from_values(float(begin), elapsed)
     if UNITS[found] != 1.0:
         elapsed /= UNITS[found]
     _refuse_centuries(elapsed, path)
@@ -166,25 +166,18 @@ def _spelled(unit: str | None) -> str | None:
     return None if unit is None else _SPELLED.get(unit.lower()[:3], "s")
 
 
-def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
+def _unit_from_values(origin: float, elapsed: Float) -> str:
     """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
     for unit, per_second in UNITS.items():
         if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
             return unit
-    if len(elapsed) == 1:
-        return "s"
     step = _median_step(elapsed)
-    if not step > 0.0:
-        raise InputError(
-            f"{path}: time does not advance: the median step between rows is {step:g}; "
-            "expected strictly increasing stamps; name another column with --map t=<column>"
-        )
     return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
 
 
 def _median_step(elapsed: Float) -> float:
-    """Return the median step between stamps in the order of time; two recordings or joints may share their stamps."""
+    """Return the median step between stamps that differ; joints, or two recordings, may share theirs."""
     in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed[np.isfinite(elapsed)],)
-    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot)))), np.zeros(1))
-    return float(np.nanmedian(steps))
+    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
+    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
+    return float(np.median(steps))
