@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from friction_audit.errors import InputError
 from friction_audit.ingest.time_column import find_time, to_clock
 
 
