@@ -1,5 +1,7 @@
 from pathlib import Path
 
+import pytest
+
 from tests.cli.conftest import Run
 
 
@@ -32,3 +34,16 @@ def test_nothing_readable(run: Run, logs: Path) -> None:
     answer = run("info", logs / "empty.csv", logs / "absent.csv", "--json")
     assert answer.code == 3
     assert len(answer.document()["failed"]) == 2
+
+
+def test_of_a_log_beyond_memory_the_beginning_is_shown(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
+    monkeypatch.setattr("friction_audit.ingest.reader._memory", lambda: whole["samples"] * 8)
+    monkeypatch.setattr("friction_audit.ingest.reader.WHOLE_BYTES", 0)
+    monkeypatch.setattr("friction_audit.cli.info._FIRST_S", 10.0)
+    answer = run("info", logs / "moved1.csv", "--json")
+    assert answer.code == 0, answer.err
+    log = answer.document()["logs"][0]
+    assert 9.0 < log["duration_s"] < 10.0 < whole["duration_s"]
+    assert any(warning["code"] == "first_part" for warning in log["warnings"])
+    assert run("estimate", logs / "moved1.csv").code == 3

@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from friction_audit.errors import InputError
 from friction_audit.ingest.time_column import find_time, to_clock
 
 
@@ -68,8 +67,3 @@ def test_unit_from_a_unix_time(per_second: float, unit: str) -> None:
 def test_nanoseconds_since_1970_keep_their_last_digit() -> None:
     clock = to_clock(1_700_000_000_123_456_789 + np.arange(4, dtype=np.int64), "ns", path="log")
     np.testing.assert_array_equal(clock.t, np.arange(4) / 1e9)
-
-
-def test_constant_time_is_refused() -> None:
-    with pytest.raises(InputError, match="time does not advance"):
-        to_clock(np.full(5, 2.0), None, path="log")

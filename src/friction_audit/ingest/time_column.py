@@ -3,12 +3,14 @@
 import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Float
+from friction_audit.ingest.reader import ReadOptions
+from friction_audit.joint_log import Float, find_window
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 """Unit of a clock -> units per second."""
@@ -67,6 +69,22 @@ class Clock:
     unit: str
 
 
+def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
+    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all.
+
+    Raises:
+        UsageError: If no sample lies in it.
+    """
+    first_s = float(np.nanmin(clock.t))
+    since_first = clock.t - first_s
+    start, stop = options.window_of_clock()
+    rows = (since_first >= start) & (since_first < stop)
+    if not rows.any():
+        scale = options.time_scale
+        find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
+    return Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s
+
+
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
     """Return the best clock among columns of these names, or None.
 
@@ -92,11 +110,13 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
     return None
 
 
-def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str) -> Clock:
-    """Return seconds since the first sample; integers are subtracted before they lose digits.
+def to_clock(
+    raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str, origin: float | None = None
+) -> Clock:
+    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits.
 
     Raises:
-        InputError: If the unit is not stated and the steps do not tell it, or a stamp is centuries off.
+        InputError: If there is no stamp, or one is centuries off.
     """
     if len(raw) == 0:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
@@ -104,13 +124,13 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
         raise InputError(
             f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
         )
-    origin = raw[0] if np.isfinite(raw[0]) else raw[np.flatnonzero(np.isfinite(raw))[:1]].sum()
-    elapsed = np.subtract(raw, origin, out=raw) if raw.dtype == np.float64 else (raw - origin).astype(np.float64)
-    found = unit or _unit_from_values(float(origin), elapsed, path)
+    begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
+    elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
+    found = unit or _unit_from_values(float(begin), elapsed)
     if UNITS[found] != 1.0:
         elapsed /= UNITS[found]
     _refuse_centuries(elapsed, path)
-    start_s = float(origin) / UNITS[found]
+    start_s = float(begin) / UNITS[found]
     return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
 
 
@@ -127,13 +147,15 @@ def _refuse_centuries(elapsed_s: Float, path: str) -> None:
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     """Find a stamp kept as whole seconds beside nanoseconds, as ROS messages do."""
-    lower = [name.lower() for name in names]
-    for cell, name in enumerate(lower):
+    lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
+    for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
+        if match is None:
+            continue
         for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
-            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}" if match else ""
+            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
             if partner in lower:
-                cells = (cell, lower.index(partner))
+                cells = (cell, lower[partner])
                 return TimeColumn(
                     cells=cells, name=f"{names[cell]} + {names[cells[1]]}", unit="ns", clock="header_stamp"
                 )
@@ -144,24 +166,18 @@ def _spelled(unit: str | None) -> str | None:
     return None if unit is None else _SPELLED.get(unit.lower()[:3], "s")
 
 
-def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
+def _unit_from_values(origin: float, elapsed: Float) -> str:
     """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
     for unit, per_second in UNITS.items():
         if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
             return unit
-    if len(elapsed) == 1:
-        return "s"
     step = _median_step(elapsed)
-    if not step > 0.0:
-        raise InputError(
-            f"{path}: time does not advance: the median step between rows is {step:g}; "
-            "expected strictly increasing stamps; name another column with --map t=<column>"
-        )
     return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
 
 
 def _median_step(elapsed: Float) -> float:
-    """Return the median step between stamps in the order of time, whatever the order of the rows."""
+    """Return the median step between stamps that differ; joints, or two recordings, may share theirs."""
     in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    stamps = elapsed[: 1 << 16] if in_order else np.sort(elapsed[np.isfinite(elapsed)])
-    return float(np.nanmedian(np.diff(stamps)))
+    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
+    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
+    return float(np.median(steps))
