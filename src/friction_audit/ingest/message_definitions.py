@@ -18,6 +18,11 @@ ERROR_FLAGS = (36, 41)
 """Number of flags in ``franka_msgs/Errors``, by generation."""
 
 
+DEEPEST = 64
+MOST_FIELDS = 100_000
+"""The largest state message, FrankaRobotState, has some 200 fields in five levels."""
+
+
 class DefinitionError(Exception):
     """The definition that a file carries cannot be used."""
 
@@ -60,9 +65,34 @@ def _parse(connection: Connection) -> "Typesdict":
             types.update(_parse_idl(text))
         else:
             types.update(get_types_from_msg(text, connection.type))
-    except (TypesysError, UnicodeDecodeError) as error:
+    except (TypesysError, UnicodeDecodeError, RecursionError) as error:
         raise DefinitionError(f"its definition cannot be parsed ({error})") from error
+    if connection.type in types:
+        _count_fields(connection.type, types)
     return types
+
+
+def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
+    """Return how many fields a message has at least, arrays of numbers counted once.
+
+    Raises:
+        DefinitionError: If it contains itself, or arrays of messages that a decoder would not come to an end of.
+    """
+    if typename in above or len(above) > DEEPEST:
+        raise DefinitionError(f"{typename} contains itself, or is nested more than {DEEPEST} deep")
+    count = 1
+    for _, description in types.get(typename, ((), ()))[1]:
+        kind, inner, length = description[0], description[1], 1
+        if kind > 2:  # noqa: PLR2004  # 3 an array, 4 a sequence, of the type that stands first in the detail
+            ((kind, inner), stated) = description[1]  # type: ignore[misc,assignment]
+            length = stated if description[0] == 3 else 1  # type: ignore[assignment]  # noqa: PLR2004
+        own = _count_fields(str(inner), types, (*above, typename)) if kind == 2 else 1  # noqa: PLR2004
+        if own == 1 and kind == 2 and description[0] > 2:  # noqa: PLR2004
+            raise DefinitionError(f"{typename} has an array of empty messages")
+        count += own * length if kind == 2 else 1  # noqa: PLR2004
+        if count > MOST_FIELDS:
+            raise DefinitionError(f"{typename} has more than {MOST_FIELDS} fields")
+    return count
 
 
 def _parse_idl(text: str) -> "Typesdict":
