@@ -3,7 +3,7 @@
 import struct
 from collections.abc import Collection, Iterator
 from dataclasses import replace
-from io import BytesIO
+from io import SEEK_CUR, BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 from zlib import crc32
@@ -25,7 +25,7 @@ from friction_audit.ingest.message_stream import (
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.stated_serial import serial_in
-from friction_audit.ingest.unpack import UnpackError, unpack
+from friction_audit.ingest.unpack import LARGEST_CHUNK, UnpackError, unpack
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Message, Schema
@@ -130,43 +130,45 @@ class McapStream:
                 if length == END_LENGTHS.get(opcode):
                     return None
                 if offset + _RECORD_START.size + length > self._bytes:
-                    if opcode != CHUNK_OPCODE:
-                        return self._note(offset, "a record is cut off")
-                    yield from self._begun_chunk(offset, file.read())
-                    return self._note(offset, "the last chunk is cut off; its whole messages lack their checksum")
-                try:
-                    if opcode == CHUNK_OPCODE and window and window.leaves_out(_times_of_chunk(file)):
-                        pass
-                    elif opcode in PARSED_OPCODES:
-                        yield opcode, offset, _parse(opcode, file.read(length))
-                    elif opcode == METADATA_OPCODE:
-                        self.notes |= _parse(opcode, file.read(length)).metadata
-                except BROKEN as error:
-                    self._note(offset, f"a record is broken: {error}")
+                    yield from self._begun_record(opcode, offset, file)
+                    return None
+                if opcode != CHUNK_OPCODE or window is None or not window.leaves_out(_times_of_chunk(file)):
+                    yield from self._whole_record(opcode, offset, file, length)
                 offset += _RECORD_START.size + length
 
-    def _begun_chunk(self, offset: int, content: bytes) -> Iterator[tuple[int, int, Any]]:
-        """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
+    def _whole_record(self, opcode: int, offset: int, file: BinaryIO, length: int) -> Iterator[tuple[int, int, Any]]:
         try:
-            chunk = _parse(CHUNK_OPCODE, content)
+            if opcode in PARSED_OPCODES:
+                yield opcode, offset, _parse(opcode, file.read(length))
+            elif opcode == METADATA_OPCODE:
+                self.notes |= _parse(opcode, file.read(length)).metadata
+        except BROKEN as error:
+            self._note(offset, f"a record is broken: {error}")
+
+    def _begun_record(self, opcode: int, offset: int, file: BinaryIO) -> Iterator[tuple[int, int, Any]]:
+        """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
+        if opcode != CHUNK_OPCODE:
+            return self._note(offset, "a record is cut off")
+        try:
+            chunk = _parse(CHUNK_OPCODE, file.read(LARGEST_CHUNK))
+            self._cut_chunk = offset
+            yield CHUNK_OPCODE, offset, chunk
         except BROKEN:
-            return  # cut before its first message
-        self._cut_chunk = offset
-        yield CHUNK_OPCODE, offset, chunk
+            pass  # cut before its first message
+        return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
 
     def _note(self, offset: int, reason: str) -> None:
         self._damage[offset] = Damage(offset, self._bytes, reason)
 
     def _decompress(self, chunk: "Chunk", offset: int) -> bytes | None:
         """Return the records of a chunk, or None if it is damaged."""
+        cut = offset == self._cut_chunk
         try:
-            data = unpack(chunk.compression, chunk.data, chunk.uncompressed_size)
+            data = unpack(chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)
         except UnpackError as error:
-            if offset == self._cut_chunk:
-                return error.part
             self._note(offset, f"a chunk cannot be decompressed: {error}")
             return None
-        if offset != self._cut_chunk and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
+        if not cut and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
             self._note(offset, "a chunk has another checksum than its header says")
             return None
         return data
@@ -232,9 +234,9 @@ class McapStream:
 
 def _times_of_chunk(file: BinaryIO) -> tuple[int, int]:
     """Return log times of the first and last message of the chunk that begins here, and go back there. [ns]"""
-    begin = file.tell()
-    first, last = _CHUNK_TIMES.unpack(file.read(_CHUNK_TIMES.size))
-    file.seek(begin)
+    times = file.read(_CHUNK_TIMES.size)
+    file.seek(-len(times), SEEK_CUR)
+    first, last = _CHUNK_TIMES.unpack(times.ljust(_CHUNK_TIMES.size, b"\xff"))
     return first, last
 
 

@@ -175,7 +175,9 @@ def _candidate(
 def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
     """Return the first messages of each connection, which may lie in several blocks."""
     # One connection at a time: a container may hand over all messages of one before it comes to the next.
-    found = {c.key: list(islice(_messages_of(stream, c.key), min(SAMPLED_MESSAGES, c.messages or 1))) for c in connections}
+    found = {
+        c.key: list(islice(_messages_of(stream, c.key), min(SAMPLED_MESSAGES, c.messages or 1))) for c in connections
+    }
     return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
 
 
@@ -362,16 +364,12 @@ def _missing(stream: MessageStream, candidate: Candidate, seen: Mapping[int, int
 
 
 def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -> list[Finding]:
-    findings = [
-        Finding(
-            code="truncated",
-            message=f"the file is damaged{'' if d.byte is None else f' at byte {d.byte} of {d.file_bytes}'} ({d.reason}); "
-            f"the {samples.count} messages outside the damage were read",
-            amount=None if d.byte is None else float(d.byte),
-            damaged=True,
-        )
-        for d in damage
-    ]
+    findings = []
+    for d in damage:
+        place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
+        text = f"the file is damaged{place} ({d.reason}); the {samples.count} messages outside the damage were read"
+        amount = None if d.byte is None else float(d.byte)
+        findings.append(Finding(code="truncated", message=text, amount=amount, damaged=True))
     if undecodable:
         text = f"{undecodable} messages do not fit their definition and were left out"
         findings.append(Finding(code="undecodable_messages", message=text, amount=float(undecodable), damaged=True))

@@ -179,10 +179,8 @@ class Rosbag1Stream:
         file.seek(chunk.offset)
         packed = file.read(chunk.size)
         try:
-            return unpack(chunk.compression, packed, chunk.claimed)
+            return unpack(chunk.compression, packed, chunk.claimed, cut=chunk.unfinished)
         except UnpackError as error:
-            if chunk.unfinished:
-                return error.part
             self._note(chunk.offset, f"a chunk cannot be decompressed: {error}")
             return None
 

@@ -40,6 +40,7 @@ _NUMBER = re.compile(r"_\d+$")
 _BLANK = re.compile(r"\s")
 _MOST_SHOWN = 8
 METADATA = "metadata.yaml"
+_TOPICS = "topics_with_message_count:"
 _COUNT_DIGITS = 19
 _COPIED_BYTES = 1 << 20
 LARGEST_METADATA = 16 << 20
@@ -114,7 +115,8 @@ class Sqlite3Stream:
                 yield rows
                 first = rows[-1][0] + 1
         except DATABASE_ERRORS as error:
-            self._note(f"{error}; the messages on whole pages were read")
+            if self._database == self._path:
+                self._note(f"{error}; the messages on whole pages were read")
             walk = self._walk(database, f"timestamp, CASE topic_id WHEN {int(key)} THEN data END", first, last)
             found = ((row, time, data) for row, topic, time, data in walk if topic == key)
             while rows := list(islice(found, MESSAGES_PER_BLOCK)):
@@ -122,7 +124,7 @@ class Sqlite3Stream:
 
     def _walk(self, database: sqlite3.Connection, columns: str, at: int, last: int) -> Iterator[tuple[Any, ...]]:
         """Yield id, topic and these columns of each message that can be read, going on by id after each that cannot."""
-        query = f"SELECT rowid, topic_id, {columns} FROM messages WHERE rowid BETWEEN ? AND ? ORDER BY rowid"
+        query = f"SELECT rowid, topic_id, {columns} FROM messages WHERE rowid BETWEEN ? AND ? ORDER BY rowid"  # noqa: S608
         broken = 0
         while broken < MOST_BROKEN_IDS:
             try:
@@ -131,9 +133,10 @@ class Sqlite3Stream:
                         raise sqlite3.DatabaseError("ids run back")
                     yield row
                     at, broken = row[0] + 1, 0
-                return
             except DATABASE_ERRORS:
                 at, broken = at + 1, broken + 1
+            else:
+                return
 
     def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
@@ -230,10 +233,8 @@ def _message(data: object) -> bytes | None:
 
     try:
         size = frame_content_size(data)
-        return unpack("zstd", data, LARGEST_MESSAGE if size < 0 else size) if size <= LARGEST_MESSAGE else None
-    except UnpackError as error:
-        return error.part if size < 0 else None
-    except ZstdError:
+        return unpack("zstd", data, LARGEST_MESSAGE if size < 0 else size, cut=size < 0)
+    except (UnpackError, ZstdError):
         return None
 
 
@@ -432,17 +433,22 @@ def _metadata(folder: Path) -> list[str]:
 
 
 def _stated_counts(lines: Sequence[str]) -> dict[str, int]:
-    """Return the number of messages of each topic that metadata.yaml states."""
+    """Return the number of messages of each topic that metadata.yaml states; recorders differ in the order of keys."""
+    begin = next((place for place, line in enumerate(lines, 1) if line.strip() == _TOPICS), len(lines))
     counts: dict[str, int] = {}
-    topic = None
-    for line in lines:
-        name, _, value = line.strip(" \t-").partition(":")
-        value = value.strip(" \t'\"")
-        if name == "name":
-            topic = value
-        elif name == "message_count" and topic is not None:
-            counts |= {topic: int(value)} if value.isdecimal() and len(value) < _COUNT_DIGITS else {}
-            topic = None
+    item: dict[str, str] = {}
+    depth: int | None = None
+    for line in lines[begin:]:
+        text, indent = line.strip(), len(line) - len(line.lstrip(" "))
+        depth = indent if depth is None else depth
+        if indent < depth or (indent == depth and not text.startswith("-")):
+            break
+        item = {} if indent == depth else item
+        name, _, value = text.lstrip("- ").partition(":")
+        item.setdefault(name, value.strip(" \t'\""))
+        count = item.get("message_count", "")
+        if "name" in item and count.isdecimal() and len(count) < _COUNT_DIGITS:
+            counts[item["name"]] = int(count)
     return counts
 
 

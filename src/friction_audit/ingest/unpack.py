@@ -11,15 +11,7 @@ LARGEST_CHUNK = 256 << 20
 
 
 class UnpackError(Exception):
-    """The data cannot be decompressed, or are not of the size that they claim.
-
-    Attributes:
-        part: What was decompressed before the end.
-    """
-
-    def __init__(self, message: str, part: bytes = b"") -> None:
-        super().__init__(message)
-        self.part = part
+    """The data cannot be decompressed, or are not of the size that they claim."""
 
 
 def bound_of(packed_bytes: int) -> int:
@@ -27,31 +19,30 @@ def bound_of(packed_bytes: int) -> int:
     return max(SMALLEST_BOUND, MOST_TIMES_PACKED * packed_bytes)
 
 
-def unpack(compression: str, packed: bytes, claimed: int) -> bytes:
+def unpack(compression: str, packed: bytes, claimed: int, *, cut: bool = False) -> bytes:
     """Decompress data whose header claims a size, without making more than that.
 
     Args:
         compression: ``"zstd"``, ``"lz4"``, ``"bz2"``, or ``"none"`` or ``""``.
         packed: The compressed data.
         claimed: Their size when decompressed. [byte]
+        cut: Return what there is of data whose end is missing.
 
     Raises:
-        UnpackError: If they are broken, cut off, or of another size.
+        UnpackError: If they are broken, or of another size.
     """
     if compression in ("none", ""):
         return packed
     most = min(bound_of(len(packed)), LARGEST_CHUNK)
-    limit = min(claimed, most)
+    if claimed > most and not cut:
+        raise UnpackError(f"{len(packed)} bytes claim to hold {claimed}, expected at most {most}")
     try:
-        data = _decompress(compression, packed, limit)
+        data = _decompress(compression, packed, min(claimed, most))
     except (OSError, EOFError, ValueError, RuntimeError, MemoryError) as error:
         raise UnpackError(str(error) or "not enough memory") from error
-    if claimed > most:
-        raise UnpackError(f"{len(packed)} bytes claim to hold {claimed}, expected at most {most}", data)
-    if len(data) > claimed:
-        raise UnpackError(f"{len(packed)} bytes hold more than the {claimed} that they claim")
-    if len(data) < claimed:
-        raise UnpackError(f"the data end after {len(data)} of {claimed} bytes", data)
+    if len(data) != claimed and not cut:
+        held = "more" if len(data) > claimed else f"only {len(data)}"
+        raise UnpackError(f"{len(packed)} bytes claim to hold {claimed} bytes, and hold {held}")
     return data
 
 
