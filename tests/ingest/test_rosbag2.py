@@ -342,7 +342,7 @@ def test_cut_messages_that_go_over_several_pages_are_not_filled_up(tmp_path: Pat
     names = [f"panda_joint{joint}" for joint in range(1, 8)] + [f"{'finger' * 20}{joint}" for joint in range(60)]
     file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values, names=names)]))
     content = file.read_bytes()
-    for share in np.linspace(0.3, 0.9, 7):
+    for share in (0.3, 0.62, 0.9):
         file.write_bytes(content[: int(share * len(content))])
         recording = read(file)
         kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])

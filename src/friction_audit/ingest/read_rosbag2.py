@@ -73,6 +73,7 @@ class Sqlite3Stream:
         self._path = path
         self._database = database or path
         self._damage: dict[str, Damage] = {}
+        self._last_sound = _LAST_ID
         with open_log(path) as file:
             header = file.read(_HEADER_BYTES)
         if not header.startswith(SQLITE_MAGIC):
@@ -110,33 +111,36 @@ class Sqlite3Stream:
         """Yield id, time and content of the messages of a topic; those on broken pages are left out."""
         query = "SELECT rowid, timestamp, data FROM messages WHERE topic_id = ? AND rowid BETWEEN ? AND ?"
         try:
-            cursor = database.execute(query, (key, first, last))
+            cursor = database.execute(query, (key, first, min(last, self._last_sound)))
             while rows := cursor.fetchmany(MESSAGES_PER_BLOCK):
                 yield rows
                 first = rows[-1][0] + 1
-        except DATABASE_ERRORS as error:
-            if self._database == self._path:
-                self._note(f"{error}; the messages on whole pages were read")
-            walk = self._walk(database, f"timestamp, CASE topic_id WHEN {int(key)} THEN data END", first, last)
+        except DATABASE_ERRORS:
+            walk = self._walk(database, "timestamp, CASE topic_id WHEN ? THEN data END", first, last, key)
             found = ((row, time, data) for row, topic, time, data in walk if topic == key)
             while rows := list(islice(found, MESSAGES_PER_BLOCK)):
                 yield rows
 
-    def _walk(self, database: sqlite3.Connection, columns: str, at: int, last: int) -> Iterator[tuple[Any, ...]]:
+    def _walk(
+        self, database: sqlite3.Connection, columns: str, at: int, last: int, *values: object
+    ) -> Iterator[tuple[Any, ...]]:
         """Yield id, topic and these columns of each message that can be read, going on by id after each that cannot."""
         query = f"SELECT rowid, topic_id, {columns} FROM messages WHERE rowid BETWEEN ? AND ? ORDER BY rowid"  # noqa: S608
         broken = 0
         while broken < MOST_BROKEN_IDS:
             try:
-                for row in database.execute(query, (at, last)):
+                for row in database.execute(query, (*values, at, min(last, self._last_sound))):
                     if row[0] < at:  # on a broken page ids may run back, and the walk would not end
                         raise sqlite3.DatabaseError("ids run back")
                     yield row
                     at, broken = row[0] + 1, 0
-            except DATABASE_ERRORS:
+            except DATABASE_ERRORS as error:
                 at, broken = at + 1, broken + 1
+                if self._database == self._path:
+                    self._note(f"{error}; the messages on whole pages were read")
             else:
                 return
+        self._last_sound = at - broken - 1
 
     def _block(self, key: int, rows: Sequence[Row]) -> Block | None:
         """Join messages; what is no time stamp with bytes, or cannot be decompressed, is left out."""
