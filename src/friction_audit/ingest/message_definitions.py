@@ -81,15 +81,23 @@ def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()
     if typename in above or len(above) > DEEPEST:
         raise DefinitionError(f"{typename} contains itself, or is nested more than {DEEPEST} deep")
     count = 1
+    length: int | None
     for _, description in types.get(typename, ((), ()))[1]:
-        kind, inner, length = description[0], description[1], 1
-        if kind > 2:  # noqa: PLR2004  # 3 an array, 4 a sequence, of the type that stands first in the detail
-            ((kind, inner), stated) = description[1]  # type: ignore[misc,assignment]
-            length = stated if description[0] == 3 else 1  # type: ignore[assignment]  # noqa: PLR2004
-        own = _count_fields(str(inner), types, (*above, typename)) if kind == 2 else 1  # noqa: PLR2004
-        if own == 1 and kind == 2 and description[0] > 2:  # noqa: PLR2004
+        # Node types of rosbags: 2 a named message, 3 an array, 4 a sequence (whose length a payload bounds).
+        match description:
+            case (2, inner):
+                length = None
+            case (3, ((2, inner), size)):
+                length = int(size)
+            case (_, ((2, inner), _)):
+                length = 1
+            case _:
+                count += 1
+                continue
+        own = _count_fields(str(inner), types, (*above, typename))
+        if own == 1 and length is not None:
             raise DefinitionError(f"{typename} has an array of empty messages")
-        count += own * length if kind == 2 else 1  # noqa: PLR2004
+        count += own * (1 if length is None else length)
         if count > MOST_FIELDS:
             raise DefinitionError(f"{typename} has more than {MOST_FIELDS} fields")
     return count

@@ -66,7 +66,7 @@ def read_messages(
     expected = min(choice.candidate.messages or 0, LARGEST_EXPECTATION, believed)
     if options.reads_part(expected * row_bytes) and (part := _read_part(path, stream, choice, options)) is not None:
         samples, undecodable, skipped = part
-        missing = []
+        missing: list[Finding] = []
     else:
         refuse_too_large(path, expected * row_bytes, expected * row_bytes)
         samples, skipped = JointSamples(choice.joints, choice.candidate.channels, expected), 0

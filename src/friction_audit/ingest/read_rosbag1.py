@@ -145,8 +145,8 @@ class Rosbag1Stream:
             self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
             self._uncounted = []
         elif kind == CHUNK_INFO:
-            times = tuple(_time(header, name) for name in ("start_time", "end_time"))
-            self._times[int.from_bytes(header.get("chunk_pos", b""), "little")] = times
+            place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
+            self._times[place_of_chunk] = _time(header, "start_time"), _time(header, "end_time")
 
     def _survey_chunk(self, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
         """Note a chunk; the last one of a bag that was never closed has length 0, and may go on to the file's end."""

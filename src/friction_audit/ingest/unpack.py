@@ -51,7 +51,7 @@ def _decompress(compression: str, packed: bytes, limit: int) -> bytes:
     if compression == "zstd":
         return _zstd(packed, limit)
     if compression == "lz4":
-        from lz4.frame import LZ4FrameDecompressor
+        from lz4.frame import LZ4FrameDecompressor  # type: ignore[import-untyped]
 
         data: bytes = LZ4FrameDecompressor().decompress(packed, max_length=limit + 1)
         return data
