@@ -254,8 +254,9 @@ def test_chunk_with_a_flipped_bit_is_left_out(tmp_path: Path, compression: Compr
     content[len(content) // 2] ^= 0x10
     path.write_bytes(content)
     recording = read(path)
-    (finding,) = recording.findings
-    assert (finding.code, finding.damaged) == ("truncated", True)
+    damage, missing = recording.findings
+    assert (damage.code, damage.damaged) == ("truncated", True)
+    assert (missing.code, missing.amount) == ("missing_messages", 2000.0 - len(recording.t))
     kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
     assert 1000 < kept.sum() == len(recording.t) < 2000
     np.testing.assert_array_equal(recording.channels["tau_J"], values["tau_J"][kept])

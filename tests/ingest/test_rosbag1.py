@@ -275,10 +275,6 @@ def test_bag_that_breaks_off_is_salvaged(tmp_path: Path, compression: str | None
     path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
-    if share < 0.5 and compression:
-        with pytest.raises(InputError, match="before the first whole message"):
-            read(path)
-        return
     recording = read(path)
     saved = len(recording.t)
     assert 1000 < saved <= 9000

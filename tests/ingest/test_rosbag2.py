@@ -291,8 +291,9 @@ def test_row_that_is_no_message(tmp_path: Path) -> None:
     with sqlite3.connect(storage_file(path)) as connection:
         connection.execute("UPDATE messages SET timestamp = 'noon' WHERE id = 4")
     connection.close()
-    with pytest.raises(InputError, match="a message is no pair of a time stamp and bytes"):
-        read(path)
+    recording = read(path)
+    assert len(recording.t) == 4
+    assert {(f.code, f.damaged) for f in recording.findings} == {("truncated", True), ("missing_messages", True)}
 
 
 def test_no_message_that_fits(tmp_path: Path) -> None:
@@ -319,12 +320,55 @@ def test_bad_files(tmp_path: Path, content: bytes, message: str) -> None:
         read(path)
 
 
-def test_database_that_is_cut_off(tmp_path: Path) -> None:
-    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(2000))]))
+@pytest.mark.parametrize("share", [0.5, 0.9, 0.99])
+@pytest.mark.parametrize("alone", [True, False])
+def test_database_that_is_cut_off_is_salvaged(tmp_path: Path, share: float, alone: bool) -> None:
+    values = samples(2000)
+    bag = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)])
+    file = storage_file(bag)
     content = file.read_bytes()
-    file.write_bytes(content[: len(content) // 2])
-    with pytest.raises(InputError, match=r"malformed; a bag that was cut off .* `sqlite3 .*\.recover"):
-        read(file)
+    file.write_bytes(content[: int(share * len(content))])
+    recording = read(file if alone else bag)
+    saved = len(recording.t)
+    assert 0.9 * share < saved / 2000 <= share + 0.01
+    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    codes = [finding.code for finding in recording.findings if finding.damaged]
+    assert codes[0] == "truncated"
+    assert alone or codes[1:] == ["missing_messages"]
+
+
+def test_cut_messages_that_go_over_several_pages_are_not_filled_up(tmp_path: Path) -> None:
+    values = samples(200)
+    names = [f"panda_joint{joint}" for joint in range(1, 8)] + [f"{'finger' * 20}{joint}" for joint in range(60)]
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values, names=names)]))
+    content = file.read_bytes()
+    for share in (0.3, 0.62, 0.9):
+        file.write_bytes(content[: int(share * len(content))])
+        recording = read(file)
+        kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+        assert 200 * share - 20 < kept.sum() == len(recording.t) < 200
+        np.testing.assert_array_equal(recording.channels["tau_J"][:, :7], values["tau_J"][kept])
+
+
+def test_page_that_is_lost_leaves_out_its_messages_alone(tmp_path: Path) -> None:
+    values = samples(2000)
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    content = bytearray(file.read_bytes())
+    for page in (100, 150):
+        content[4096 * page : 4096 * (page + 1)] = bytes(4096)
+    file.write_bytes(content)
+    recording = read(file)
+    assert 1900 < len(recording.t) < 2000
+    assert "truncated" in [finding.code for finding in recording.findings if finding.damaged]
+
+
+def test_messages_that_metadata_counts_are_missed(tmp_path: Path) -> None:
+    bag = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(100))])
+    with sqlite3.connect(storage_file(bag)) as connection:
+        connection.execute("DELETE FROM messages WHERE id BETWEEN 40 AND 49")
+    connection.close()
+    (missing,) = read(bag).findings
+    assert (missing.code, missing.amount, missing.damaged) == ("missing_messages", 10.0, True)
 
 
 def test_other_database(tmp_path: Path) -> None:

@@ -15,6 +15,9 @@ STAMP_FIELDS = (("sec", "nanosec"), ("sec", "nsec"), ("secs", "nsecs"), ("second
 """Spellings of seconds and nanoseconds: ROS 2, foxglove JSON, ROS 1, protobuf."""
 
 
+LATEST_TIME_NS = 2**63 - 1
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:
     """Joint values of one message.
@@ -47,7 +50,7 @@ def row_of(message: object, kind: MessageKind) -> Row:
             next((ns for path in kind.stamps if (ns := _nanoseconds(value_at(message, path))) is not None), None),
             _seconds(robot_time),
         )
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise UndecodableError(str(error)) from error
 
 
@@ -92,5 +95,8 @@ def _nanoseconds(stamp: object) -> int | None:
     for seconds, nanoseconds in STAMP_FIELDS:
         whole, part = value_at(stamp, seconds), value_at(stamp, nanoseconds)
         if whole is not None and part is not None:
-            return int(whole) * 10**9 + int(part)  # type: ignore[call-overload,no-any-return]
+            time: int = int(whole) * 10**9 + int(part)  # type: ignore[call-overload]
+            if abs(time) > LATEST_TIME_NS:
+                raise OverflowError(f"a time stamp of {whole} s")
+            return time
     return None

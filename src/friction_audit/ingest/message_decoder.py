@@ -141,7 +141,7 @@ class JsonDecoder:
         """Decode one message; raises UndecodableError."""
         try:
             message: object = json.loads(payload)
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise UndecodableError(str(error)) from error
         return message
 

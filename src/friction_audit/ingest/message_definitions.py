@@ -18,6 +18,11 @@ ERROR_FLAGS = (36, 41)
 """Number of flags in ``franka_msgs/Errors``, by generation."""
 
 
+DEEPEST = 64
+MOST_FIELDS = 100_000
+"""The largest state message, FrankaRobotState, has some 200 fields in five levels."""
+
+
 class DefinitionError(Exception):
     """The definition that a file carries cannot be used."""
 
@@ -60,9 +65,42 @@ def _parse(connection: Connection) -> "Typesdict":
             types.update(_parse_idl(text))
         else:
             types.update(get_types_from_msg(text, connection.type))
-    except (TypesysError, UnicodeDecodeError) as error:
+    except (TypesysError, UnicodeDecodeError, RecursionError) as error:
         raise DefinitionError(f"its definition cannot be parsed ({error})") from error
+    if connection.type in types:
+        _count_fields(connection.type, types)
     return types
+
+
+def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
+    """Return how many fields a message has at least, arrays of numbers counted once.
+
+    Raises:
+        DefinitionError: If it contains itself, or arrays of messages that a decoder would not come to an end of.
+    """
+    if typename in above or len(above) > DEEPEST:
+        raise DefinitionError(f"{typename} contains itself, or is nested more than {DEEPEST} deep")
+    count = 1
+    length: int | None
+    for _, description in types.get(typename, ((), ()))[1]:
+        # Node types of rosbags: 2 a named message, 3 an array, 4 a sequence (whose length a payload bounds).
+        match description:
+            case (2, inner):
+                length = None
+            case (3, ((2, inner), size)):
+                length = int(size)
+            case (_, ((2, inner), _)):
+                length = 1
+            case _:
+                count += 1
+                continue
+        own = _count_fields(str(inner), types, (*above, typename))
+        if own == 1 and length is not None:
+            raise DefinitionError(f"{typename} has an array of empty messages")
+        count += own * (1 if length is None else length)
+        if count > MOST_FIELDS:
+            raise DefinitionError(f"{typename} has more than {MOST_FIELDS} fields")
+    return count
 
 
 def _parse_idl(text: str) -> "Typesdict":

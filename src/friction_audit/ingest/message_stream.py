@@ -3,6 +3,7 @@
 from collections.abc import Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from math import inf
 from pathlib import Path
 from typing import BinaryIO, Protocol
 
@@ -68,17 +69,54 @@ class Block:
         return self.buffer[first : first + int(self.size[index])]
 
 
+@dataclass(slots=True)
+class Window:
+    """A part of a log by the time of recording, and what was left out on either side of it.
+
+    Attributes:
+        first: Log time of its start. [ns]
+        last: Log time of its end. [ns]
+        before: True if messages before it were left out.
+        after: True if messages after it were left out.
+        latest: Latest log time of the messages left out before it. [ns]
+    """
+
+    first: float
+    last: float
+    before: bool = False
+    after: bool = False
+    latest: float = -inf
+
+    def leaves_out(self, times: tuple[int, int]) -> bool:
+        """Return True if messages from one log time to another lie outside; times that run back are not trusted."""
+        first, last = times
+        earlier, later = first <= last < self.first, last >= first > self.last
+        self.after |= later
+        if earlier:
+            self.before, self.latest = True, max(self.latest, last)
+        return earlier or later
+
+    def part_of(self, block: "Block") -> "Block":
+        """Return the messages of a block that lie inside."""
+        earlier, later = block.log_time < self.first, block.log_time > self.last
+        self.after |= bool(later.any())
+        if earlier.any():
+            self.before, self.latest = True, max(self.latest, float(block.log_time[earlier].max()))
+        kept = ~(earlier | later)
+        return Block(block.key, block.log_time[kept], block.buffer, block.start[kept], block.size[kept])
+
+
 @dataclass(frozen=True, slots=True)
 class Damage:
     """Where a file is broken.
 
     Attributes:
-        byte: Offset in the file up to which everything was sound.
+        byte: Offset in the file up to which everything was sound, or None where that is not known.
         file_bytes: Length of the file.
         reason: What is wrong there.
     """
 
-    byte: int
+    byte: int | None
     file_bytes: int
     reason: str
 
@@ -94,8 +132,8 @@ class MessageStream(Protocol):
     def damage(self) -> tuple[Damage, ...]:
         """What was found broken so far."""
 
-    def blocks(self, keys: Collection[int]) -> Iterator[Block]:
-        """Yield the messages of some connections, in the order of the file."""
+    def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
+        """Yield the messages of some connections, in the order of the file; the window may be exceeded."""
 
 
 def block_of_ranges(key: int, buffer: bytes, ranges: Sequence[tuple[int, int, int]]) -> Block:

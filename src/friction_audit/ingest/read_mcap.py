@@ -3,9 +3,10 @@
 import struct
 from collections.abc import Collection, Iterator
 from dataclasses import replace
-from io import BytesIO
+from io import SEEK_CUR, BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
+from zlib import crc32
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from friction_audit.ingest.message_stream import (
     Block,
     Connection,
     Damage,
+    Window,
     block_of_payloads,
     block_of_ranges,
     open_log,
@@ -23,6 +25,7 @@ from friction_audit.ingest.message_stream import (
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
 from friction_audit.ingest.stated_serial import serial_in
+from friction_audit.ingest.unpack import LARGEST_CHUNK, UnpackError, unpack
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Message, Schema
@@ -32,7 +35,9 @@ SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE, METADATA_OPCODE = 3
 PARSED_OPCODES = (SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE)
 BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
 """What the mcap library raises on a record that is not what its opcode says."""
-END_OPCODES = (2, 15)  # footer, end of the data section
+END_LENGTHS = {2: 20, 15: 4}
+"""Opcode -> length of the footer and of the end of the data section: another length is a broken record."""
+_CHUNK_TIMES = struct.Struct("<QQ")
 MESSAGE_HEADER = np.dtype(
     [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("sent", "<u8")]
 )
@@ -60,6 +65,7 @@ class McapStream:
         """
         self._path = path
         self._damage: dict[int, Damage] = {}
+        self._cut_chunk: int | None = None
         self._channels: dict[int, Channel] = {}
         self._schemas: dict[int, Schema] = {}
         self.notes: dict[str, str] = {}
@@ -89,10 +95,10 @@ class McapStream:
         """What was found broken so far."""
         return tuple(self._damage.values())
 
-    def blocks(self, keys: Collection[int]) -> Iterator[Block]:
-        """Yield the messages of some channels, chunk by chunk."""
+    def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
+        """Yield the messages of some channels, chunk by chunk; chunks outside the window are passed over."""
         loose: dict[int, tuple[list[int], list[bytes]]] = {key: ([], []) for key in keys}
-        for opcode, offset, record in self._records():
+        for opcode, offset, record in self._records(window):
             if opcode == CHUNK_OPCODE:
                 data = self._decompress(record, offset)
                 yield from () if data is None else self._guarded(data, loose.keys(), offset)
@@ -108,7 +114,7 @@ class McapStream:
             self._note(offset, broken)
         return iter(blocks)
 
-    def _records(self) -> Iterator[tuple[int, int, Any]]:
+    def _records(self, window: Window | None = None) -> Iterator[tuple[int, int, Any]]:
         """Yield opcode, offset and content of chunks, and of what lies outside chunks; up to a break.
 
         Index records are passed over unread: the stream reader of the mcap library spends half its time on them.
@@ -121,33 +127,49 @@ class McapStream:
                 if len(start) < _RECORD_START.size:
                     return self._note(offset, "it ends without the closing records")
                 opcode, length = _RECORD_START.unpack(start)
-                if opcode in END_OPCODES:
+                if length == END_LENGTHS.get(opcode):
                     return None
                 if offset + _RECORD_START.size + length > self._bytes:
-                    return self._note(offset, "a record is cut off")
-                try:
-                    if opcode in PARSED_OPCODES:
-                        yield opcode, offset, _parse(opcode, file.read(length))
-                    elif opcode == METADATA_OPCODE:
-                        self.notes |= _parse(opcode, file.read(length)).metadata
-                except BROKEN as error:
-                    self._note(offset, f"a record is broken: {error}")
+                    yield from self._begun_record(opcode, offset, file)
+                    return None
+                if opcode != CHUNK_OPCODE or window is None or not window.leaves_out(_times_of_chunk(file)):
+                    yield from self._whole_record(opcode, offset, file, length)
                 offset += _RECORD_START.size + length
+
+    def _whole_record(self, opcode: int, offset: int, file: BinaryIO, length: int) -> Iterator[tuple[int, int, Any]]:
+        try:
+            if opcode in PARSED_OPCODES:
+                yield opcode, offset, _parse(opcode, file.read(length))
+            elif opcode == METADATA_OPCODE:
+                self.notes |= _parse(opcode, file.read(length)).metadata
+        except BROKEN as error:
+            self._note(offset, f"a record is broken: {error}")
+
+    def _begun_record(self, opcode: int, offset: int, file: BinaryIO) -> Iterator[tuple[int, int, Any]]:
+        """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
+        if opcode != CHUNK_OPCODE:
+            return self._note(offset, "a record is cut off")
+        try:
+            chunk = _parse(CHUNK_OPCODE, file.read(LARGEST_CHUNK))
+            self._cut_chunk = offset
+            yield CHUNK_OPCODE, offset, chunk
+        except BROKEN:
+            pass  # cut before its first message
+        return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
 
     def _note(self, offset: int, reason: str) -> None:
         self._damage[offset] = Damage(offset, self._bytes, reason)
 
     def _decompress(self, chunk: "Chunk", offset: int) -> bytes | None:
         """Return the records of a chunk, or None if it is damaged."""
-        from mcap.exceptions import McapError
-        from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
-        from zstandard import ZstdError
-
+        cut = offset == self._cut_chunk
         try:
-            stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-            data: bytes = stream.read(size)
-        except (CRCValidationError, ZstdError, RuntimeError, McapError, OverflowError, MemoryError) as error:
+            data = unpack(chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)
+        except UnpackError as error:
             self._note(offset, f"a chunk cannot be decompressed: {error}")
+            return None
+        if not cut and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
+            self._note(offset, "a chunk has another checksum than its header says")
             return None
         return data
 
@@ -159,13 +181,16 @@ class McapStream:
         file.seek(0)
         try:
             summary = SeekingReader(file, record_size_limit=self._bytes).get_summary()
-        except (McapError, OSError, ValueError, *BROKEN):
+        except (McapError, OSError, ValueError, MemoryError, *BROKEN):
             return None  # a file without a sound end is read from its beginning instead
         if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
             return None
+        counts = dict(summary.statistics.channel_message_counts)
+        if sum(counts.values()) != summary.statistics.message_count:
+            return None
         self._channels.update(summary.channels)
         self._schemas.update(summary.schemas)
-        return dict(summary.statistics.channel_message_counts)
+        return counts
 
     def _scan(self) -> dict[int, int]:
         """Read the whole file for its channels and the number of their messages."""
@@ -205,6 +230,14 @@ class McapStream:
             definition_format=schema.encoding if schema else "",
             messages=self._counts.get(channel.id, 0),
         )
+
+
+def _times_of_chunk(file: BinaryIO) -> tuple[int, int]:
+    """Return log times of the first and last message of the chunk that begins here, and go back there. [ns]"""
+    times = file.read(_CHUNK_TIMES.size)
+    file.seek(-len(times), SEEK_CUR)
+    first, last = _CHUNK_TIMES.unpack(times.ljust(_CHUNK_TIMES.size, b"\xff"))
+    return first, last
 
 
 def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401

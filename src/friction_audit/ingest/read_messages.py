@@ -1,35 +1,59 @@
 """A stream of messages -> Recording: what all message containers have in common."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
+from itertools import islice
 from pathlib import Path
+
+import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.block_decoder import BlockDecoder
 from friction_audit.ingest.decoded_row import Row, row_of
+from friction_audit.ingest.fingerprint import stamp_of
 from friction_audit.ingest.joint_messages import MessageKind, match_kind
 from friction_audit.ingest.joint_order import robot_of
-from friction_audit.ingest.joint_samples import JointSamples, stamp_paths
+from friction_audit.ingest.joint_samples import LARGEST_EXPECTATION, JointSamples, stamp_paths
+from friction_audit.ingest.long_table import MOST_JOINTS
 from friction_audit.ingest.message_clock import choose_clock
 from friction_audit.ingest.message_decoder import MessageDecoder, UndecodableError, decoder_for
 from friction_audit.ingest.message_definitions import DefinitionError, may_be_known
-from friction_audit.ingest.message_stream import Block, Connection, Damage, MessageStream
-from friction_audit.ingest.reader import ReadOptions, Recording, Topic
+from friction_audit.ingest.message_stream import (
+    Block,
+    Connection,
+    Damage,
+    MessageStream,
+    Window,
+    block_of_payloads,
+)
+from friction_audit.ingest.reader import MARGIN_S, ReadOptions, Recording, Topic, refuse_too_large
 from friction_audit.ingest.topic_choice import Candidate, Choice, choose_topic
-from friction_audit.joint_log import Finding
+from friction_audit.joint_log import Finding, find_window
 
 SAMPLED_MESSAGES = 16
 """First messages of a topic that tell its joints and channels."""
+CLOCK_DRIFT = 0.01
+"""Most that the time of recording may run away from the source's clock before a part is looked for in the whole log."""
+MOST_TIMES_SMALLER = 100
+"""A count in the file is believed up to a file that holds its samples in a hundredth of their size."""
+NANOSECONDS = 1e9
+
+CLOCKS = 3
+"""Arrays of times that are kept beside the channels."""
 
 
-def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Recording:
+def read_messages(
+    path: Path, stream: MessageStream, options: ReadOptions, stated: Mapping[str, int] | None = None
+) -> Recording:
     """Read the joint states in a stream.
 
     Args:
         path: The log, for messages.
         stream: Its messages.
         options: What the user said about it.
+        stated: Number of messages on each topic as a file beside the stream states it.
 
     Raises:
         InputError: If there is no joint state to read.
@@ -37,13 +61,24 @@ def read_messages(path: Path, stream: MessageStream, options: ReadOptions) -> Re
     """
     candidates = _candidates(path, stream, options)
     choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
-    samples, undecodable = _collect(stream, choice)
+    row_bytes = np.float64().itemsize * (len(choice.candidate.channels) * len(choice.joints) + CLOCKS)
+    believed = MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes
+    expected = min(choice.candidate.messages or 0, LARGEST_EXPECTATION, believed)
+    if options.reads_part(expected * row_bytes) and (part := _read_part(path, stream, choice, options)) is not None:
+        samples, undecodable, skipped = part
+        missing: list[Finding] = []
+    else:
+        refuse_too_large(path, expected * row_bytes, expected * row_bytes)
+        samples, skipped = JointSamples(choice.joints, choice.candidate.channels, expected), 0
+        undecodable, seen = _collect(stream, choice.candidate, samples)
+        missing = _missing(stream, choice.candidate, seen, (stated or {}).get(choice.candidate.topic, 0))
     if not samples.count:
         raise InputError(
             f"{path}: none of the messages on topic {choice.candidate.topic} can be decoded as "
             f"{choice.candidate.type}; choose another topic with --topic"
         )
-    return _recording(choice, samples, candidates, _losses(stream.damage, samples, undecodable))
+    losses = [*_losses(stream.damage, samples, undecodable), *missing]
+    return _recording(choice, samples, candidates, losses, skipped)
 
 
 def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
@@ -76,18 +111,28 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
     used = [c for c in stream.connections if c.messages != 0]
     decoders = {c.key: decoder for c in used if (decoder := _decoder(path, c, None, wanted)) is not None}
     unknown = [c for c in used if c.key not in decoders and (c.encoding == "json" or may_be_known(c))]
-    firsts = _first_blocks(stream, [c.key for c in unknown])
+    firsts = _first_blocks(stream, unknown)
     for connection in unknown:
         block = firsts.get(connection.key)
-        if block is not None and (late := _decoder(path, connection, block.payload(0), wanted)) is not None:
+        payloads = [] if block is None else map(block.payload, range(len(block)))
+        found = (_decoder(path, connection, payload, wanted) for payload in payloads)
+        if (late := next((decoder for decoder in found if decoder is not None and decoder.paths), None)) is not None:
             decoders[connection.key] = late
     kinds = _kinds(path, [c for c in used if c.key in decoders], decoders, options)
-    firsts |= _first_blocks(stream, [key for key in kinds if key not in firsts])
+    firsts |= _first_blocks(stream, [c for c in used if c.key in kinds and c.key not in firsts])
     groups: dict[str, list[Connection]] = {}
     for connection in used:
         if connection.key in kinds and connection.key in firsts:
             groups.setdefault(connection.topic, []).append(connection)
-    return [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
+    candidates = [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
+    for candidate in candidates:
+        joints = max((len(row.names) for row in candidate.rows), default=0)
+        if joints > MOST_JOINTS and wanted in (None, candidate.topic.strip("/")):
+            raise InputError(
+                f"{path}: a message on topic {candidate.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+                "choose another topic with --topic"
+            )
+    return candidates
 
 
 def _wanted(options: ReadOptions) -> str | None:
@@ -127,10 +172,19 @@ def _candidate(
     )
 
 
-def _first_blocks(stream: MessageStream, keys: Sequence[int]) -> dict[int, Block]:
+def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
+    """Return the first messages of each connection, which may lie in several blocks."""
     # One connection at a time: a container may hand over all messages of one before it comes to the next.
-    found = ((key, next(stream.blocks([key]), None)) for key in keys)
-    return {key: block for key, block in found if block is not None}
+    found = {
+        c.key: list(islice(_messages_of(stream, c.key), min(SAMPLED_MESSAGES, c.messages or 1))) for c in connections
+    }
+    return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
+
+
+def _messages_of(stream: MessageStream, key: int) -> Iterator[tuple[int, bytes]]:
+    """Yield log time and payload of the messages of a connection."""
+    for block in stream.blocks([key]):
+        yield from ((int(block.log_time[index]), block.payload(index)) for index in range(len(block)))
 
 
 def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
@@ -140,6 +194,8 @@ def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> lis
             rows.append(row_of(decoder.decode(block.payload(index)), kind))
         except UndecodableError:
             continue  # counted when the topic is read
+        if len(rows[-1].names) > MOST_JOINTS:
+            break
     return rows
 
 
@@ -198,18 +254,55 @@ def _field_path(text: str) -> str:
     return text.replace("[{i}]", "").replace(".{i}", "")
 
 
-def _collect(stream: MessageStream, choice: Choice) -> tuple[JointSamples, int]:
-    """Decode all messages of the topic chosen; returns the samples and the number of messages that failed."""
-    candidate = choice.candidate
-    samples = JointSamples(choice.joints, candidate.channels, candidate.messages)
+def _collect(
+    stream: MessageStream, candidate: Candidate, samples: JointSamples, window: Window | None = None
+) -> tuple[int, Counter[int]]:
+    """Decode the messages of the topic chosen; returns how many failed, and how many each connection has."""
     fast: dict[int, BlockDecoder] = {}
+    seen: Counter[int] = Counter()
     undecodable = 0
-    for block in stream.blocks(list(candidate.decoders)):
+    for found in stream.blocks(list(candidate.decoders), window):
+        block = window.part_of(found) if window else found
+        seen[block.key] += len(block)
         decoder = candidate.decoders[block.key]
-        if not _add_block(samples, block, decoder, candidate.kind, fast):
+        if len(block) and not _add_block(samples, block, decoder, candidate.kind, fast):
             undecodable += _add_rows(samples, block, decoder, candidate.kind)
     samples.trim()
-    return samples, undecodable
+    return undecodable, seen
+
+
+def _read_part(
+    path: Path, stream: MessageStream, choice: Choice, options: ReadOptions
+) -> tuple[JointSamples, int, int] | None:
+    """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
+
+    Returns:
+        The samples, the number of messages that failed, and how many of the first samples are no more than the origin;
+        None if the log time tells too little about the clock chosen.
+    """
+    candidate = choice.candidate
+    firsts = _first_blocks(stream, [c for c in stream.connections if c.key in candidate.decoders])
+    samples = JointSamples(choice.joints, candidate.channels, None)
+    for key, block in firsts.items():
+        _add_rows(samples, block, candidate.decoders[key], candidate.kind)
+    skipped = samples.count
+    if not skipped:
+        return None
+    start, stop = options.window_of_clock()
+    origin = float(samples.log_time.min())
+    window = Window(
+        origin + NANOSECONDS * (start - MARGIN_S - CLOCK_DRIFT * abs(start)),
+        origin + NANOSECONDS * (stop + MARGIN_S + CLOCK_DRIFT * abs(stop)),
+    )
+    undecodable, _ = _collect(stream, candidate, samples, window)
+    if samples.count == skipped:
+        duration = max(window.latest - origin, 0.0) / NANOSECONDS * options.time_scale
+        find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))
+        return None
+    t = choose_clock(samples.log_time, samples.stamp, samples.robot_time).t
+    t = t[skipped:] - t[:skipped].min()
+    reached = (not window.before or t.min() <= start) and (not window.after or t.max() >= stop)
+    return (samples, undecodable, skipped) if reached else None
 
 
 def _add_block(
@@ -246,23 +339,37 @@ def _add_rows(samples: JointSamples, block: Block, decoder: MessageDecoder, kind
     undecodable = 0
     for index, log_time in enumerate(block.log_time.tolist()):
         try:
-            samples.add_row(row_of(decoder.decode(block.payload(index)), kind), log_time)
+            row = row_of(decoder.decode(block.payload(index)), kind)
         except UndecodableError:
             undecodable += 1
+            continue
+        if len(row.names) > MOST_JOINTS:
+            undecodable += 1
+        else:
+            samples.add_row(row, log_time)
     return undecodable
 
 
+def _missing(stream: MessageStream, candidate: Candidate, seen: Mapping[int, int], stated: int) -> list[Finding]:
+    """Compare the messages read with their number by the file's own index and by the file beside it."""
+    own = [c for c in stream.connections if c.topic == candidate.topic]
+    indexed = sum(max((c.messages or 0) - seen[c.key], 0) for c in own if c.key in candidate.decoders)
+    found = sum(seen[c.key] if c.key in candidate.decoders else c.messages or 0 for c in own)
+    lost = max(indexed, stated - found)
+    if lost <= 0:
+        return []
+    where = "metadata.yaml" if lost > indexed else "the index of the file"
+    text = f"{lost} of {found + lost} messages on {candidate.topic} that {where} counts are missing"
+    return [Finding(code="missing_messages", message=text, amount=float(lost), damaged=True)]
+
+
 def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -> list[Finding]:
-    findings = [
-        Finding(
-            code="truncated",
-            message=f"the file is damaged at byte {d.byte} of {d.file_bytes} ({d.reason}); "
-            f"the {samples.count} messages outside the damage were read",
-            amount=float(d.byte),
-            damaged=True,
-        )
-        for d in damage
-    ]
+    findings = []
+    for d in damage:
+        place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
+        text = f"the file is damaged{place} ({d.reason}); the {samples.count} messages outside the damage were read"
+        amount = None if d.byte is None else float(d.byte)
+        findings.append(Finding(code="truncated", message=text, amount=amount, damaged=True))
     if undecodable:
         text = f"{undecodable} messages do not fit their definition and were left out"
         findings.append(Finding(code="undecodable_messages", message=text, amount=float(undecodable), damaged=True))
@@ -277,12 +384,14 @@ def _recording(
     samples: JointSamples,
     candidates: Sequence[Candidate],
     losses: list[Finding],
+    skipped: int,
 ) -> Recording:
     clock = choose_clock(samples.log_time, samples.stamp, samples.robot_time)
     kind = choice.candidate.kind
     return Recording(
-        t=clock.t,
-        channels=samples.channels,
+        t=clock.t[skipped:],
+        channels={name: array[skipped:] for name, array in samples.channels.items()},
+        first_s=float(clock.t[:skipped].min()) if skipped else None,
         joint_names=choice.joints,
         clock=clock.name,
         start_s=clock.start_s,

@@ -2,9 +2,8 @@
 
 import re
 import struct
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import lru_cache
 from pathlib import Path
 from typing import BinaryIO
 
@@ -18,14 +17,18 @@ from friction_audit.ingest.message_stream import (
     Block,
     Connection,
     Damage,
+    Window,
     block_of_ranges,
     open_log,
 )
 from friction_audit.ingest.read_messages import read_messages, topics_of
 from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.unpack import UnpackError, bound_of, unpack
 
 MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, INDEX, CHUNK, CONNECTION = 2, 3, 4, 5, 7
+MESSAGE, BAG_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+LARGEST_HEADER = 1 << 24
+"""A header names a topic, a time and a size; definitions are in the data. [byte]"""
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
 NANOSECONDS = 10**9
@@ -40,15 +43,19 @@ class Chunk:
     """A chunk of messages.
 
     Attributes:
-        offset: Where its data begins in the file. [byte]
+        record: Where it begins in the file. [byte]
+        offset: Where its data begins. [byte]
         size: Length of its data. [byte]
         compression: Name of the compression.
+        claimed: Length of its data when decompressed, as the bag says. [byte]
         unfinished: True if its end is missing, which has been noted.
     """
 
+    record: int
     offset: int
     size: int
     compression: str
+    claimed: int
     unfinished: bool = False
 
 
@@ -70,6 +77,7 @@ class Rosbag1Stream:
         self._connections: dict[int, dict[str, bytes]] = {}
         self._counts: dict[int, int] = {}
         self._chunks: list[Chunk] = []
+        self._times: dict[int, tuple[int, int]] = {}
         self._uncounted: list[Chunk] = []
         with open_log(path) as file:
             self._bytes = file.seek(0, 2)
@@ -94,10 +102,12 @@ class Rosbag1Stream:
         """What was found broken so far."""
         return tuple(self._damage.values())
 
-    def blocks(self, keys: Collection[int]) -> Iterator[Block]:
-        """Yield the messages of some connections, chunk by chunk."""
+    def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
+        """Yield the messages of some connections, chunk by chunk; chunks outside the window are passed over."""
         with open_log(self._path) as file:
             for chunk in self._chunks:
+                if window and chunk.record in self._times and window.leaves_out(self._times[chunk.record]):
+                    continue
                 data = self._decompress(file, chunk)
                 if data is not None:
                     yield from self._messages(data, keys, chunk)
@@ -114,19 +124,19 @@ class Rosbag1Stream:
             try:
                 header, size = _read_header(file)
                 start = file.tell()
-                self._survey_record(file, header, start, size)
+                self._survey_record(file, header, (offset, start), size)
             except BrokenRecordError as error:
                 self._note(offset, str(error))
                 return
             file.seek(start + size)
 
-    def _survey_record(self, file: BinaryIO, header: Mapping[str, bytes], start: int, size: int) -> None:
-        kind = header.get("op", b"\x00")[0]
+    def _survey_record(self, file: BinaryIO, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
+        kind = (header.get("op") or b"\x00")[0]
         if kind == BAG_HEADER and "encryptor" in header and header["encryptor"]:
             raise InputError(f"{self._path}: the bag is encrypted ({header['encryptor'].decode()}); decrypt it first")
         if kind == CHUNK:
-            self._survey_chunk(header.get("compression", b"none").decode(errors="replace"), start, size)
-        elif start + size > self._bytes:
+            self._survey_chunk(header, place, size)
+        elif place[1] + size > self._bytes:
             raise BrokenRecordError("a record is cut off")
         elif kind == CONNECTION:
             _learn_connection(header, file.read(size), self._connections)
@@ -134,15 +144,20 @@ class Rosbag1Stream:
             key = _number(header, "conn")
             self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
             self._uncounted = []
+        elif kind == CHUNK_INFO:
+            place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
+            self._times[place_of_chunk] = _time(header, "start_time"), _time(header, "end_time")
 
-    def _survey_chunk(self, compression: str, start: int, size: int) -> None:
+    def _survey_chunk(self, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
         """Note a chunk; the last one of a bag that was never closed has length 0, and may go on to the file's end."""
-        left = self._bytes - start
+        left = self._bytes - place[1]
         unfinished = size > left or (size == 0 and left > 0)
-        chunk = Chunk(start, left if unfinished else size, compression, unfinished)
-        if not unfinished or compression == "none":
-            self._chunks.append(chunk)
-            self._uncounted.append(chunk)
+        packed = left if unfinished else size
+        compression = header.get("compression", b"none").decode(errors="replace")
+        claimed = bound_of(packed) if unfinished else _number(header, "size")
+        chunk = Chunk(*place, packed, compression, claimed, unfinished)
+        self._chunks.append(chunk)
+        self._uncounted.append(chunk)
         if unfinished:
             raise BrokenRecordError("the last chunk has no end")
 
@@ -164,8 +179,8 @@ class Rosbag1Stream:
         file.seek(chunk.offset)
         packed = file.read(chunk.size)
         try:
-            return _decompressor(chunk.compression)(packed)
-        except (OSError, EOFError, ValueError, RuntimeError) as error:
+            return unpack(chunk.compression, packed, chunk.claimed, cut=chunk.unfinished)
+        except UnpackError as error:
             self._note(chunk.offset, f"a chunk cannot be decompressed: {error}")
             return None
 
@@ -194,18 +209,12 @@ def _check_magic(path: Path, first_line: bytes, size: int) -> None:
     raise InputError(f"{path}: does not begin with '#ROSBAG V2.0'; expected a ROS 1 bag; check the file's type")
 
 
-@lru_cache
-def _decompressor(compression: str) -> Callable[[bytes], bytes]:
-    from rosbags.rosbag1.reader import decompressors
-
-    if compression not in decompressors:
-        raise ValueError(f"unknown compression {compression!r}")
-    return decompressors[compression]
-
-
 def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
     """Read a record up to its data; returns the header's fields and the length of the data."""
-    header = _parse_header(_read_exactly(file, _read_length(file)))
+    size = _read_length(file)
+    if size > LARGEST_HEADER:
+        raise BrokenRecordError(f"a record's header claims {size} bytes")
+    header = _parse_header(_read_exactly(file, size))
     return header, _read_length(file)
 
 
@@ -241,6 +250,14 @@ def _number(header: Mapping[str, bytes], name: str) -> int:
     if len(value) != _LENGTH.size:
         raise BrokenRecordError(f"a record's header has no {name}")
     return int(_LENGTH.unpack(value)[0])
+
+
+def _time(header: Mapping[str, bytes], name: str) -> int:
+    value = header.get(name, b"")
+    if len(value) != _TIME.size:
+        raise BrokenRecordError(f"a record's header has no {name}")
+    seconds, nanoseconds = _TIME.unpack(value)
+    return int(seconds * NANOSECONDS + nanoseconds)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
