@@ -15,6 +15,7 @@ from friction_audit.ingest.vet.motion import check_motion, mend_units
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.ingest.vet.torque import check_torque
+from friction_audit.ingest.vet.wild import leave_out_wild
 from friction_audit.joint_log import MINIMUM_SAMPLES, TORQUE_CHANNELS, JointLog, Source
 
 
@@ -27,6 +28,7 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
         InputError: If it cannot be used.
     """
     _refuse_short(recording, path)
+    rows_as_read = len(recording.t)
     if options.robot is not None:
         recording = replace(recording, robot=options.robot)
     recording = leave_out_missing(recording, path)
@@ -34,6 +36,8 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
     recording = spread_batches(recording)
+    recording = leave_out_wild(recording, rows_as_read=rows_as_read)
+    _refuse_short(recording, path)
     recording = mend_units(recording)
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
