@@ -69,6 +69,8 @@ class Source:
         topic: Topic that was read, or None for tables.
         channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
         torque_unit: ``"N m"``, or ``"A"`` (``"mA"``) where the name of the torque column says motor current.
+        clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were held against each
+            other; 0 if the clock could not be checked.
         findings: What was noticed about the recording.
     """
 
@@ -82,6 +84,7 @@ class Source:
     topic: str | None = None
     channels: Mapping[str, str] = field(default_factory=dict)
     torque_unit: str = "N m"
+    clock_windows: int = 0
     findings: tuple[Finding, ...] = ()
 
     @property

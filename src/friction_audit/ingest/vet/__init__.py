@@ -11,7 +11,7 @@ from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet.batches import spread_batches
 from friction_audit.ingest.vet.clock import order_clock
 from friction_audit.ingest.vet.missing import leave_out_missing
-from friction_audit.ingest.vet.motion import check_motion, mend_units
+from friction_audit.ingest.vet.motion import check_motion, mend_units, refuse_dead_velocity
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.ingest.vet.torque import check_torque
@@ -38,7 +38,8 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     recording = spread_batches(recording)
     recording = leave_out_wild(recording, rows_as_read=rows_as_read)
     _refuse_short(recording, path)
-    recording = mend_units(recording)
+    recording = refuse_dead_velocity(recording, path)
+    recording = mend_units(recording, path)
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
     _refuse_short(recording, path)
@@ -60,6 +61,7 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         topic=recording.topic,
         channels=dict(recording.mapping),
         torque_unit=_torque_unit(recording),
+        clock_windows=recording.clock_windows,
         findings=recording.findings,
     )
     t = recording.t if first == 0.0 else recording.t - first

@@ -9,7 +9,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.vet.rows import take_rows, with_findings
@@ -23,7 +22,7 @@ _REACH = LONGEST_RUN + 4
 _LAG = 3
 _UNUSUAL = 0.005
 _UNUSUAL_ROWS = 16
-"""The largest changes and values are left out of the scale: this share, or of a short log so many, as two runs spoil."""
+"""The largest changes and values are left out of the scale: this share, or of a short log so many."""
 _TIMES_STEP = 10.0
 _TIMES_STILL = 10.0
 """A channel that stands still has no usual step: the least deviation is larger by so much."""
