@@ -329,7 +329,8 @@ def _stretch(ratio: float, path: str, *, scaled: bool) -> Finding | None:
     message = (
         f"q changes {ratio:.4g} times the integral of dq: either the clock is stretched (the log seems to last "
         f"{1.0 / ratio:.4g} times as long as the motion did; viscous coefficients and inertial torques are off by "
-        f"that; --time-scale {ratio:.4g} mends it), or dq has another scale (viscous coefficients are off by that, and times "
-        f"are right; multiply dq by {ratio:.4g}); compare the length of the log with a watch; both are kept as they are"
+        f"that; --time-scale {ratio:.4g} mends it), or dq has another scale (viscous coefficients are off by that, and "
+        f"times are right; multiply dq by {ratio:.4g}); compare the length of the log with a watch; both are kept as "
+        "they are"
     )
     return Finding(code="clock_stretched", message=message, amount=ratio)
