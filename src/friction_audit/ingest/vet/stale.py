@@ -5,9 +5,14 @@ from numpy.typing import NDArray
 
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.vet.rows import take_rows, with_findings
+from friction_audit.ingest.vet.sampling import GAP_S
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
 MOVING_RAD_S = 0.02
+HELD_SHARE = 0.5
+"""Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall."""
+HELD_PERIODS = 3.5
+"""A state that is held for more of its own periods did stall."""
 
 
 def drop_stale_samples(recording: Recording) -> Recording:
@@ -21,6 +26,11 @@ def drop_stale_samples(recording: Recording) -> Recording:
         return recording
     fresh = np.ones(len(recording.t), dtype=np.bool_)
     fresh[stale] = False
+    recording, held = _keep_slow_state(recording, fresh)
+    fresh |= held
+    stale = stale[~held[stale]]
+    if len(stale) == 0:
+        return recording
     share = len(stale) / len(fresh)
     message = (
         f"{len(stale)} of {len(fresh)} rows ({share:.1%}) repeat q, dq and torque of the row before while the arm "
@@ -45,3 +55,24 @@ def find_stale(recording: Recording) -> NDArray[np.intp]:
     for column in recording.channels["dq"].T:
         moving |= np.abs(column[rows]) > MOVING_RAD_S
     return rows[moving]
+
+
+def _keep_slow_state(recording: Recording, fresh: NDArray[np.bool_]) -> tuple[Recording, NDArray[np.bool_]]:
+    """Return the stale rows of a state that is new less often than a hole is long, as of a bus of many motors.
+
+    Without them, each of its steps would pass for a hole in the log.
+    """
+    rows = np.flatnonzero(fresh)
+    steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
+    held = np.zeros(len(fresh), dtype=np.bool_)
+    period = float(np.median(steps[repeats > 0])) if repeats.any() else 0.0
+    moving = np.count_nonzero((np.abs(recording.channels["dq"]) > MOVING_RAD_S).any(axis=1))
+    if HELD_PERIODS * period <= GAP_S or repeats.sum() < HELD_SHARE * moving:
+        return recording, held
+    for row in np.flatnonzero((repeats > 0) & (steps <= HELD_PERIODS * period)):
+        held[rows[row] + 1 : rows[row + 1]] = True
+    message = (
+        f"q, dq and torque are new only every {period:.3g} s while the arm moves (a bus that asks one motor after the "
+        f"other?); {int(held.sum())} rows that repeat them are kept"
+    )
+    return with_findings(recording, Finding(code="slow_state", message=message, amount=period)), held
