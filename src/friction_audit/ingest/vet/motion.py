@@ -181,10 +181,13 @@ def _first_that_moves(
         integral = np.add.reduceat(0.5 * (dq[rows] + dq[rows + 1]) * (t[rows + 1] - t[rows]), heads)
         change = q[stops] - q[starts]
         moved = (np.abs(change) > _MOVED) | (np.abs(integral) > least)
-        # A coarse encoder flickers at rest by more than _MOVED.
-        still = np.abs(integral).max() <= _MOVED and np.ptp(change) <= _TRAVELLED
-        if np.count_nonzero(moved) >= _FEWEST_WINDOWS and integral[moved].any() and not still:
-            return *_ratio(change[moved], integral[moved], (dq[stops] - dq[starts])[moved]), int(moved.sum())
+        if np.count_nonzero(moved) < _FEWEST_WINDOWS or not integral[moved].any():
+            continue
+        ratio, determination = _ratio(change[moved], integral[moved], (dq[stops] - dq[starts])[moved])
+        # A coarse encoder flickers at rest by more than _MOVED, and a velocity has an offset.
+        at_rest = np.abs(integral).max() <= _SURELY_MOVED and np.ptp(q[starts]) <= _TRAVELLED
+        if determination > _TRUSTED_R2 or not at_rest:
+            return ratio, determination, int(moved.sum())
     return float("nan"), 0.0, 0
 
 
