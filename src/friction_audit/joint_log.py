@@ -31,9 +31,6 @@ JOINT_CHANNELS = (
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 """Channels from which the interaction torque can be made; a log has at least one of them."""
 
-DEAD_TORQUE = "torque_dead"
-"""Code of the finding that a moving joint's torque is constant or a few counts."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Finding:
@@ -90,7 +87,7 @@ class Source:
     @property
     def dead_torque(self) -> frozenset[int]:
         """Numbers (1..n) of moving joints whose torque is constant or a few counts: no estimate, no vote on a sign."""
-        return frozenset(found.joint for found in self.findings if found.code == DEAD_TORQUE and found.joint)
+        return frozenset(found.joint for found in self.findings if found.code == "torque_dead" and found.joint)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -86,7 +86,7 @@ def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
     dead = np.flatnonzero((travelled > _TRAVELLED) & (dq.min(axis=0) == dq.max(axis=0)))
     name = recording.mapping.get("dq", "dq")
     said = [
-        f"dq ({name}) of {recording.joint_names[joint]} is {dq[0, joint]:g} in all {len(dq)} rows while q moves by "
+        f"dq ({name}) of {recording.joint_names[joint]} is {dq[0, joint] + 0.0:g} in all {len(dq)} rows while q moves by "
         f"{travelled[joint]:.3g}"
         for joint in dead
     ]

@@ -8,7 +8,7 @@ import numpy as np
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.vet.rows import with_findings
 from friction_audit.ingest.vet.stale import MOVING_RAD_S
-from friction_audit.joint_log import DEAD_TORQUE, TORQUE_CHANNELS, Finding, Float
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
 LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
 """What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]"""
@@ -62,7 +62,7 @@ def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
 
 def _dead(what: str, joint: int) -> Finding:
     message = f"{what}; no friction is told from it; check the sensor, or leave the joint out with --joints"
-    return Finding(code=DEAD_TORQUE, message=message, joint=joint + 1)
+    return Finding(code="torque_dead", message=message, joint=joint + 1)
 
 
 def _step(torque: Float) -> float:
