@@ -5,6 +5,7 @@ all is well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong un
 reads 5 % too small.
 """
 
+import re
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -82,23 +83,18 @@ def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
         InputError: If no moving joint has one.
     """
     q, dq = recording.channels["q"], recording.channels["dq"]
-    travelled = np.ptp(q, axis=0)
-    dead = np.flatnonzero((travelled > _TRAVELLED) & (dq.min(axis=0) == dq.max(axis=0)))
-    name = recording.mapping.get("dq", "dq")
+    travelled, turned = np.ptp(q, axis=0), np.abs(dq[0]) * (recording.t[-1] - recording.t[0])
+    dead = (travelled > _TRAVELLED) & (np.ptp(dq, axis=0) == 0.0) & (turned < 0.5 * travelled)
     said = [
-        f"dq ({name}) of {recording.joint_names[joint]} is {dq[0, joint] + 0.0:g} in all {len(dq)} rows while q moves by "
-        f"{travelled[joint]:.3g}"
-        for joint in dead
+        f"dq ({recording.mapping.get('dq', 'dq')}) of {recording.joint_names[joint]} is {dq[0, joint] + 0.0:g} in all "
+        f"{len(dq)} rows while q moves by {travelled[joint]:.3g}; its velocity was not recorded: name another column "
+        "with --map dq=<column>, or record it"
+        for joint in np.flatnonzero(dead)
     ]
-    if len(dead) and len(dead) == np.count_nonzero(travelled > _TRAVELLED):
-        raise InputError(
-            f"{path}: {said[0]}{' and so are all joints that move' if len(dead) > 1 else ''}; expected its velocity; "
-            "the velocity was not recorded: name another column with --map dq=<column>, or record it"
-        )
-    findings = [
-        Finding(code="velocity_dead", message=f"{one}; the joint cannot be judged", joint=int(joint) + 1)
-        for joint, one in zip(dead, said, strict=True)
-    ]
+    if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):
+        raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
+    numbers = np.flatnonzero(dead) + 1
+    findings = (Finding(code="velocity_dead", message=m, joint=int(j)) for j, m in zip(numbers, said, strict=True))
     return with_findings(recording, *findings)
 
 
@@ -155,8 +151,7 @@ def _windows(t: Float, longest_s: float) -> tuple[np.ndarray, np.ndarray]:
     if len(begin) > most:
         begin = begin[np.linspace(0, len(begin) - 1, most).astype(np.intp)]
     starts, stops = np.searchsorted(t, begin), np.minimum(np.searchsorted(t, begin + length), len(t) - 1)
-    filled = stops > starts
-    starts, stops = starts[filled], stops[filled]
+    starts, stops = starts[stops > starts], stops[stops > starts]
     if len(starts) == 0:
         return starts, stops
     rows, heads = _rows_within(starts, stops)
@@ -217,7 +212,7 @@ def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
     elif _near(ratio, 1.0 / DEGREES_PER_RADIAN):
         degrees = ["dq"]
     elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
-        if _says_radians(recording):
+        if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
         if q.shape[1] == 1 or largest_q > _LARGEST_Q_DEG:
             _refuse_degrees(recording, largest_q, largest_dq, path)
@@ -228,10 +223,6 @@ def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
         array /= DEGREES_PER_RADIAN
     noticed = (_degrees(channel, largest_q if channel == "q" else largest_dq, ratio) for channel in degrees)
     return with_findings(recording, *noticed)
-
-
-def _says_radians(recording: Recording) -> bool:
-    return "rad" in recording.mapping.get("q", "")
 
 
 def _refuse_degrees(recording: Recording, largest_q: float, largest_dq: float, path: str) -> None:

@@ -142,18 +142,17 @@ def _is_impossible(run: _Run, columns: Mapping[str, Float], t: Float) -> bool:
 
 
 def _finding(recording: Recording, joint: int, runs: list[_Run], *, numbered: bool) -> Finding:
-    channel = runs[0].channel
+    channel, t = runs[0].channel, recording.t
     rows = sum(run.last - run.first + 1 for run in runs)
-    name = recording.mapping.get(channel, channel)
-    where = "; ".join(_place(recording.t, run, numbered=numbered) for run in runs[:_SHOWN])
+    places = [
+        f"{run.value:.6g} at {t[run.first] - t[0]:.6g} s{f' (row {run.first + 1})' if numbered else ''}, where "
+        f"{run.usual:.4g} is usual"
+        for run in runs[:_SHOWN]
+    ]
     more = f"; and at {len(runs) - _SHOWN} more places" if len(runs) > _SHOWN else ""
     message = (
-        f"{channel} ({name}) of {recording.joint_names[joint]} is wild: {where}{more}; the other channels of the joint "
-        f"show nothing of it; {rows} row{'' if rows == 1 else 's'} left out"
+        f"{channel} ({recording.mapping.get(channel, channel)}) of {recording.joint_names[joint]} is wild: "
+        f"{'; '.join(places)}{more}; the other channels of the joint show nothing of it; "
+        f"{rows} row{'' if rows == 1 else 's'} left out"
     )
     return Finding(code="wild_samples", message=message, joint=joint + 1, amount=float(rows), damaged=True)
-
-
-def _place(t: Float, run: _Run, *, numbered: bool) -> str:
-    row = f" (row {run.first + 1})" if numbered else ""
-    return f"{run.value:.6g} at {t[run.first] - t[0]:.6g} s{row}, where {run.usual:.4g} is usual"
