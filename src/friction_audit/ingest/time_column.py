@@ -162,8 +162,6 @@ def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
 
 def _median_step(elapsed: Float) -> float:
     """Return the median step between stamps in the order of time, whatever the order of the rows."""
-    backwards = np.count_nonzero(elapsed[1:] < elapsed[:-1])
-    # Of several recordings in one file each is in order, and sorted together their stamps would lie on one another.
-    if backwards < 0.01 * len(elapsed):
-        return float(np.nanmedian(np.diff(elapsed[: 1 << 16])))
-    return float(np.nanmedian(np.diff(np.sort(elapsed[np.isfinite(elapsed)]))))
+    in_order = not (elapsed[1:] < elapsed[:-1]).any()
+    stamps = elapsed[: 1 << 16] if in_order else np.sort(elapsed[np.isfinite(elapsed)])
+    return float(np.nanmedian(np.diff(stamps)))
