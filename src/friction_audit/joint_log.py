@@ -69,6 +69,8 @@ class Source:
         clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were held against each
             other; 0 if the clock could not be checked.
         findings: What was noticed about the recording.
+        window: Start and end of the part that was taken, as asked for. [s]
+        skipped_s: Time from the first sample of the recording to that of this log. [s]
     """
 
     path: str
@@ -83,6 +85,8 @@ class Source:
     torque_unit: str = "N m"
     clock_windows: int = 0
     findings: tuple[Finding, ...] = ()
+    window: tuple[float | None, float | None] = (None, None)
+    skipped_s: float = 0.0
 
     @property
     def dead_torque(self) -> frozenset[int]:
@@ -166,23 +170,41 @@ class JointLog:
     def take_window(self, start_s: float | None, stop_s: float | None) -> "JointLog":
         """Return the samples with start_s <= t < stop_s; the clock starts at 0 again, and so does the recording.
 
+        A part that was taken while the log was read is not taken from itself again.
+
         Raises:
             UsageError: If fewer than two samples lie in the window.
         """
-        if start_s is None and stop_s is None:
+        if (start_s, stop_s) in ((None, None), self.source.window):
             return self
-        first = 0 if start_s is None else int(np.searchsorted(self.t, start_s))
-        last = len(self.t) if stop_s is None else int(np.searchsorted(self.t, stop_s))
-        if last - first < MINIMUM_SAMPLES:
-            raise UsageError(
-                f"{self.source.path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
-                f"{self.duration_s if stop_s is None else stop_s:g} s; the log lasts from 0 to {self.duration_s:g} s; "
-                "choose another --t-start/--t-end"
-            )
-        kept: dict[str, Any] = {name: array[first:last] for name, array in self.channels().items()}
+        part = find_window(self.t, start_s, stop_s, self.source.path)
+        skipped_s = float(self.t[part.start])
         begun = self.source.start_s
-        source = replace(self.source, start_s=None if begun is None else begun + float(self.t[first]))
-        return replace(self, t=self.t[first:last] - self.t[first], source=source, **kept)
+        source = replace(
+            self.source,
+            start_s=None if begun is None else begun + skipped_s,
+            window=(start_s, stop_s),
+            skipped_s=self.source.skipped_s + skipped_s,
+        )
+        kept: dict[str, Any] = {name: array[part] for name, array in self.channels().items()}
+        return replace(self, t=self.t[part] - skipped_s, source=source, **kept)
+
+
+def find_window(t: Float, start_s: float | None, stop_s: float | None, path: str) -> slice:
+    """Return the samples with start_s <= t < stop_s.
+
+    Raises:
+        UsageError: If they are fewer than two.
+    """
+    first = 0 if start_s is None else int(np.searchsorted(t, start_s))
+    last = len(t) if stop_s is None else int(np.searchsorted(t, stop_s))
+    if last - first < MINIMUM_SAMPLES:
+        raise UsageError(
+            f"{path}: {max(last - first, 0)} samples between {start_s or 0:g} s and "
+            f"{t[-1] if stop_s is None else stop_s:g} s; the log lasts from 0 to {t[-1]:g} s; "
+            "choose another --t-start/--t-end"
+        )
+    return slice(first, last)
 
 
 MINIMUM_SAMPLES = 2

@@ -79,15 +79,19 @@ def test_stamps_are_the_log_s_clock(written: Path) -> None:
 
 
 def test_a_window_keeps_the_clock() -> None:
-    part = span_of(log(), 1.995, 4.0)
+    part = span_of(log().take_window(1.995, 4.0))
     assert part.start_ns == stamps_ns(log())[200]
     assert part.duration_s == pytest.approx(1.99)
-    assert span_of(log(None), 1.995, 4.0).start_ns == UNKNOWN_START_NS + 2_000_000_000
+    assert span_of(log(None).take_window(1.995, 4.0)).start_ns == UNKNOWN_START_NS + 2_000_000_000
 
 
 @pytest.mark.parametrize("start_s", [None, 0.0, -5.0])
 def test_a_window_from_before_the_start_begins_with_the_log(start_s: float | None) -> None:
-    assert span_of(log(None), start_s) == span_of(log(None)) == Span(start_ns=UNKNOWN_START_NS, duration_s=10.0)
+    assert (
+        span_of(log(None).take_window(start_s, None))
+        == span_of(log(None))
+        == Span(start_ns=UNKNOWN_START_NS, duration_s=10.0)
+    )
 
 
 def test_nothing_lies_outside_the_log() -> None:

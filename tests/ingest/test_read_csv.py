@@ -1,3 +1,4 @@
+import gzip
 import os
 from pathlib import Path
 
@@ -165,7 +166,7 @@ def test_text_that_is_no_date(tmp_path: Path) -> None:
     frame["time"] = "noon"
     path = tmp_path / "run.csv"
     frame.to_csv(path, index=False)
-    with pytest.raises(InputError, match="column time holds neither numbers nor ISO 8601 dates"):
+    with pytest.raises(InputError, match="column time holds neither a number nor an ISO 8601 date: 'noon'"):
         read_log(path, ReadOptions(mapping={"t": "time"}))
 
 
@@ -243,13 +244,50 @@ def test_missing_columns(tmp_path: Path) -> None:
         read_log(write(tmp_path / "run.csv", "time,q_1,x\n0,0,0\n1,0,0\n"))
 
 
-def test_text_among_the_numbers(tmp_path: Path) -> None:
-    lines = tidy_frame(300).to_csv(index=False).splitlines()
-    fields = lines[100].split(",")
-    fields[4] = "oops"
-    lines[100] = ",".join(fields)
-    with pytest.raises(InputError, match="line 101, column dq_1: 'oops' is not a number"):
-        read_log(write(tmp_path / "run.csv", "\n".join(lines) + "\n"))
+@pytest.mark.parametrize(("column", "place", "text"), [("dq_1", 4, "oops"), ("time", 0, "ERR"), ("tau_J_3", 9, "1_0")])
+def test_a_few_cells_that_are_no_number_are_missing_values(tmp_path: Path, column: str, place: int, text: str) -> None:
+    frame = tidy_frame(300)
+    assert frame.columns[place] == column
+    rows = [100, 200]
+    written = frame.astype(object)
+    written.iloc[rows, place] = text
+    log = read_log(write(tmp_path / "run.csv", written.to_csv(index=False)))
+    np.testing.assert_array_equal(log.tau_J, np.delete(motion(300)["tau_J"], rows, axis=0))
+    found = {finding.code: finding for finding in log.source.findings}
+    assert found["no_numbers"].damaged
+    assert found["no_numbers"].amount == 2
+    assert f"line 102, column {column}: '{text}' is not a number" in found["no_numbers"].message
+
+
+def test_a_bad_stamp_in_nanoseconds_costs_its_line(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = (1_700_000_000_000_000_000 + frame["time"] * 1e9).astype(np.int64).astype(object)
+    whole = read_log(write(tmp_path / "whole.csv", frame.to_csv(index=False)))
+    frame.loc[100, "time"] = "nan"
+    log = read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+    np.testing.assert_array_equal(log.t, np.delete(whole.t, 100))
+    assert any(finding.damaged and "line 102" in finding.message for finding in log.source.findings)
+
+
+def test_dates_beyond_every_clock_are_missing_values(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = (pd.Timestamp("2024-01-01") + pd.to_timedelta(frame["time"], "s")).dt.strftime(
+        "%Y-%m-%dT%H:%M:%S.%f"
+    )
+    frame.loc[100, "time"] = "9999-01-01T00:00:00"
+    log = read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+    assert len(log.t) == 299
+    assert any(finding.damaged and "'9999-01-01T00:00:00'" in finding.message for finding in log.source.findings)
+    frame["time"] = "9999-01-01T00:00:00"
+    with pytest.raises(InputError, match="9999-01-01"):
+        read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+
+
+def test_many_cells_that_are_no_number_are_refused(tmp_path: Path) -> None:
+    frame = tidy_frame(300).astype(object)
+    frame.iloc[10:20, 4] = "oops"
+    with pytest.raises(InputError, match="line 12, column dq_1: 'oops' is not a number"):
+        read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
 
 
 @pytest.mark.parametrize("change", [lambda line: line + ",1", lambda line: line.rpartition(",")[0]])
@@ -277,9 +315,17 @@ def test_a_last_line_whose_last_number_is_cut_says_what_stands_there(tmp_path: P
     assert "line 301, the last one, is cut short ('-' where a number belongs)" in log.source.findings[0].message
 
 
-def test_no_newline_at_the_end_is_no_damage(tmp_path: Path) -> None:
-    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
-    assert read_log(write(tmp_path / "run.csv", text)).source.findings == ()
+@pytest.mark.parametrize(("cut", "damaged"), [(0, False), (8, True)])
+def test_a_last_line_without_a_line_feed_is_left_out(tmp_path: Path, cut: int, damaged: bool) -> None:
+    text = tidy_frame(300).round(6).map("{:.6f}".format).to_csv(index=False).rstrip("\n")
+    log = read_log(write(tmp_path / "run.csv", text[: len(text) - cut]))
+    assert len(log.t) == 299
+    assert [(finding.code, finding.damaged) for finding in log.source.findings] == [("truncated", damaged)]
+
+
+def test_a_last_line_is_kept_where_its_end_is_not_read(tmp_path: Path) -> None:
+    text = tidy_frame(300).assign(note="fine").to_csv(index=False).rstrip("\n")
+    assert len(read_log(write(tmp_path / "run.csv", text)).t) == 300
 
 
 def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -288,8 +334,9 @@ def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
     np.testing.assert_array_equal(read_log(path).tau_J, motion(300)["tau_J"])
     lines = path.read_text().splitlines()
     lines[200] = lines[200].replace(".", "x", 1)
-    with pytest.raises(InputError, match="line 201, column time"):
-        read_log(write(tmp_path / "bad.csv", "\n".join(lines) + "\n"))
+    log = read_log(write(tmp_path / "bad.csv", "\n".join(lines) + "\n"))
+    assert len(log.t) == 299
+    assert "line 201, column time" in log.source.findings[0].message
 
 
 @pytest.mark.skipif("FRICTION_AUDIT_REAL_LOGS" not in os.environ, reason="no measured logs at hand")
@@ -299,3 +346,51 @@ def test_a_measured_libfranka_log() -> None:
     assert (len(log.t), len(log.joint_names), log.source.robot) == (11_023, 7, "panda")
     assert log.duration_s == pytest.approx(11.061)
     assert {f.code: f.amount for f in log.source.findings} == {"dropped_samples": 19 + 2 * 7 + 3 * 2}
+
+
+def test_a_table_below_a_megabyte_of_comments(tmp_path: Path) -> None:
+    text = "# a comment\n\n" * 100_000 + tidy_frame(300).to_csv(index=False)
+    path = write(tmp_path / "run.csv", text)
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+    with pytest.raises(InputError, match=r"line 200301 has 11 fields"):
+        read_log(write(path, text.rstrip("\n") + ",1\n" + text.splitlines()[-1] + "\n"))
+    with pytest.raises(InputError, match="all lines are blank or comments"):
+        read_log(write(path, "# a comment, and no more\n" * 100_000))
+
+
+def test_lines_longer_than_what_is_looked_at_first(tmp_path: Path) -> None:
+    more = {f"{number}_{'a' * 6000}": np.zeros(5) for number in range(200)}
+    frame = pd.concat([tidy_frame(5), pd.DataFrame(more)], axis=1)
+    assert len(read_log(write(tmp_path / "run.csv", frame.to_csv(index=False))).t) == 5
+
+
+def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
+    names = [f"{channel}_{joint}" for channel in ("q", "dq", "tau_J") for joint in range(2000)]
+    wide = ",".join(["t", *names]) + "\n" + ",".join(["0"] * 6001) + "\n"
+    long = "t,joint,q,dq,tau_J\n" + "".join(f"{row},j{joint},0,0,0\n" for row in range(2) for joint in range(2000))
+    for text in (wide, long):
+        with pytest.raises(InputError, match=r"2000 .*expected at most 1000"):
+            read_log(write(tmp_path / "run.csv", text))
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (tidy_frame(30).to_csv(index=False).encode("utf-32"), "UTF-32"),
+        (tidy_frame(30).to_csv(index=False).encode("utf-16"), "UTF-16"),
+        (gzip.compress(tidy_frame(30).to_csv(index=False).encode()), "gzip -d"),
+    ],
+    ids=["utf-32", "utf-16", "gzip"],
+)
+@pytest.mark.parametrize("name", ["run.csv", "run.csv.gz"])
+def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, content: bytes, word: str, name: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=word if name == "run.csv" or "gzip" in word else "no known format"):
+        read_log(tmp_path / name)
+
+
+def test_two_recordings_in_one_file_are_named_as_that(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] *= 20.0
+    with pytest.raises(InputError, match=r"time .* goes back at 1 of 599 rows"):
+        read_log(write(tmp_path / "run.csv", pd.concat([frame, frame]).to_csv(index=False)))

@@ -1,10 +1,14 @@
+import tracemalloc
+import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import pytest
 
 from friction_audit.errors import InputError
-from friction_audit.ingest import list_topics, read_log
+from friction_audit.ingest import ReadOptions, list_topics, read_log
 from tests.ingest.synthetic_recordings import motion
 
 
@@ -89,6 +93,61 @@ def test_too_few_samples(tmp_path: Path, samples: int) -> None:
     np.savez(path, **motion(samples))  # type: ignore[arg-type]
     with pytest.raises(InputError, match=f"{samples} sample"):
         read_log(path)
+
+
+def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
+    """Change an entry, and make its checksum right."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {info.filename: archive.read(info) for info in archive.infolist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in contents.items():
+            archive.writestr(entry, change(content) if entry == f"{name}.npy" else content)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_either_layout(tmp_path: Path, order: Literal["C", "F"]) -> None:
+    arrays = motion(300)
+    np.savez(tmp_path / "run.npz", **{name: np.asarray(array, order=order) for name, array in arrays.items()})  # type: ignore[arg-type]
+    np.testing.assert_array_equal(read_log(tmp_path / "run.npz").dq, arrays["dq"])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: b"X" + content[1:],
+        lambda content: content.replace(b"(300, 3)", b"(2147483648,)"[:8]),
+        lambda content: content.replace(b"(300, 3), }", b"(3000000000, 3), }"),
+        lambda content: content[:100],
+        lambda _: b"",
+    ],
+    ids=["magic", "shape", "claim", "short", "empty"],
+)
+@pytest.mark.parametrize("name", ["q", "tau_J_d"])
+def test_an_entry_that_is_no_array_is_said(tmp_path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **motion(300), tau_J_d=motion(300)["tau_J"])  # type: ignore[arg-type]
+    rewrite(path, name, change)
+    if name == "q":
+        with pytest.raises(InputError, match=r"no column for q; .*array 'q' is damaged"):
+            read_log(path)
+    else:
+        log = read_log(path)
+        assert log.tau_J_d is None
+        assert [(finding.code, finding.damaged) for finding in log.source.findings] == [("damaged_numbers", True)]
+
+
+def test_a_bomb_is_refused_by_its_header(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.npz"
+    np.savez(path, **motion(300))  # type: ignore[arg-type]
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("time.npy", "w") as entry:
+        np.lib.format.write_array_header_1_0(entry, {"descr": "<f8", "fortran_order": False, "shape": (20_000_000,)})
+        for _ in range(20):
+            entry.write(bytes(8_000_000))
+    tracemalloc.start()
+    with pytest.raises(InputError):
+        read_log(path, ReadOptions(mapping={"t": "time"}))
+    assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    tracemalloc.stop()
 
 
 def test_arrays_are_listed(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 
+import friction_audit
 from friction_audit.errors import InputError
 from friction_audit.ingest import ReadOptions, read_log
 from tests.ingest.synthetic_recordings import motion, tidy_frame
@@ -185,8 +186,78 @@ def test_damaged_in_the_middle(tmp_path: Path) -> None:
     content = bytearray(path.read_bytes())
     content[4:4000] = bytes(3996)
     path.write_bytes(content)
-    with pytest.raises(InputError, match="damaged or unfinished Parquet file"):
+    with pytest.raises(InputError, match="a damaged Parquet file: time: row group 1 of 1"):
         read_log(path)
+
+
+def flip(path: Path, column: int, group: int) -> None:
+    """Change a bit in the numbers of a column."""
+    place = pq.ParquetFile(path).metadata.row_group(group).column(column)
+    content = bytearray(path.read_bytes())
+    content[place.data_page_offset + place.total_compressed_size - 40] ^= 4
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("column", [0, 5], ids=["time", "dq_2"])
+@pytest.mark.parametrize("stamps", ["float", "int"])
+def test_a_changed_bit_costs_its_row_group(tmp_path: Path, column: int, stamps: str) -> None:
+    frame = tidy_frame(300)
+    if stamps == "int":
+        frame["time"] = (frame["time"] * 1e9).round().astype(np.int64)
+    path = tmp_path / "run.parquet"
+    frame.to_parquet(path, row_group_size=100, write_page_checksum=True, compression=None, use_dictionary=False)
+    flip(path, column, 1)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.tau_J, np.delete(motion(300)["tau_J"], np.s_[100:200], axis=0))
+    damage = next(finding for finding in log.source.findings if finding.code == "damaged_numbers")
+    assert damage.damaged
+    assert damage.message.startswith(f"{frame.columns[column]}: row group 2 of 3 is damaged")
+
+
+def test_a_changed_bit_costs_its_joint_where_there_is_one_row_group(tmp_path: Path) -> None:
+    path = tmp_path / "run.parquet"
+    tidy_frame(300).to_parquet(path, write_page_checksum=True, compression=None, use_dictionary=False)
+    flip(path, 5, 0)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.q, motion(300)["q"][:, [0, 2]])
+    assert any(finding.damaged and "dq_2" in finding.message for finding in log.source.findings)
+
+
+def test_our_own_files_have_checksums(tmp_path: Path) -> None:
+    for dialect in ("parquet", "parquet-lists"):
+        path = tmp_path / f"{dialect}.parquet"
+        friction_audit.write_log(read_log(tidy(tmp_path / "run.parquet", 5000)), path, dialect=dialect)
+        flip(path, 1, 0)
+        with pytest.raises(OSError, match="CRC"):
+            pq.read_table(path, page_checksum_verification=True)
+
+
+def test_claims_that_no_recording_makes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.ingest.reader._BOMB_BYTES", 1_000_000)
+    path = write(tmp_path / "bomb.parquet", dict.fromkeys(("time", "q_1", "dq_1", "tau_J_1"), np.zeros(100_000)))
+    with pytest.raises(InputError, match="GB packed into"):
+        read_log(path)
+
+
+def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.ingest.reader._memory", lambda: 10_000)
+    with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
+        read_log(tidy(tmp_path / "run.parquet"))
+
+
+def test_lists_that_begin_empty(tmp_path: Path) -> None:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": arrays["t"], "name": [[], *[["a", "b", "c"]] * 299]}
+    columns |= {channel: [[], *arrays[channel].tolist()[1:]] for channel in ("q", "dq", "tau_J")}
+    log = read_log(write(tmp_path / "run.parquet", columns))
+    np.testing.assert_array_equal(log.q, arrays["q"][1:])
+    assert any(finding.damaged for finding in log.source.findings)
+
+
+def test_joint_names_nested_without_end_are_no_names(tmp_path: Path) -> None:
+    table = pa.table(tidy_frame(300)).replace_schema_metadata({"joint_names": "[" * 100_000})
+    pq.write_table(table, tmp_path / "run.parquet")
+    assert read_log(tmp_path / "run.parquet").joint_names == ("joint1", "joint2", "joint3")
 
 
 def test_no_rows(tmp_path: Path) -> None:

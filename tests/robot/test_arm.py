@@ -148,10 +148,10 @@ def test_any_urdf_only_turning_joints_that_are_no_fingers_count(pendulum: Path) 
         ("not xml", "not XML"),
         ("<sdf/>", "<sdf>; expected <robot>"),
         ("<robot name='r'><link name='a'/></robot>", "no revolute joint"),
-        (PENDULUM.format(kind="revolute").replace('<mass value="2"/>', ""), "no link has a mass"),
+        (PENDULUM.format(kind="revolute").replace('<mass value="2"/>', ""), "link bob: inertial without <mass>"),
         (
             PENDULUM.format(kind="revolute").replace('<mass value="2"/>', '<mass value="two"/>'),
-            "a mass is not a number",
+            "link bob: mass 'two'; expected a number",
         ),
         (PENDULUM.format(kind="revolute").replace('child link="bob"', 'child link="nobody"'), "cannot read it"),
     ],
@@ -162,6 +162,52 @@ def test_a_malformed_urdf_is_refused_by_name(tmp_path: Path, text: str, message:
     with pytest.raises(UsageError, match=message) as caught:
         load_arm(path)
     assert "broken.urdf" in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("sound", "wrong", "message"),
+    [
+        ('<mass value="2"/>', '<mass value="inf"/>', "link bob: mass 'inf'"),
+        ('<mass value="2"/>', '<mass value="nan"/>', "link bob: mass 'nan'"),
+        ('<mass value="2"/>', '<mass value="-2"/>', "link bob: mass '-2'; .* at least 0"),
+        ('<mass value="2"/>', '<mass value="1e300"/>', "link bob: mass '1e300'"),
+        ('<mass value="2"/>', '<mass value="0"/>', "no link has a mass"),
+        ('ixx="0"', 'ixx="big"', "link bob: inertia ixx 'big'"),
+        ('izz="0"', "", "link bob: inertia izz ''"),
+        ('"0 0 -0.5"', '"0 0 -0,5"', "link bob: inertial origin xyz '0 0 -0,5'; expected 3 numbers"),
+        ('"0 0 -0.5"', '"0 -0.5"', "link bob: inertial origin xyz '0 -0.5'"),
+        ('xyz="0 0 -0.5"', 'rpy="0 0 x"', "link bob: inertial origin rpy '0 0 x'"),
+        ('<axis xyz="0 1 0"/>', '<axis xyz="0 0 0"/>', "joint hinge: axis '0 0 0' has no direction"),
+        ('<axis xyz="0 1 0"/>', '<origin xyz="0 inf 0"/>', "joint hinge: origin xyz '0 inf 0'"),
+        ('"prismatic"', '"planar"', "joint slider: type planar; expected one of revolute"),
+        ('"prismatic"', '"floating"', "joint slider: type floating"),
+    ],
+)
+def test_every_number_of_a_urdf_is_checked(tmp_path: Path, sound: str, wrong: str, message: str) -> None:
+    text = PENDULUM.format(kind="revolute")
+    assert sound in text
+    path = tmp_path / "wrong.urdf"
+    path.write_text(text.replace(sound, wrong, 1))
+    with pytest.raises(UsageError, match=rf"wrong\.urdf: .*{message}"):
+        load_arm(path)
+
+
+def test_all_faults_of_a_urdf_are_named_at_once(tmp_path: Path) -> None:
+    text = PENDULUM.format(kind="revolute").replace('value="2"', 'value="two"').replace("0 1 0", "0 0 0")
+    (tmp_path / "wrong.urdf").write_text(text)
+    with pytest.raises(UsageError, match=r"link bob: mass .*; joint hinge: axis"):
+        load_arm(tmp_path / "wrong.urdf")
+
+
+def test_a_chain_without_end_is_refused(tmp_path: Path) -> None:
+    links = "".join(f'<link name="l{n}"/>' for n in range(20_000))
+    joints = "".join(
+        f'<joint name="j{n}" type="revolute"><parent link="l{n}"/><child link="l{n + 1}"/></joint>'
+        for n in range(19_999)
+    )
+    (tmp_path / "long.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
+    with pytest.raises(UsageError, match="20000 links; expected at most 1000"):
+        load_arm(tmp_path / "long.urdf")
 
 
 def test_a_missing_urdf_is_refused_by_name(tmp_path: Path) -> None:

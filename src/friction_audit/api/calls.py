@@ -31,7 +31,7 @@ def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
     Args:
         path: A file, or the directory of a ROS 2 bag.
         options: How it is read: ``topic``, ``mapping`` of channels to names in the file, ``robot``, ``time_scale``,
-            ``allow_short``.
+            ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``.
 
     Returns:
         The log, in SI units; what was noticed about it is in ``log.source.findings``.

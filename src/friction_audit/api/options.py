@@ -26,6 +26,8 @@ class ReadingOptions(TypedDict, total=False):
     robot: str | None
     time_scale: float
     allow_short: bool
+    t_start_s: float | None
+    t_end_s: float | None
 
 
 class EstimateOptions(TypedDict, total=False):

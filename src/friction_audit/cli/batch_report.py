@@ -191,7 +191,9 @@ def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings"
     from friction_audit.batch.settings import BatchSettings
 
     diagnosis = _diagnosis_settings() if sessions.diagnose else None
-    return BatchSettings(audit=audit_settings(shared), reading=read_options(shared.reading), diagnosis=diagnosis)
+    return BatchSettings(
+        audit=audit_settings(shared), reading=read_options(shared.reading, shared.selection), diagnosis=diagnosis
+    )
 
 
 def _diagnosis_settings() -> "DiagnosisSettings":
@@ -339,7 +341,7 @@ def _summarise(
     result = gather(standing, settings, ledger)
     _require_an_answer(result)
     report = drift_of_arms(result.sessions, drift, processes)
-    every = {"reading": asdict(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
+    every = {"reading": chain.reading_settings(settings.reading), **asdict(settings.audit), "drift": asdict(drift)}
     every["diagnosis"] = None if settings.diagnosis is None else asdict(settings.diagnosis)
     summary = BatchSummary(
         report=report,

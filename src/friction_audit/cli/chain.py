@@ -53,8 +53,8 @@ def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estim
 
 
 def reading_settings(options: "ReadOptions") -> dict[str, object]:
-    """Return the reader's options for a document."""
-    return asdict(options)
+    """Return the reader's options for a document; the part of the log stands among the settings of the chain."""
+    return {name: value for name, value in asdict(options).items() if name not in ("t_start_s", "t_end_s")}
 
 
 def warn_about(result: "Estimate", voice: Voice) -> None:

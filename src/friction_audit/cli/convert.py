@@ -70,23 +70,22 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    options, joints = read_options(reading), parse_joints(selection.joints)
+    options, joints = read_options(reading, selection), parse_joints(selection.joints)
     chain.check_outputs([out], overwrite=output.overwrite, log=log)
     writer = _choose_writer(out, dialect)
-    kept = _take(chain.read(log, options, voice), joints, selection)
+    kept = _take(chain.read(log, options, voice), joints)
     _write(kept, out, writer, voice, overwrite=output.overwrite)
     _report(kept, out, writer, voice, json=output.json)
     chain.exit_if_damaged(kept)
 
 
-def _take(log: "JointLog", joints: tuple[int, ...] | None, selection: SelectionOptions) -> "JointLog":
-    """Return the joints and the time that were asked for."""
+def _take(log: "JointLog", joints: tuple[int, ...] | None) -> "JointLog":
+    """Return the joints that were asked for."""
     count = len(log.joint_names)
     absent = [str(joint) for joint in joints or () if joint > count]
     if absent:
         raise UsageError(f"--joints {','.join(absent)}: not in {log.source.path}; its joints are 1 to {count}")
-    chosen = log if joints is None else log.take_joints([joint - 1 for joint in joints])
-    return chosen.take_window(selection.t_start, selection.t_end)
+    return log if joints is None else log.take_joints([joint - 1 for joint in joints])
 
 
 def _choose_writer(out: Path, dialect: str | None) -> "Writer":

@@ -101,7 +101,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
-    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
+    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
     plan = plan_exports(folder, export, "diagnose")
     if folder is not None:
@@ -136,7 +136,7 @@ def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSetti
 def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import diagnose_tables
 
-    write_exports(plan, diagnose_tables(found), recorded, found.estimate.settings, voice, overwrite=overwrite)
+    write_exports(plan, diagnose_tables(found), recorded, voice, overwrite=overwrite)
 
 
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":

@@ -49,7 +49,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
-    settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
+    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     plan = plan_exports(folder, export, "estimate")
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
@@ -93,7 +93,7 @@ def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *
 def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import estimate_tables
 
-    write_exports(plan, estimate_tables(result), recorded, result.settings, voice, overwrite=overwrite)
+    write_exports(plan, estimate_tables(result), recorded, voice, overwrite=overwrite)
 
 
 def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:

@@ -9,7 +9,6 @@ from friction_audit.cli.console import Voice
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import AuditSettings
     from friction_audit.joint_log import JointLog
     from friction_audit.tidy_table import TidyTable
 
@@ -62,8 +61,7 @@ def plan_exports(folder: Path | None, kinds: Sequence[str], name: str) -> Export
 def write_exports(
     plan: ExportPlan,
     tables: "Sequence[TidyTable]",
-    recorded: "JointLog",
-    settings: "AuditSettings",
+    log: "JointLog",
     voice: Voice,
     *,
     overwrite: bool,
@@ -73,8 +71,7 @@ def write_exports(
     Args:
         plan: What is written where.
         tables: The tables.
-        recorded: The log that they were made from, all of it.
-        settings: Tell which part of it was looked at.
+        log: The log that they were made from.
         voice: Told what is written.
         overwrite: If True, files that exist are replaced.
     """
@@ -86,7 +83,7 @@ def write_exports(
     for kind in plan.kinds:
         with voice.step(f"export {kind}"):
             if kind == MCAP:
-                span = span_of(recorded, settings.t_start_s, settings.t_stop_s)
+                span = span_of(log)
                 with whole_file(plan.mcap(), overwrite=overwrite) as draft:
                     write_topics(tables, span, draft)
                 continue

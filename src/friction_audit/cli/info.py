@@ -1,5 +1,6 @@
 """``friction-audit info``."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
     from friction_audit.report.info_document import InfoEntry, TopicSummary
     from friction_audit.report.log_summary import LogSummary
 
+_FIRST_S = 600.0
+"""What is looked at of a log that does not fit into memory. [s]"""
 EXAMPLES = """Examples:
   friction-audit info run.mcap
   friction-audit info logs/*.bag --json
@@ -51,7 +54,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=general.quiet, verbose=general.verbose)
-    options = read_options(reading)
+    options = read_options(reading, selection)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
     failures: list[FrictionAuditError] = []
     entries = [_entry(path, options, view, voice, failures) for path in logs]
@@ -67,7 +70,6 @@ class _View:
 
     def __init__(self, selection: SelectionOptions, torque: "TorqueSettings", cycles: "CycleSettings") -> None:
         self.joints = parse_joints(selection.joints)
-        self.start_s, self.stop_s = selection.t_start, selection.t_end
         self.torque, self.cycles = torque, cycles
 
 
@@ -80,11 +82,29 @@ def _entry(
     topics: tuple[TopicSummary, ...] = ()
     try:
         topics = _topics(path)
-        log = chain.read(path, options, voice).take_window(view.start_s, view.stop_s)
+        log = _read(path, options, voice)
         return InfoEntry(path=str(path), topics=topics, summary=_summary(log, view))
     except FrictionAuditError as error:
         failures.append(error)
         return InfoEntry(path=str(path), topics=topics, message=str(error))
+
+
+def _read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
+    """Read a log, or the beginning of one that does not fit into memory."""
+    from friction_audit.ingest.reader import TooLargeError
+    from friction_audit.joint_log import Finding
+
+    try:
+        return chain.read(path, options, voice)
+    except TooLargeError:
+        if options.has_window:
+            raise
+    part = chain.read(path, replace(options, t_start_s=0.0, t_end_s=_FIRST_S), voice)
+    message = (
+        f"the log does not fit into memory; these are its first {_FIRST_S:g} s; choose another part with --t-start"
+    )
+    finding = Finding(code="first_part", message=message, amount=_FIRST_S)
+    return replace(part, source=replace(part.source, findings=(*part.source.findings, finding)))
 
 
 def _topics(path: Path) -> "tuple[TopicSummary, ...]":

@@ -9,7 +9,6 @@ import typer
 from friction_audit.cli import choices
 from friction_audit.cli.config import load_config
 from friction_audit.cli.grouped_help import GENERAL
-from friction_audit.errors import UsageError
 
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
 CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
@@ -122,11 +121,6 @@ class SelectionOptions:
         float | None,
         typer.Option(metavar="SECONDS", help="End, from the first sample.", rich_help_panel=SELECTION),
     ] = None
-
-    def __post_init__(self) -> None:
-        """Refuse a window without time in it, before any log is read."""
-        if self.t_start is not None and self.t_end is not None and not self.t_start < self.t_end:
-            raise UsageError(f"--t-start {self.t_start:g} --t-end {self.t_end:g}: expected an end after the start")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -43,7 +43,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
-    settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
+    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     kinds = choices.PLOTTED if "all" in kind else tuple(kind)
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)

@@ -56,7 +56,7 @@ def command(
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     settings = replay_settings(options, shared.cycles)
-    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading), shared.output
+    audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     plan = plan_exports(folder, export, "replay")
     if folder is not None:
         files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
@@ -91,7 +91,7 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
 def _export(found: "LogReplay", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.report.tables import replay_tables
 
-    write_exports(plan, replay_tables(found), recorded, found.estimate.settings, voice, overwrite=overwrite)
+    write_exports(plan, replay_tables(found), recorded, voice, overwrite=overwrite)
 
 
 def _check_model(given: "ModelFile | None", log: "JointLog") -> None:

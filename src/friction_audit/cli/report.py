@@ -67,7 +67,7 @@ def command(
         typer.echo(dump_config(context), nl=False)
         return
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
-    settings, options, output = audit_settings(shared), read_options(shared.reading), shared.output
+    settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     files = _files(log, folder, formats, printed=output.json)
     plan = _plan(log, folder, export)
     outputs = *files.values(), *plan.files(choices.REPORT_TABLES)
@@ -102,8 +102,7 @@ def _export(
 ) -> list[Path]:
     from friction_audit.report.tables import report_tables
 
-    settings = report.estimate.settings
-    return write_exports(plan, report_tables(report), recorded, settings, voice, overwrite=overwrite)
+    return write_exports(plan, report_tables(report), recorded, voice, overwrite=overwrite)
 
 
 def _plan(log: Path, folder: Path | None, kinds: Sequence[str]) -> ExportPlan:

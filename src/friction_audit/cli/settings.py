@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from friction_audit.cli.options import AuditOptions, CycleOptions, ReadingOptions, TorqueOptions
+from friction_audit.cli.options import AuditOptions, CycleOptions, ReadingOptions, SelectionOptions, TorqueOptions
 from friction_audit.cli.values import parse_joints, parse_mapping, parse_numbers
 
 if TYPE_CHECKING:
@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from friction_audit.interaction.settings import TorqueSettings
 
 
-def read_options(reading: ReadingOptions) -> "ReadOptions":
-    """Return how the log is read."""
+def read_options(reading: ReadingOptions, selection: SelectionOptions) -> "ReadOptions":
+    """Return how the log is read, and which part of it."""
     from friction_audit.ingest import ReadOptions
 
     return ReadOptions(
@@ -22,6 +22,8 @@ def read_options(reading: ReadingOptions) -> "ReadOptions":
         robot=None if reading.robot in ("auto", "none") else reading.robot,
         time_scale=reading.time_scale,
         allow_short=reading.allow_short,
+        t_start_s=selection.t_start,
+        t_end_s=selection.t_end,
     )
 
 

@@ -21,7 +21,7 @@ def write_columns(lots: Iterable[Mapping[str, Sequence[Any]]], types: Mapping[st
 
     kinds = arrow_types()
     schema = pa.schema([(name, kinds[kind]) for name, kind in types.items()])
-    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+    with pq.ParquetWriter(path, schema, compression="zstd", write_page_checksum=True) as writer:
         for columns in lots:
             writer.write_table(pa.table(dict(columns), schema=schema))
 

@@ -41,7 +41,7 @@ def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
         notes["start_s"] = repr(log.source.start_s)
     if log.source.serial:
         notes["serial"] = log.source.serial
-    pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd")
+    pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
 
 
 PARQUET = Writer(

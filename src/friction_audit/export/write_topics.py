@@ -45,17 +45,11 @@ class Span:
         return found
 
 
-def span_of(log: JointLog, start_s: float | None = None, stop_s: float | None = None) -> Span:
-    """Return when a log was recorded, or the part of it that ``JointLog.take_window`` takes.
-
-    Args:
-        log: The log.
-        start_s: Start of the part, or None. [s]
-        stop_s: End of the part, or None. [s]
-    """
-    skipped_s = log.duration_s - log.take_window(start_s, None).duration_s
-    start = UNKNOWN_START_NS if log.source.start_s is None else round(log.source.start_s * NANOSECONDS)
-    return Span(start_ns=start + round(skipped_s * NANOSECONDS), duration_s=log.take_window(start_s, stop_s).duration_s)
+def span_of(log: JointLog) -> Span:
+    """Return when a log, or the part of it that was taken, was recorded."""
+    source = log.source
+    begun = UNKNOWN_START_NS / NANOSECONDS + source.skipped_s if source.start_s is None else source.start_s
+    return Span(start_ns=round(begun * NANOSECONDS), duration_s=log.duration_s)
 
 
 def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:

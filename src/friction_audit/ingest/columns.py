@@ -15,7 +15,11 @@ from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 REQUIRED = ("q", "dq")
 _SHOWN_GROUPS = 14
-_MOST_JOINTS = 60
+_SHOWN_JOINTS = 60
+_COMPARED = 1000
+"""Columns among which near misses are looked for: each comparison takes a fraction of a millisecond."""
+MOST_JOINTS = 1000
+"""No robot has as many; with more, a table is transposed or a column is not what its name says."""
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
 """Names of the columns of a table with one row per number: what it is, and how much."""
 _AMBIGUOUS = ("torque", "tau", "effort")
@@ -98,6 +102,9 @@ def map_columns(
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
     groups = {**_guessed_groups(parsed, told, stated, path), **stated}
+    most = max((len(group.cells) for group in groups.values()), default=0)
+    if most > MOST_JOINTS:
+        raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # Columns that stand still are second choice: if there is nothing better, the vetting says that time stands still.
     time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     if time is None or not _is_complete(groups):
@@ -339,7 +346,7 @@ def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
     """Return the columns whose names, numbers aside, nearly are a known name of the channel."""
     known = ("t", "time", "stamp", "timestamp") if channel == "t" else (*ALIASES[channel],)
     stems: dict[str, str] = {}
-    for name in names:
+    for name in names[:_COMPARED]:
         stems.setdefault(re.sub(r"[\W_]*\d+\W*$", "", name).lower(), name)
     taken = {alias for aliases in ALIASES.values() for alias in aliases}
     close = {match for alias in known for match in difflib.get_close_matches(alias, stems, n=2, cutoff=0.7)}
@@ -405,7 +412,7 @@ def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] |
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
     keys = _sorted_keys(cells)
-    if len(keys) > _MOST_JOINTS:
+    if len(keys) > _SHOWN_JOINTS:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
     return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
         str(key + 1) if isinstance(key, int) else key for key in keys

@@ -9,11 +9,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.ingest.columns import ColumnMap, ambiguous_torque, column_position, refuse_absent, stated_time
+from friction_audit.ingest.columns import (
+    MOST_JOINTS,
+    ColumnMap,
+    ambiguous_torque,
+    column_position,
+    refuse_absent,
+    stated_time,
+)
 from friction_audit.ingest.foreign_names import ForeignName, parse_name
 from friction_audit.ingest.joint_order import choose_arm, robot_of
 from friction_audit.ingest.reader import Recording
-from friction_audit.ingest.time_column import TimeColumn, find_time, to_clock
+from friction_audit.ingest.time_column import Clock, TimeColumn, find_time
 from friction_audit.ingest.to_recording import to_recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
@@ -91,26 +98,30 @@ def _best_of_each(parsed: Mapping[int, ForeignName | None], *, taken: Mapping[st
 def pivot_long(
     long: LongColumns,
     joint: NDArray[Any],
-    time: NDArray[Any],
+    clock: Clock,
     values: Mapping[str, Float],
     *,
     path: str,
     arm: str = "",
-    unit: str | None = None,
     findings: tuple[Finding, ...] = (),
 ) -> Recording:
     """Bring a long table to one row per time; rows of times that some joint lacks are left out.
 
-    ``unit`` is the unit of the stamps where their type tells it, ``arm`` the one to read where there are several.
+    ``arm`` is the one to read where there are several.
     """
     import pandas as pd
 
     codes, labels = pd.factorize(joint, sort=False)
+    if len(labels) > MOST_JOINTS:
+        raise InputError(
+            f"{path}: the column of joints holds {len(labels)} names; expected at most {MOST_JOINTS} joints; "
+            "name another column as the joint's"
+        )
     texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
     kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
     if not kept:
         raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
-    rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], time)
+    rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], clock.t)
     channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in values}
     for channel, column in values.items():
         for place, chosen in enumerate(rows):
@@ -127,8 +138,8 @@ def pivot_long(
     )
     noticed = ambiguous_torque(long.names, joints=len(names), robot=columns.robot, stated=long.stated)
     noticed += () if lost == 0 else (_incomplete(lost),)
-    clock = to_clock(np.ascontiguousarray(time[rows[0]]), unit or long.time.unit, path=path)
-    return to_recording(columns, clock, channels, findings=noticed)
+    own = Clock(clock.t[rows[0]], clock.start_s, clock.unit)
+    return to_recording(columns, own, channels, findings=noticed)
 
 
 def _names(labels: Sequence[str]) -> tuple[str, ...]:

@@ -6,12 +6,14 @@ from pathlib import Path
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
-from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.first_bytes import starts_with
+from friction_audit.ingest.reader import TAKE_A_PART, Reader, ReadOptions, Recording, TooLargeError, Topic
 from friction_audit.ingest.readers import READERS
 from friction_audit.ingest.vet import examine, to_joint_log
-from friction_audit.joint_log import Finding, JointLog
+from friction_audit.joint_log import Finding, JointLog, find_window
 
 _DEFAULT = ReadOptions()
+_PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
@@ -30,22 +32,44 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
     reader = choose_reader(file)
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
         digest = pool.submit(sha256_of, file)  # hashlib gives the lock away: this costs no time on a second core
+        damage: tuple[Finding, ...] = ()
         try:
             recording = reader.read(file, options)
+            damage = recording.findings
             recording = _with_findings(recording, _suffix_mismatch(file, reader))
             recording = examine(recording, path=str(path), options=options)
             sha256 = digest.result()
         except OSError as error:
             raise _unreadable(file, error) from error
+        except MemoryError as error:
+            raise TooLargeError(
+                f"{path}: not enough memory to read a file of {before.size} bytes; {TAKE_A_PART}"
+            ) from error
         except InputError as error:
             notes = [finding.message for finding in _suffix_mismatch(file, reader)]
+            notes += [finding.message for finding in damage if finding.damaged and finding.message not in str(error)]
             if _stamp(file) != before:
                 notes.append("the file changed while it was read: read it again when it is finished")
             if not notes:
                 raise
-            raise InputError("; ".join((str(error), *notes))) from error
+            raise type(error)("; ".join((str(error), *notes))) from error
     recording = _with_findings(recording, _growth(before, _stamp(file)))
-    return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    if not options.has_window:
+        return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    recording = _part(recording, options, str(path))
+    log = to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    window = (options.t_start_s, options.t_end_s)
+    return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
+
+
+def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
+    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
+    t = recording.t - first_s
+    part = find_window(t, options.t_start_s, options.t_end_s, path)
+    channels = {channel: array[part] for channel, array in recording.channels.items()}
+    begun = None if recording.start_s is None else recording.start_s + first_s
+    return replace(recording, t=t[part], channels=channels, start_s=begun)
 
 
 def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
@@ -73,6 +97,11 @@ def choose_reader(path: Path) -> Reader:
     for reader in (*by_suffix, *READERS):
         if reader.recognises(path):
             return reader
+    packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
+    if packed is not None:
+        raise InputError(
+            f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
+        )
     if by_suffix and not path.is_dir():
         return by_suffix[0]
     if path.is_dir():

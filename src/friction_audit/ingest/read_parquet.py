@@ -1,9 +1,10 @@
 """Parquet -> Recording: scalar columns, or one list-valued column per channel."""
 
 import json
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import isfinite
+from math import inf, isfinite
 from pathlib import Path
 from typing import Any
 
@@ -15,15 +16,21 @@ from friction_audit.ingest.columns import ColumnMap, map_columns
 from friction_audit.ingest.first_bytes import starts_with
 from friction_audit.ingest.foreign_names import is_label, labels_of
 from friction_audit.ingest.long_table import LongColumns, find_long_columns, pivot_long
-from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.ingest.reader import Reader, ReadOptions, Recording, Topic, address_limit, refuse_too_large
 from friction_audit.ingest.stated_serial import serial_in
-from friction_audit.ingest.time_column import TimeColumn, to_clock
+from friction_audit.ingest.time_column import Clock, TimeColumn, TimePart, take_part, to_clock
 from friction_audit.ingest.to_recording import name_joints, stated_arm, to_recording
-from friction_audit.joint_log import Float
+from friction_audit.joint_log import Finding, Float
 from friction_audit.per_joint import per_joint
 
 _MAGIC = b"PAR1"
 _BATCH_ROWS = 1 << 16
+_LOOK_ROWS = 1000
+"""Rows among which the first list that is not empty is looked for: the first messages of a topic may be empty."""
+
+if address_limit() < inf:  # before Arrow is loaded
+    # Its own allocator asks for a gigabyte of addresses at once, which the limit counts as if they were used.
+    os.environ.setdefault("ARROW_DEFAULT_MEMORY_POOL", "system")
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,13 +66,15 @@ def read_parquet(path: Path, options: ReadOptions) -> Recording:
             names = [cell.name for cell in cells]
             long = find_long_columns(names, path=str(path), mapping=options.mapping)
             if long is not None:
-                return _read_long(file, path, cells, long, arm)
+                return _read_long(file, path, cells, long, arm, options)
             told = _joints_of_first_row(file)
             labels = labels_of(names, {f"{column}[{i}]": j for column, row in told.items() for i, j in enumerate(row)})
             columns = map_columns(names, path=str(path), mapping=options.mapping, labels=labels, arm=arm)
             if labels:
                 _refuse_moving_joints(file, path, told)
-            return _read_wide(file, path, cells, columns, is_named=bool(labels))
+            return _read_wide(file, path, cells, columns, options, is_named=bool(labels))
+    except MemoryError:  # Arrow's own is an ArrowException too
+        raise
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
         raise InputError(
             f"{path}: a damaged or unfinished Parquet file: {error}; its index is at its end, so nothing can be "
@@ -76,16 +85,16 @@ def read_parquet(path: Path, options: ReadOptions) -> Recording:
 def _open(path: Path, metadata: Any = None) -> Any:  # noqa: ANN401
     import pyarrow.parquet as pq
 
-    return pq.ParquetFile(path, metadata=metadata)
+    return pq.ParquetFile(path, metadata=metadata, page_checksum_verification=True)
 
 
 def _joints_of_first_row(file: Any) -> dict[str, list[str]]:  # noqa: ANN401
     """Return list-valued column of joint names -> the names in its first row, as a JointState has them."""
     columns = [column for column in _leaves(file.schema_arrow, "", _is_text)[1] if is_label(f"{column}[0]")]
-    first = next(file.iter_batches(batch_size=1, columns=columns), None) if columns else None
-    if first is None or len(first) == 0:
+    first = next(file.iter_batches(batch_size=_LOOK_ROWS, columns=columns), None) if columns else None
+    if first is None:
         return {}
-    rows = {column: _child(first, column)[0].as_py() or [] for column in columns}
+    rows = {column: next(filter(None, _child(first, column).to_pylist()), []) for column in columns}
     return {column: [str(joint) for joint in row] for column, row in rows.items() if row}
 
 
@@ -95,9 +104,10 @@ def _refuse_moving_joints(file: Any, path: Path, told: Mapping[str, Sequence[str
     for batch in file.iter_batches(batch_size=_BATCH_ROWS, columns=list(told)):
         for column, joints in told.items():
             array = _child(batch, column)
-            same = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False) == len(joints)
+            lengths = array.value_lengths().fill_null(-1).to_numpy(zero_copy_only=False)
+            same = (lengths == len(joints)) | (lengths == 0)
             if same.all():
-                same = _are_the_same(array.flatten(), joints)
+                same[lengths > 0] = _are_the_same(array.flatten(), joints)
             if not same.all():
                 row = int(np.flatnonzero(~same)[0])
                 raise InputError(
@@ -124,29 +134,27 @@ def _read_wide(
     path: Path,
     cells: Sequence[Cell],
     columns: ColumnMap,
+    options: ReadOptions,
     *,
     is_named: bool,
 ) -> Recording:
-    rows = file.metadata.num_rows
-    if rows == 0:
+    if file.metadata.num_rows == 0:
         raise InputError(f"{path}: 0 samples; the table has columns and no rows; record the arm while it moves")
-    channels: dict[str, Float] = {c: np.empty((rows, len(own)), order="F") for c, own in columns.channels.items()}
-    aims = [
-        (cells[cell], channels[c][:, joint]) for c, own in columns.channels.items() for joint, cell in enumerate(own)
-    ]
-    time = _read_numbers(file, path, cells, columns.time, aims)
     unit = _stamp_unit(file, cells[columns.time.cells[0]]) or columns.time.unit
-    recording = to_recording(columns, to_clock(time, unit, path=str(path)), channels)
+    numbers = _Numbers(file, path, cells, columns.time, unit)
+    channels, part = numbers.read(columns.channels, options)
+    recording = to_recording(columns, part.clock, channels, findings=numbers.findings())
     metadata = file.schema_arrow.metadata or {}
     notes = _as_text(metadata)
-    recording = replace(recording, serial=serial_in(notes), start_s=_start_of(recording, notes))
+    start_s = _start_of(recording, notes, part.first_s)
+    recording = replace(recording, serial=serial_in(notes), start_s=start_s, first_s=part.first_s)
     return recording if is_named else name_joints(recording, *_stated_joints(metadata))
 
 
-def _start_of(recording: Recording, notes: Mapping[str, str]) -> float | None:
+def _start_of(recording: Recording, notes: Mapping[str, str], first_s: float | None) -> float | None:
     """Return the Unix time of t = 0: that of the clock, else of the first sample as our own writer notes it. [s]"""
     try:
-        stated = float(notes["start_s"]) - float(recording.t[0])
+        stated = float(notes["start_s"]) - (float(recording.t[0]) if first_s is None else first_s)
     except (KeyError, ValueError):
         return recording.start_s
     return stated if recording.start_s is None and isfinite(stated) else recording.start_s
@@ -160,30 +168,147 @@ def _stated_joints(metadata: Mapping[bytes, bytes]) -> tuple[list[str], str]:
     """Return the joints' names and the robot from the file's key-value metadata, where our own writer puts them."""
     try:
         names = json.loads(metadata.get(b"joint_names", b"[]"))
-    except ValueError:  # somebody else's metadata under the same key: the columns name the joints
+    except (ValueError, RecursionError):  # somebody else's metadata under the same key: the columns name the joints
         names = []
     robot = metadata.get(b"robot", b"").decode(errors="replace")
     is_list = isinstance(names, list) and all(isinstance(name, str) for name in names)
     return names if is_list else [], robot if robot in ("panda", "fr3") else "unknown"
 
 
-def _read_numbers(
-    file: Any,  # noqa: ANN401
-    path: Path,
-    cells: Sequence[Cell],
-    clock: TimeColumn,
-    aims: Sequence[tuple[Cell, Float]],
-) -> NDArray[Any]:
-    """Read cells into their arrays; returns the stamps, as they stand in the file."""
-    time: NDArray[Any] = np.empty(file.metadata.num_rows, dtype=_time_type(file, cells, clock))
-    parts = [time] if len(clock.cells) == 1 else [time[:, part] for part in range(len(clock.cells))]
-    stamps = [(cells[cell], part) for cell, part in zip(clock.cells, parts, strict=True)]
-    wanted = _targets(cells, [*aims, *stamps])
-    wishes = [(*wish, targets) for wish, targets in wanted.items()]
-    # Column by column: as fast as all at once, and only one row group of one column per thread is in memory beside
-    # the arrays that are kept; columns are shared out as joints are.
-    per_joint(lambda number: _read_column(file.metadata, path, *wishes[number]), len(wishes))
-    return time if len(clock.cells) == 1 else time[:, 0] * 1_000_000_000 + time[:, 1]
+class _Numbers:
+    """The numbers of a file: what is read of them, and what is damaged.
+
+    Column by column: as fast as all at once, and only one row group of one column per thread is in memory beside the
+    arrays that are kept; columns are shared out as joints are.
+    """
+
+    def __init__(self, file: Any, path: Path, cells: Sequence[Cell], time: TimeColumn, unit: str | None) -> None:  # noqa: ANN401
+        self._file, self._path, self._cells, self._time, self._unit = file, path, cells, time, unit
+        self._damage: dict[tuple[str, int], str] = {}
+
+    def read(self, channels: Mapping[str, Sequence[int]], options: ReadOptions) -> tuple[dict[str, Float], TimePart]:
+        """Return the arrays of channels, given by cells, and their clock; of a large log only the part asked for."""
+        metadata = self._file.metadata
+        rows, packed = metadata.num_rows, self._path.stat().st_size
+        width = sum(map(len, channels.values()))
+        time: NDArray[Any] = np.empty(0)
+        part = None
+        if options.reads_part(8 * rows * (width + 1)):
+            refuse_too_large(self._path, 8 * rows, packed)
+            time, aims = self._stamps(rows)
+            self._read_columns(aims)
+            part = take_part(self._to_clock(time), options, path=str(self._path))
+            rows, aims = int(np.count_nonzero(part.rows)), []
+        refuse_too_large(self._path, 8 * rows * (width + 1), packed)
+        if part is None:
+            time, aims = self._stamps(rows)
+        arrays = {channel: np.empty((rows, len(own)), order="F") for channel, own in channels.items()}
+        aims += [(self._cells[c], arrays[ch][:, j]) for ch, own in channels.items() for j, c in enumerate(own)]
+        self._read_columns(aims, None if part is None else part.rows)
+        return arrays, part or TimePart(self._to_clock(time), None, None)
+
+    def read_texts(self, column: str, rows: NDArray[np.bool_] | None) -> NDArray[Any]:
+        """Return the texts of a column in some rows."""
+        found, start = [], 0
+        for group in range(self._file.metadata.num_row_groups):
+            size = self._file.metadata.row_group(group).num_rows
+            own = slice(None) if rows is None else rows[start : start + size]
+            if rows is None or own.any():
+                table = self._file.read_row_group(group, columns=[column])
+                found.append(table[column].to_numpy()[own].astype(str).astype(object))
+            start += size
+        return np.concatenate(found)
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return what is damaged; its numbers are missing values."""
+        return tuple(
+            Finding(
+                code="damaged_numbers",
+                message=f"{column}: row group {group + 1} of {self._file.metadata.num_row_groups} is damaged and left "
+                f"out ({error})",
+                amount=float(self._file.metadata.row_group(group).num_rows),
+                damaged=True,
+            )
+            for (column, group), error in sorted(self._damage.items())
+        )
+
+    def _stamps(self, rows: int) -> tuple[NDArray[Any], list[tuple[Cell, NDArray[Any]]]]:
+        """Return the array of the stamps, as they stand in the file, and what is to be read into it."""
+        own = self._time.cells
+        time: NDArray[Any] = np.zeros(rows, dtype=_time_type(self._file, self._cells, self._time))
+        parts = [time] if len(own) == 1 else [time[:, part] for part in range(len(own))]
+        return time, [(self._cells[cell], part) for cell, part in zip(own, parts, strict=True)]
+
+    def _to_clock(self, time: NDArray[Any]) -> Clock:
+        """Return the clock, NaN where the stamps are damaged."""
+        stamps = time if time.ndim == 1 else time[:, 0] * 1_000_000_000 + time[:, 1]
+        names = {self._cells[cell].column for cell in self._time.cells}
+        lost = np.zeros(len(time) if any(name in names for name, _ in self._damage) else 0, dtype=np.bool_)
+        for name, group in self._damage:
+            start = sum(self._file.metadata.row_group(before).num_rows for before in range(group))
+            if name in names:
+                lost[start : start + self._file.metadata.row_group(group).num_rows] = True
+        if lost.any():
+            if lost.all():
+                damage = "; ".join(finding.message for finding in self.findings())
+                raise InputError(f"{self._path}: a damaged Parquet file: {damage}; copy or record it again")
+            stamps[lost] = stamps[~lost][0]
+        clock = to_clock(stamps, self._unit, path=str(self._path))
+        if lost.any():
+            clock.t[lost] = np.nan
+        return clock
+
+    def _read_columns(self, aims: Sequence[tuple[Cell, NDArray[Any]]], rows: NDArray[np.bool_] | None = None) -> None:
+        wishes = [(*wish, targets) for wish, targets in _targets(self._cells, aims).items()]
+        per_joint(lambda number: self._read_column(*wishes[number], rows), len(wishes))
+
+    def _read_column(
+        self,
+        column: str,
+        width: int,
+        targets: Sequence[tuple[int | None, NDArray[Any]]],
+        rows: NDArray[np.bool_] | None,
+    ) -> None:
+        """Read one column of the file into its arrays; each thread has a file object of its own."""
+        import pyarrow as pa
+
+        start = filled = 0
+        with _open(self._path, self._file.metadata) as file:
+            for group in range(file.metadata.num_row_groups):
+                size = file.metadata.row_group(group).num_rows
+                kept = None if rows is None else rows[start : start + size]
+                count = size if kept is None else int(np.count_nonzero(kept))
+                try:
+                    table = file.read_row_group(group, columns=[column], use_threads=False) if count else None
+                except MemoryError:
+                    raise
+                except (pa.ArrowException, OSError) as error:
+                    self._damage[column, group] = " ".join(str(error).split())
+                    for _, target in targets:
+                        target[filled : filled + count] = np.nan if target.dtype.kind == "f" else 0
+                else:
+                    if table is not None:
+                        self._fill(table, column, width, targets, start, filled, kept)
+                start, filled = start + size, filled + count
+
+    def _fill(
+        self,
+        table: Any,  # noqa: ANN401
+        column: str,
+        width: int,
+        targets: Sequence[tuple[int | None, NDArray[Any]]],
+        start: int,
+        filled: int,
+        kept: NDArray[np.bool_] | None,
+    ) -> None:
+        done = 0
+        for batch in table.to_batches(max_chunksize=_BATCH_ROWS):
+            values = _values(batch, column, width, self._path, start + done)
+            own = values if kept is None else values[kept[done : done + len(values)]]
+            for element, target in targets:
+                _refuse_missing_stamps(self._path, column, own, target)
+                target[filled : filled + len(own)] = own if element is None else own[:, element]
+            done, filled = done + len(values), filled + len(own)
 
 
 def _targets(
@@ -199,34 +324,22 @@ def _targets(
     return wanted
 
 
-def _read_long(file: Any, path: Path, cells: Sequence[Cell], long: LongColumns, arm: str) -> Recording:  # noqa: ANN401
-    """Read a table with one row per joint and time."""
-    values = {channel: np.empty(file.metadata.num_rows) for channel in long.channels}
-    time = _read_numbers(file, path, cells, long.time, [(cells[own], values[c]) for c, own in long.channels.items()])
-    column = cells[long.joint].column
-    joint = file.read(columns=[column])[column].to_numpy().astype(str).astype(object)
-    unit = _stamp_unit(file, cells[long.time.cells[0]])
-    return pivot_long(long, joint, time, values, path=str(path), arm=arm, unit=unit)
-
-
-def _read_column(
-    metadata: Any,  # noqa: ANN401
+def _read_long(
+    file: Any,  # noqa: ANN401
     path: Path,
-    column: str,
-    width: int,
-    targets: Sequence[tuple[int | None, NDArray[Any]]],
-) -> None:
-    """Read one column of the file into its arrays; each thread has a file object of its own."""
-    start = 0
-    with _open(path, metadata) as file:
-        for group in range(metadata.num_row_groups):
-            table = file.read_row_group(group, columns=[column], use_threads=False)
-            for batch in table.to_batches(max_chunksize=_BATCH_ROWS):
-                values = _values(batch, column, width, path, start)
-                for element, target in targets:
-                    _refuse_missing_stamps(path, column, values, target)
-                    target[start : start + len(values)] = values if element is None else values[:, element]
-                start += len(values)
+    cells: Sequence[Cell],
+    long: LongColumns,
+    arm: str,
+    options: ReadOptions,
+) -> Recording:
+    """Read a table with one row per joint and time."""
+    unit = _stamp_unit(file, cells[long.time.cells[0]])
+    numbers = _Numbers(file, path, cells, long.time, unit or long.time.unit)
+    channels, part = numbers.read({channel: (cell,) for channel, cell in long.channels.items()}, options)
+    values = {channel: array[:, 0] for channel, array in channels.items()}
+    joint = numbers.read_texts(cells[long.joint].column, part.rows)
+    recording = pivot_long(long, joint, part.clock, values, path=str(path), arm=arm, findings=numbers.findings())
+    return replace(recording, first_s=part.first_s)
 
 
 def _refuse_missing_stamps(path: Path, column: str, values: NDArray[Any], target: NDArray[Any]) -> None:
@@ -245,15 +358,15 @@ def _values(batch: Any, column: str, width: int, path: Path, start: int) -> NDAr
         if not _is_number_or_stamp(array.type):
             raise InputError(f"{path}: {column} holds {array.type}; expected numbers; name another column with --map")
         return _integers_or_floats(array)
-    lengths = array.value_lengths().fill_null(width).to_numpy(zero_copy_only=False)
-    if (lengths != width).any():
-        row = int(np.flatnonzero(lengths != width)[0])
+    lengths = array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
+    if not ((lengths == width) | (lengths == 0)).all():
+        row = int(np.flatnonzero((lengths != width) & (lengths != 0))[0])
         raise InputError(
             f"{path}: row {start + row + 1} of {column} holds {lengths[row]} values; expected {width} as in "
             "the first row; name a column of constant length with --map"
         )
     values = np.full((len(array), width), np.nan)
-    values[array.is_valid().to_numpy(zero_copy_only=False)] = _integers_or_floats(array.flatten()).reshape(-1, width)
+    values[lengths == width] = _integers_or_floats(array.flatten()).reshape(-1, width)
     return values
 
 
@@ -283,17 +396,18 @@ def _integers_or_floats(array: Any) -> NDArray[Any]:  # noqa: ANN401
 
 
 def _cells(file: Any) -> list[Cell]:  # noqa: ANN401
-    """Return everything in the file that is one number per row; the length of lists is read from the first row."""
+    """Return everything in the file that is one number per row; lists are as long as the first that is not empty."""
     import pyarrow as pa
 
     scalars, lists = _leaves(file.schema_arrow, "", _is_number)
     if not lists:
         return [Cell(column, None) for column in scalars]
-    first = next(file.iter_batches(batch_size=1, columns=lists), None)
+    first = next(file.iter_batches(batch_size=_LOOK_ROWS, columns=lists), None)
     cells = [Cell(column, None) for column in scalars]
     for column in lists:
         array = None if first is None else _child(first, column)
-        length = 0 if array is None or len(array) == 0 else array.value_lengths()[0].as_py()
+        lengths = () if array is None else array.value_lengths().fill_null(0).to_numpy(zero_copy_only=False)
+        length = next((int(one) for one in lengths if one), 0)
         if array is not None and pa.types.is_fixed_size_list(array.type):
             length = array.type.list_size
         cells += [Cell(column, element) for element in range(length or 0)]

@@ -1,16 +1,76 @@
 """What a reader is: one record per container format."""
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import inf
 from pathlib import Path
 
-from friction_audit.errors import UsageError
+from friction_audit.errors import InputError, UsageError
 from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
 
 MAPPABLE = ("t", *JOINT_CHANNELS)
 """What ``--map`` may name."""
+MARGIN_S = 1.0
+"""Read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours. [s]"""
+WHOLE_BYTES = 256 << 20
+"""Size of the arrays up to which a reader reads a log whole although a part is asked for.
+
+Units, signs and delays are then judged by all of the log. Beyond, a part is long enough to judge them by.
+"""
+
+_BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100
+"""No recording of a gigabyte shrinks to a hundredth when it is compressed: noise does not."""
+_GIGABYTE = 1e9
+TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
+
+
+class TooLargeError(InputError):
+    """A log does not fit into memory; a part of it may."""
+
+
+def refuse_too_large(path: Path, needed: int, packed: int) -> None:
+    """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later.
+
+    Args:
+        path: The file.
+        needed: Size of the arrays that its header claims. [bytes]
+        packed: What they take in the file. [bytes]
+
+    Raises:
+        TooLargeError: If they are larger than the memory.
+        InputError: If no recording can be packed so tightly.
+    """
+    if needed > max(_BOMB_BYTES, _BOMB_RATIO * packed):
+        raise InputError(
+            f"{path}: {needed / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that were "
+            f"measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
+        )
+    memory = _memory()
+    if needed > memory:
+        raise TooLargeError(
+            f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
+            f"memory here; {TAKE_A_PART}"
+        )
+
+
+def _memory() -> float:
+    """Return the memory that this process can have. [bytes]"""
+    try:
+        return min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):  # Windows does not hand out what it does not have
+        return inf
+
+
+def address_limit() -> float:
+    """Return the limit on the addresses of this process, as ``ulimit -v`` sets it. [bytes]"""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return inf
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return inf if limit == resource.RLIM_INFINITY else limit
 
 
 class SeveralArmsError(UsageError):
@@ -40,6 +100,8 @@ class ReadOptions:
         robot: Robot stated by the user, wins over the log's own names.
         time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
         allow_short: Read a log that looks like a libfranka exception log all the same.
+        t_start_s: Start of the part to read, from the log's first sample, or None. [s]
+        t_end_s: End of that part, or None. [s]
     """
 
     topic: str | None = None
@@ -47,18 +109,37 @@ class ReadOptions:
     robot: str | None = None
     time_scale: float = 1.0
     allow_short: bool = False
+    t_start_s: float | None = None
+    t_end_s: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the factor and the channels.
+        """Check the factor, the channels and the part.
 
         Raises:
-            UsageError: If the factor is no number above zero, or a channel does not exist.
+            UsageError: If the factor is no number above zero, a channel does not exist, or the part holds no time.
         """
         wrong = [f"--map {c}: no such channel{_did_you_mean(c)}" for c in self.mapping if c not in MAPPABLE]
         if wrong:
             raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
+        if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
+            raise UsageError(f"--t-start {self.t_start_s:g} --t-end {self.t_end_s:g}: expected an end after the start")
+
+    @property
+    def has_window(self) -> bool:
+        """True if a part of the log is asked for."""
+        return self.t_start_s is not None or self.t_end_s is not None
+
+    def reads_part(self, whole_bytes: float) -> bool:
+        """Return True if a reader leaves out what lies outside the part: the log is large and a part is asked for."""
+        return self.has_window and whole_bytes > WHOLE_BYTES
+
+    def window_of_clock(self) -> tuple[float, float]:
+        """Return what a reader has to read, margins included, in seconds since the first sample on the log's clock."""
+        start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
+        stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
+        return start, stop
 
 
 def _did_you_mean(channel: str) -> str:
@@ -78,6 +159,7 @@ class Recording:
         joint_names: One name per joint.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
         start_s: Unix time of t = 0, or None when the clock does not tell. [s]
+        first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
         robot: Robot told by joint names or message types, or ``"unknown"``.
         serial: Serial number of the arm as the file states it, empty if it does not.
         topic: Topic read, or None.
@@ -91,6 +173,7 @@ class Recording:
     joint_names: tuple[str, ...]
     clock: str = "column"
     start_s: float | None = None
+    first_s: float | None = None
     robot: str = "unknown"
     serial: str = ""
     topic: str | None = None

@@ -4,15 +4,17 @@ import csv
 import os
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 from friction_audit.errors import InputError
 
-_HEAD_BYTES = 1 << 20
+_HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 26
+_FEWEST_LINES = 4
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
 _LOOK = 20
 _PEEK_BYTES = 4096
-_UTF16 = (b"\xff\xfe", b"\xfe\xff")
+_UTF16, _UTF32 = (b"\xff\xfe", b"\xfe\xff"), (b"\xff\xfe\0\0", b"\0\0\xfe\xff")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -84,14 +86,18 @@ def sniff_csv(path: Path) -> Dialect:
         InputError: If it holds no line of numbers.
     """
     with path.open("rb") as stream:
+        _refuse_no_text(path, stream.read(_HEAD_BYTES))
+        skipped, begin = _skip_comments(stream)
         head = stream.read(_HEAD_BYTES)
-        size = stream.seek(0, os.SEEK_END)
-    _refuse_no_text(path, head)
+        while head.count(b"\n") < _FEWEST_LINES and len(head) < _LONGEST_HEAD and (more := stream.read(_HEAD_BYTES)):
+            head += more
+        place, size = stream.tell(), stream.seek(0, os.SEEK_END)
     lines = head.splitlines(keepends=True)
+    del lines[len(lines) - (place < size and len(lines) > 1) :]  # which may end in the middle
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
     start = _first_content(texts)
     if start == len(texts):
-        raise InputError(f"{path}: the file holds no line of values; expected a table with a header")
+        raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     separator = _separator(texts[start])
     has_header, first = _header_and_first(texts, start, separator)
     names = split_line(texts[first - 1 if has_header else start].lstrip("#"), separator)
@@ -107,9 +113,9 @@ def sniff_csv(path: Path) -> Dialect:
         decimal=decimal,
         names=names if has_header else tuple(f"#{column}" for column in range(1, len(names) + 1)),
         has_header=has_header,
-        width=_width(path, names, rows, first + 1),
-        offset=sum(map(len, lines[:first])),
-        line=first + 1,
+        width=_width(path, names, rows, skipped + first + 1),
+        offset=begin + sum(map(len, lines[:first])),
+        line=skipped + first + 1,
         size=size,
         rows=rows,
     )
@@ -118,7 +124,9 @@ def sniff_csv(path: Path) -> Dialect:
 def _refuse_no_text(path: Path, head: bytes) -> None:
     """Refuse other files than text in UTF-8 or a kin of ASCII, with lines that end as everywhere."""
     found = ""
-    if head.startswith(_UTF16):
+    if head.startswith(_UTF32):
+        found = "text in UTF-32"
+    elif head.startswith(_UTF16):
         found = "text in UTF-16"
     elif head and not head.strip(b"\0"):
         found = "nothing but zero bytes"
@@ -128,6 +136,18 @@ def _refuse_no_text(path: Path, head: bytes) -> None:
         found = "text whose lines end in a carriage return alone"
     if found:
         raise InputError(f"{path}: {found}; expected a table in UTF-8 with lines that end in a line feed; save it so")
+
+
+def _skip_comments(stream: BinaryIO) -> tuple[int, int]:
+    """Go to the last of the comments and blank lines at the start; return how many are before it, and its place."""
+    stream.seek(0)
+    count, begin, place = -1, 0, 0
+    for line in iter(lambda: stream.readline(_HEAD_BYTES), b""):
+        if line.strip() and not line.startswith(b"#"):
+            break
+        count, begin, place = count + 1, place, place + len(line)
+    stream.seek(begin)
+    return max(count, 0), begin
 
 
 def _first_content(texts: list[str]) -> int:

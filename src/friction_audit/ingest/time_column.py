@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.joint_log import Float
+from friction_audit.ingest.reader import ReadOptions
+from friction_audit.joint_log import Float, find_window
 
 UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
 """Unit of a clock -> units per second."""
@@ -67,6 +68,37 @@ class Clock:
     unit: str
 
 
+@dataclass(frozen=True, eq=False, slots=True)
+class TimePart:
+    """The part of a clock that was asked for.
+
+    Attributes:
+        clock: The stamps in it.
+        rows: Mask of its rows among all rows, or None where all were read.
+        first_s: The first stamp of the whole clock, or None where all were read. [s]
+    """
+
+    clock: Clock
+    rows: NDArray[np.bool_] | None
+    first_s: float | None
+
+
+def take_part(clock: Clock, options: ReadOptions, *, path: str) -> TimePart:
+    """Return the part of a clock that was asked for, with margins.
+
+    Raises:
+        UsageError: If no sample lies in it.
+    """
+    first_s = float(np.nanmin(clock.t))
+    since_first = clock.t - first_s
+    start, stop = options.window_of_clock()
+    rows = (since_first >= start) & (since_first < stop)
+    if not rows.any():
+        scale = options.time_scale
+        find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
+    return TimePart(Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s)
+
+
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
     """Return the best clock among columns of these names, or None.
 
@@ -92,8 +124,10 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
     return None
 
 
-def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str) -> Clock:
-    """Return seconds since the first sample; integers are subtracted before they lose digits.
+def to_clock(
+    raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str, origin: float | None = None
+) -> Clock:
+    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits.
 
     Raises:
         InputError: If the unit is not stated and the steps do not tell it, or a stamp is centuries off.
@@ -104,7 +138,7 @@ def to_clock(raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, 
         raise InputError(
             f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
         )
-    origin = raw[0] if np.isfinite(raw[0]) else raw[np.flatnonzero(np.isfinite(raw))[:1]].sum()
+    origin = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
     elapsed = np.subtract(raw, origin, out=raw) if raw.dtype == np.float64 else (raw - origin).astype(np.float64)
     found = unit or _unit_from_values(float(origin), elapsed, path)
     if UNITS[found] != 1.0:
@@ -127,13 +161,13 @@ def _refuse_centuries(elapsed_s: Float, path: str) -> None:
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     """Find a stamp kept as whole seconds beside nanoseconds, as ROS messages do."""
-    lower = [name.lower() for name in names]
-    for cell, name in enumerate(lower):
+    lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
+    for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)
-        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
-            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}" if match else ""
+        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs") if match else ():
+            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
             if partner in lower:
-                cells = (cell, lower.index(partner))
+                cells = (cell, lower[partner])
                 return TimeColumn(
                     cells=cells, name=f"{names[cell]} + {names[cells[1]]}", unit="ns", clock="header_stamp"
                 )
@@ -161,7 +195,8 @@ def _unit_from_values(origin: float, elapsed: Float, path: str) -> str:
 
 
 def _median_step(elapsed: Float) -> float:
-    """Return the median step between stamps in the order of time, whatever the order of the rows."""
+    """Return the median step between stamps in the order of time; two recordings or joints may share their stamps."""
     in_order = not (elapsed[1:] < elapsed[:-1]).any()
-    stamps = elapsed[: 1 << 16] if in_order else np.sort(elapsed[np.isfinite(elapsed)])
-    return float(np.nanmedian(np.diff(stamps)))
+    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed[np.isfinite(elapsed)],)
+    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot)))), np.zeros(1))
+    return float(np.nanmedian(steps))
