@@ -11,6 +11,7 @@ import pytest
 
 from friction_audit.cli import main
 from friction_audit.ingest import read_log
+from friction_audit.ingest.reader import ReadOptions
 from friction_audit.joint_log import Float, JointLog
 from tests.ingest.synthetic_recordings import motion, recording
 from tests.ingest.test_vet import codes, finding, vetted
@@ -59,6 +60,15 @@ def test_a_wild_sample_is_left_out_and_named_and_the_estimate_is_as_without(
     assert found["joint"] == 1
     for said in (column.removesuffix("_1"), f"(row {rows[0] + 1})", f"at {rows[0] / 100:g} s"):
         assert said in found["message"]
+
+
+def test_the_time_of_a_wild_sample_in_a_part_is_that_of_the_whole_log(tmp_path: Path) -> None:
+    table = rig()
+    table.loc[600, "tau_interaction_1"] = 300.0
+    table.to_csv(tmp_path / "rig.csv", index=False)
+    message = finding(read_log(tmp_path / "rig.csv", ReadOptions(t_start_s=4.0, t_end_s=9.0)), "wild_samples").message
+    assert "at 6 s" in message
+    assert "(row " not in message or "(row 601)" in message
 
 
 def shaken(torque: Float, q: Float, dq: Float) -> JointLog:

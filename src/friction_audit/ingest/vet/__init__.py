@@ -36,7 +36,9 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
     recording = spread_batches(recording)
-    recording = leave_out_wild(recording, rows_as_read=rows_as_read)
+    whole = recording.first_s is None
+    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
+    recording = leave_out_wild(recording, first_s=first_s, numbered=whole and len(recording.t) == rows_as_read)
     _refuse_short(recording, path)
     recording = refuse_dead_velocity(recording, path)
     recording = mend_units(recording, path)

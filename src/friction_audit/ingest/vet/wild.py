@@ -49,12 +49,13 @@ class _Run:
     usual: float
 
 
-def leave_out_wild(recording: Recording, *, rows_as_read: int) -> Recording:
+def leave_out_wild(recording: Recording, *, first_s: float, numbered: bool) -> Recording:
     """Leave out rows that hold a wild sample, and name each.
 
     Args:
         recording: In order of time.
-        rows_as_read: Rows before any was left out; the row's number is named only where it is the file's.
+        first_s: Time of the log's first sample on the recording's clock. [s]
+        numbered: True if the rows still are those of the file, so that their numbers can be named.
     """
     per = per_joint(lambda joint: _of_joint(recording, joint), len(recording.joint_names))
     if not any(per):
@@ -62,9 +63,8 @@ def leave_out_wild(recording: Recording, *, rows_as_read: int) -> Recording:
     kept = np.ones(len(recording.t), dtype=np.bool_)
     for run in (run for runs in per for run in runs):
         kept[run.first : run.last + 1] = False
-    numbered = rows_as_read == len(kept)
     findings = [
-        _finding(recording, joint, [run for run in runs if run.channel == channel], numbered=numbered)
+        _finding(recording, joint, [run for run in runs if run.channel == channel], first_s, numbered=numbered)
         for joint, runs in enumerate(per)
         for channel in dict.fromkeys(run.channel for run in runs)
     ]
@@ -141,11 +141,11 @@ def _is_impossible(run: _Run, columns: Mapping[str, Float], t: Float) -> bool:
     return bool(np.abs(np.diff(wide)).max() <= _CALM * _usual_step(columns["dq"]))
 
 
-def _finding(recording: Recording, joint: int, runs: list[_Run], *, numbered: bool) -> Finding:
-    channel, t = runs[0].channel, recording.t
+def _finding(recording: Recording, joint: int, runs: list[_Run], first_s: float, *, numbered: bool) -> Finding:
+    channel, t = runs[0].channel, recording.t - first_s
     rows = sum(run.last - run.first + 1 for run in runs)
     places = [
-        f"{run.value:.6g} at {t[run.first] - t[0]:.6g} s{f' (row {run.first + 1})' if numbered else ''}, where "
+        f"{run.value:.6g} at {t[run.first]:.6g} s{f' (row {run.first + 1})' if numbered else ''}, where "
         f"{run.usual:.4g} is usual"
         for run in runs[:_SHOWN]
     ]
