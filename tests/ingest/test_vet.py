@@ -454,6 +454,8 @@ def test_a_torque_of_coarse_steps_is_named_with_the_step() -> None:
     given_recording = recording()
     given_recording.channels["tau_J"] = np.asfortranarray(np.round(given_recording.channels["tau_J"], 2))
     assert codes(vetted(given_recording)) == []
+    given_recording.channels["tau_J"] = np.asfortranarray(0.3 * np.sign(given_recording.channels["dq"]))
+    assert codes(vetted(given_recording)) == []
 
 
 def bus(seconds: float = 60.0) -> Recording:

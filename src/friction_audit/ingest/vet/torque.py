@@ -66,14 +66,17 @@ def _dead(what: str, joint: int) -> Finding:
 
 
 def _step(torque: Float) -> float:
-    """Return the step to which a torque is rounded, 0 if it takes too many values or their steps are uneven."""
+    """Return the step to which a torque is rounded, 0 if it takes too many values or is no multiple of any.
+
+    Coulomb friction alone, +-0.3 N m, takes two values, which are no multiples of their distance.
+    """
     values = np.unique(torque)
     steps = np.diff(values)
     steps = steps[steps > 1e-6 * (values[-1] - values[0])]
     if not 0 < len(steps) <= MOST_VALUES:
         return 0.0
     step = float(steps.min())
-    return step if np.abs(steps / step - np.round(steps / step)).max() < UNEVEN else 0.0
+    return step if np.abs(values / step - np.round(values / step)).max() < UNEVEN else 0.0
 
 
 def _suspected(recording: Recording, name: str) -> Finding | None:
