@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import main
+from friction_audit.ingest import read_log
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 pytestmark = pytest.mark.skipif(REAL is None, reason="FRICTION_AUDIT_REAL_LOGS is not set")
@@ -22,6 +23,7 @@ pytestmark = pytest.mark.skipif(REAL is None, reason="FRICTION_AUDIT_REAL_LOGS i
 EXCITATION = "marcocognetti+FrankaEmikaPandaDynModel/panda_excitation.parquet"
 AT_REST = "sebtiburzio+dlo_parameter_id/calib_0108.bag"
 ONE_WAY = "shamilmamedov+beam_handling/OCP_T3_0.81s.csv"
+WRONG_CLOCK = "longshike+NNFM/case4_slow.csv"
 SLOW_RATE = "unisa-acg+inverse-dynamics-solver/panda_exciting_trajectory.db3"
 
 PUBLISHED_COULOMB_NM = (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211)
@@ -37,6 +39,18 @@ def run(capsys: pytest.CaptureFixture[str], *argv: str) -> tuple[int, str, str]:
 
 def path(name: str) -> str:
     return str(Path(REAL or "") / name)
+
+
+@pytest.mark.parametrize("name", [EXCITATION, AT_REST, ONE_WAY, SLOW_RATE])
+def test_no_sample_of_a_measured_log_is_wild(name: str) -> None:
+    assert "wild_samples" not in [finding.code for finding in read_log(path(name)).source.findings]
+
+
+def test_a_clock_wrong_by_two_is_refused_in_spite_of_uneven_stamps(capsys: pytest.CaptureFixture[str]) -> None:
+    columns = ("t=time", "q=q7", "dq=dq7", "tau_interaction=q7_tau_J_compensate")
+    code, _, err = run(capsys, "info", path(WRONG_CLOCK), *(word for one in columns for word in ("--map", one)))
+    assert code == 3
+    assert "--time-scale 0.502" in err
 
 
 def test_the_excitation_log_agrees_with_the_published_identification(capsys: pytest.CaptureFixture[str]) -> None:

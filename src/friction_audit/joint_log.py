@@ -31,9 +31,6 @@ JOINT_CHANNELS = (
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
 """Channels from which the interaction torque can be made; a log has at least one of them."""
 
-DEAD_TORQUE = "torque_dead"
-"""Code of the finding that a moving joint's torque is constant or a few counts."""
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Finding:
@@ -69,6 +66,8 @@ class Source:
         topic: Topic that was read, or None for tables.
         channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
         torque_unit: ``"N m"``, or ``"A"`` (``"mA"``) where the name of the torque column says motor current.
+        clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were held against each
+            other; 0 if the clock could not be checked.
         findings: What was noticed about the recording.
         window: Start and end of the part that was taken, as asked for. [s]
         skipped_s: Time from the first sample of the recording to that of this log. [s]
@@ -84,6 +83,7 @@ class Source:
     topic: str | None = None
     channels: Mapping[str, str] = field(default_factory=dict)
     torque_unit: str = "N m"
+    clock_windows: int = 0
     findings: tuple[Finding, ...] = ()
     window: tuple[float | None, float | None] = (None, None)
     skipped_s: float = 0.0
@@ -91,7 +91,7 @@ class Source:
     @property
     def dead_torque(self) -> frozenset[int]:
         """Numbers (1..n) of moving joints whose torque is constant or a few counts: no estimate, no vote on a sign."""
-        return frozenset(found.joint for found in self.findings if found.code == DEAD_TORQUE and found.joint)
+        return frozenset(found.joint for found in self.findings if found.code == "torque_dead" and found.joint)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

@@ -3,6 +3,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
+from tests.ingest.synthetic_recordings import tidy_frame
 
 
 def test_one_bad_file_does_not_sink_the_others(run: Run, logs: Path) -> None:
@@ -21,6 +22,20 @@ def test_cycles_and_channels(run: Run, logs: Path) -> None:
     assert [joint["joint"] for joint in log["joints"]] == [2]
     assert log["joints"][0]["cycles"] > 5
     assert log["torque"]["source"] == "interaction"
+
+
+def test_the_check_of_the_clock_and_the_unit_of_a_current_are_said(run: Run, tmp_path: Path) -> None:
+    table = tidy_frame(3000).rename(columns={f"tau_J_{joint}": f"actual_current_{joint}" for joint in (1, 2, 3)})
+    table.to_csv(tmp_path / "moved.csv", index=False)
+    answer = run("info", "moved.csv")
+    windows = run("info", "moved.csv", "--json").document()["logs"][0]["clock_windows"]
+    assert windows > 0
+    assert f"checked on {windows} windows" in answer.out
+    assert "is read in A" in answer.out
+    table[[f"{channel}_{joint}" for channel in ("q", "dq") for joint in (1, 2, 3)]] = 0.0
+    table.to_csv(tmp_path / "rest.csv", index=False)
+    assert run("info", "rest.csv", "--json").document()["logs"][0]["clock_windows"] == 0
+    assert "not checked" in run("info", "rest.csv").out
 
 
 def test_a_torque_that_cannot_be_made_is_a_warning(run: Run, logs: Path) -> None:

@@ -1,16 +1,23 @@
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from friction_audit.cycles import segment_cycles
+from friction_audit.cycles.settings import CycleSettings
 from friction_audit.errors import InputError
+from friction_audit.ingest import read_log
 from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet import examine, to_joint_log
+from friction_audit.interaction import extract_interaction
+from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import Finding, JointLog
-from tests.ingest.synthetic_recordings import recording
+from tests.ingest.synthetic_recordings import motion, recording, tidy_frame
 
 
 def vetted(given_recording: Recording, options: ReadOptions | None = None) -> JointLog:
@@ -261,6 +268,27 @@ def test_a_rig_that_turns_without_end_is_not_turned_into_radians() -> None:
     assert log.q[-1, 0] == pytest.approx(40.0 * 2.999)
 
 
+def test_a_rig_that_may_be_in_degrees_is_refused_with_the_way_to_say_it(tmp_path: Path) -> None:
+    """58 and 110 to and fro: degrees, or a motor of nine turns."""
+    arrays = motion(3000, 1)
+    columns = {"t": arrays["t"], "tau_J": arrays["tau_J"][:, 0]}
+    columns |= {"q": arrays["q"][:, 0] * 116.0, "dq": arrays["dq"][:, 0] * 116.0}
+    pd.DataFrame(columns).to_csv(tmp_path / "rig.csv", index=False)
+    with pytest.raises(InputError, match=r"degrees.*--map q=q:deg --map dq=dq:deg"):
+        read_log(tmp_path / "rig.csv")
+    turned = read_log(tmp_path / "rig.csv", ReadOptions(mapping={"q": "q:deg", "dq": "dq:deg"}))
+    assert turned.q[:, 0].max() == pytest.approx(np.deg2rad(58.0), rel=1e-3)
+    kept = read_log(tmp_path / "rig.csv", ReadOptions(mapping={"q": "q:rad", "dq": "dq:rad"}))
+    assert kept.q[:, 0].max() == pytest.approx(58.0, rel=1e-3)
+
+
+def test_two_recordings_in_one_file_are_named_with_the_row(tmp_path: Path) -> None:
+    both = pd.concat([tidy_frame(3000)] * 2)
+    both.to_csv(tmp_path / "two.csv", index=False)
+    with pytest.raises(InputError, match=r"2 recordings in one file: cut it before row 3001"):
+        read_log(tmp_path / "two.csv")
+
+
 def test_a_torque_that_may_be_in_millinewton_metres_is_noticed_and_kept() -> None:
     given_recording = recording()
     given_recording.channels["tau_J"][:, 2] = 1500.0 * np.sign(np.sin(given_recording.t))
@@ -307,6 +335,148 @@ def test_a_clock_stretched_too_far_is_refused() -> None:
     given_recording.t *= 2.0
     with pytest.raises(InputError, match=r"q changes 0\.5 times the integral of dq over time; .*--time-scale 0\.5"):
         vetted(given_recording)
+
+
+def uneven(given_recording: Recording, seed: int = 5) -> Recording:
+    """Round the stamps to 2 ms and lose 18 % of the rows."""
+    kept = np.flatnonzero(np.random.default_rng(seed).uniform(size=len(given_recording.t)) > 0.18)
+    given_recording.t = np.round(given_recording.t / 2e-3) * 2e-3
+    return replace(
+        given_recording,
+        t=given_recording.t[kept],
+        channels={c: np.asfortranarray(a[kept]) for c, a in given_recording.channels.items()},
+    )
+
+
+def test_a_clock_wrong_by_two_is_seen_on_uneven_stamps() -> None:
+    given_recording = recording(6000)
+    given_recording.t *= 2.0
+    with pytest.raises(InputError, match=r"q changes 0\.5 times .*--time-scale 0\.5.*or dq has another scale"):
+        vetted(uneven(given_recording))
+    assert vetted(uneven(recording(6000))).source.clock_windows > 20
+
+
+def slow(speed_rad_s: float) -> Recording:
+    """A joint that creeps: 3 mrad in half a second at 6 mrad/s."""
+    given_recording = recording(60_000, joints=1)
+    t = given_recording.t[:, None]
+    given_recording.channels |= {"q": 10.0 * speed_rad_s * np.sin(0.1 * t), "dq": speed_rad_s * np.cos(0.1 * t)}
+    return given_recording
+
+
+def test_a_stretched_clock_is_seen_on_a_joint_that_creeps() -> None:
+    given_recording = slow(3e-3)
+    given_recording.t *= 1.25
+    assert finding(vetted(given_recording), "clock_stretched").amount == pytest.approx(0.8, rel=1e-3)
+
+
+def test_a_clock_that_cannot_be_checked_has_no_windows() -> None:
+    given_recording = recording()
+    given_recording.channels["q"][:] = 1.0
+    given_recording.channels["dq"][:] = 0.0
+    assert vetted(given_recording).source.clock_windows == 0
+    assert vetted(recording()).source.clock_windows > 0
+
+
+def standing(given_recording: Recording, joints: list[int]) -> Recording:
+    """Let some joints stand still with noise and offset of their velocity; the encoder of each flickers and jumps."""
+    rng = np.random.default_rng(2)
+    for joint in joints:
+        given_recording.channels["q"][:, joint] = 6e-3 * rng.integers(0, 2, len(given_recording.t))
+        given_recording.channels["q"][1000:, joint] += 0.05
+        given_recording.channels["dq"][:, joint] = 0.01 + 4e-3 * rng.standard_normal(len(given_recording.t))
+    return given_recording
+
+
+def test_joints_that_stand_still_neither_vote_nor_are_accused() -> None:
+    """Four of seven joints stand still, whatever their torque; the clock of the three that move is right, or is not."""
+    assert codes(vetted(standing(recording(6000, joints=7), [0, 2, 4, 6]))) == []
+    given_recording = standing(recording(6000, joints=7), [0, 2, 4, 6])
+    given_recording.t *= 1.1
+    log = vetted(given_recording)
+    assert codes(log) == ["clock_stretched"]
+    assert finding(log, "clock_stretched").amount == pytest.approx(1 / 1.1, rel=2e-3)
+
+
+def test_both_explanations_of_a_ratio_are_given() -> None:
+    given_recording = recording(joints=1)
+    given_recording.channels["dq"] *= 1.1
+    message = finding(vetted(given_recording), "clock_stretched").message
+    assert "--time-scale 0.909" in message
+    assert "multiply dq by 0.909" in message
+
+
+@pytest.mark.parametrize("joints", [2, 7])
+def test_a_velocity_of_another_scale_on_some_joints_is_the_velocity_s(joints: int) -> None:
+    given_recording = recording(joints=joints)
+    given_recording.channels["dq"][:, joints - 1] *= 1.6
+    log = vetted(given_recording)
+    assert codes(log) == ["velocity_scale"]
+    noticed = finding(log, "velocity_scale")
+    assert noticed.joint == joints
+    assert noticed.amount == pytest.approx(1 / 1.6, rel=1e-3)
+
+
+def test_revolutions_per_minute_are_turned_into_radians_per_second() -> None:
+    given_recording = recording()
+    given_recording.channels["dq"] *= 30.0 / np.pi
+    log = vetted(given_recording)
+    assert codes(log) == ["velocity_unit"]
+    np.testing.assert_allclose(log.dq, recording().channels["dq"], atol=1e-12)
+
+
+def test_a_velocity_that_is_one_number_while_the_joint_moves_is_refused() -> None:
+    given_recording = recording()
+    given_recording.channels["dq"][:] = 0.0
+    with pytest.raises(InputError, match=r"dq .* is 0 in all 3000 rows while q moves by 1"):
+        vetted(given_recording)
+    given_recording = recording()
+    given_recording.channels["dq"][:, 1] = 0.0
+    assert finding(vetted(given_recording), "velocity_dead").joint == 2
+
+
+@pytest.mark.parametrize("torque", ["zero", "constant", "a few counts"])
+def test_a_dead_torque_is_named_by_joint(torque: str) -> None:
+    given_recording = recording()
+    counts = np.random.default_rng(1).integers(-3, 4, len(given_recording.t)) * 1e-3
+    least = {"zero": 0.0, "constant": 4.2, "a few counts": 0.0}[torque]
+    given_recording.channels["tau_J"][:, 1] = least + (counts if torque == "a few counts" else 0.0)
+    log = vetted(given_recording)
+    assert codes(log) == ["torque_dead"]
+    assert log.source.dead_torque == {2}
+
+
+def test_a_torque_of_coarse_steps_is_named_with_the_step() -> None:
+    given_recording = recording()
+    given_recording.channels["tau_J"] = np.asfortranarray(np.round(2.0 * given_recording.channels["tau_J"]))
+    assert [one.amount for one in vetted(given_recording).source.findings] == [1.0, 1.0, 1.0]
+    assert set(codes(vetted(given_recording))) == {"torque_coarse"}
+    given_recording = recording()
+    given_recording.channels["tau_J"] = np.asfortranarray(np.round(given_recording.channels["tau_J"], 2))
+    assert codes(vetted(given_recording)) == []
+    given_recording.channels["tau_J"] = np.asfortranarray(0.3 * np.sign(given_recording.channels["dq"]))
+    assert codes(vetted(given_recording)) == []
+
+
+def bus(seconds: float = 60.0) -> Recording:
+    """One motor of a bus of seven, asked in every seventh row of 100 Hz, that pauses between its strokes."""
+    t = np.arange(round(100 * seconds)) / 100.0
+    moves = t % 20.0 < 14.0
+    dq = np.where(moves, 0.6 * np.cos(1.2 * t), 0.0)
+    q = np.cumsum(dq) * 0.01
+    held = np.arange(len(t)) // 7 * 7
+    channels = {"q": q, "dq": dq, "tau_interaction": 0.3 * np.sign(dq) + 0.1 * dq}
+    return Recording(t=t, channels={c: a[held][:, None] for c, a in channels.items()}, joint_names=("joint5",))
+
+
+def test_rows_that_repeat_a_slow_state_are_kept_and_make_no_holes() -> None:
+    log = vetted(bus())
+    assert codes(log) == ["slow_state"]
+    assert finding(log, "slow_state").amount == pytest.approx(0.07)
+    interaction = extract_interaction(log, TorqueSettings())
+    cycles = segment_cycles(interaction, CycleSettings())
+    assert len(cycles.reason) > 15
+    assert (cycles.reason == 0).mean() > 0.9
 
 
 @pytest.mark.parametrize("factor", [1e-3, 1e3])

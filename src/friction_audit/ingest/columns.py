@@ -256,7 +256,14 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
 def _stated_group(
     value: str, names: Sequence[str], labels: Mapping[int, str] | None = None, outside: Collection[int] = ()
 ) -> Group:
-    """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column."""
+    """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
+
+    ``:deg`` or ``:rad`` after it says the unit.
+    """
+    bare, _, unit = value.rpartition(":")
+    if unit in ("deg", "rad") and value not in names:
+        group = _stated_group(bare, names, labels, outside)
+        return replace(group, template=value, degrees=unit == "deg")
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
     numbered = {

@@ -48,7 +48,9 @@ _COMMANDED = re.compile(r"(?:^|[^a-z])(?:desired|cmd|commands?|commanded|target|
 _MOTOR_SIDE = re.compile(r"motor_state")
 _EXTERNAL = re.compile(r"tau_ext|external")
 _SAYS_AMPERE = re.compile(r"[\[(](?P<bracket>m?A|milliamps?)[\])]|_(?P<suffix>m?A)(?![a-zA-Z])")
-_SAYS_CURRENT = re.compile(r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])")
+_SAYS_CURRENT = re.compile(
+    r"(?:(?:^|[^a-zA-Z])(?i:currents?|curr|amps?|amperes?|i_(?:motor|\{i\}|\d+))|Current)(?![a-z])"
+)
 _SAYS_TORQUE = re.compile(r"torque|effort|tau|nm(?![a-z])|moment", re.IGNORECASE)
 _ELEMENT = re.compile(r"(?P<head>(?:.*[./])?)(?P<stem>[^\W\d][^./]*?)(?:\[(?P<a>\d+)\]|[._]?(?P<b>\d+))")
 _LABEL = re.compile(r"(?:joint_)?names?", re.IGNORECASE)

@@ -50,6 +50,7 @@ def _summary(summary: LogSummary) -> Document:
         "gaps": summary.gaps,
         "longest_gap_s": to_json(summary.longest_gap_s),
         "stale_samples": summary.stale_samples,
+        "clock_windows": summary.log.source.clock_windows,
         "torque": _torque(summary.torque),
         "joints": [to_json(asdict(joint)) for joint in summary.joints],
         "warnings": [notice._asdict() for notice in summary.notices],

@@ -37,12 +37,17 @@ def _lines(summary: LogSummary) -> "Iterator[str]":
     log, torque = summary.log, summary.torque
     topic = f", topic {log.source.topic}" if log.source.topic else ""
     yield f"format   {log.source.format}{topic}, robot {log.source.robot}, {count(len(log.joint_names), 'joint')}"
-    yield f"clock    {log.source.clock}, {log.duration_s:.6g} s, {count(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz"
+    yield (
+        f"clock    {log.source.clock}, {log.duration_s:.6g} s, {count(len(log.t), 'sample')}, {log.rate_hz:.6g} Hz, "
+        f"{summary.clock_check}"
+    )
     gaps = f"{count(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
     stale = f"{count(summary.stale_samples, 'repeated sample')} left out"
     yield f"steps    {summary.jitter}, {gaps}, {stale}"
     for channel, name in log.source.channels.items():
         yield f"channel  {channel} = {name}"
+    if log.source.torque_unit != "N m":
+        yield f"unit     the torque is a motor current and is read in {log.source.torque_unit}"
     if torque is not None:
         sign = "sign proved by the energy" if torque.sign_proved else "sign not proved"
         yield f"torque   {torque.formula}; drive {torque.drive}, gravity {torque.gravity}, {sign}"

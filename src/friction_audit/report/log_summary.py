@@ -73,6 +73,12 @@ class LogSummary:
         """The jitter in words."""
         return f"jitter {1e3 * self.jitter_s:.3g} ms" if self.jitter_s >= ROUNDING_S else "no jitter"
 
+    @property
+    def clock_check(self) -> str:
+        """On how much of the log the clock was held against the motion, in words."""
+        windows = self.log.source.clock_windows
+        return f"checked on {windows} window{'' if windows == 1 else 's'}" if windows else "not checked"
+
 
 def summarize_log(
     log: JointLog, interaction: Interaction | None, cycles: EnergyCycles | None, obstacle: str = ""

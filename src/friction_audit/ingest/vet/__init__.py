@@ -11,10 +11,11 @@ from friction_audit.ingest.reader import ReadOptions, Recording
 from friction_audit.ingest.vet.batches import spread_batches
 from friction_audit.ingest.vet.clock import order_clock
 from friction_audit.ingest.vet.missing import leave_out_missing
-from friction_audit.ingest.vet.motion import check_motion, mend_units
+from friction_audit.ingest.vet.motion import check_motion, mend_units, refuse_dead_velocity
 from friction_audit.ingest.vet.sampling import check_sampling
 from friction_audit.ingest.vet.stale import drop_stale_samples
 from friction_audit.ingest.vet.torque import check_torque
+from friction_audit.ingest.vet.wild import leave_out_wild
 from friction_audit.joint_log import MINIMUM_SAMPLES, TORQUE_CHANNELS, JointLog, Source
 
 
@@ -27,6 +28,7 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
         InputError: If it cannot be used.
     """
     _refuse_short(recording, path)
+    rows_as_read = len(recording.t)
     if options.robot is not None:
         recording = replace(recording, robot=options.robot)
     recording = leave_out_missing(recording, path)
@@ -34,7 +36,12 @@ def examine(recording: Recording, *, path: str, options: ReadOptions) -> Recordi
     recording = order_clock(recording, path, time_scale=options.time_scale)
     _refuse_short(recording, path)
     recording = spread_batches(recording)
-    recording = mend_units(recording)
+    whole = recording.first_s is None
+    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
+    recording = leave_out_wild(recording, first_s=first_s, numbered=whole and len(recording.t) == rows_as_read)
+    _refuse_short(recording, path)
+    recording = refuse_dead_velocity(recording, path)
+    recording = mend_units(recording, path)
     recording = check_sampling(recording)
     recording = drop_stale_samples(recording)
     _refuse_short(recording, path)
@@ -56,6 +63,7 @@ def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -
         topic=recording.topic,
         channels=dict(recording.mapping),
         torque_unit=_torque_unit(recording),
+        clock_windows=recording.clock_windows,
         findings=recording.findings,
     )
     t = recording.t if first == 0.0 else recording.t - first

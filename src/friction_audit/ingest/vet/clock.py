@@ -12,6 +12,7 @@ from friction_audit.joint_log import Finding
 
 _LONGEST_BACKWARDS_S = 1.0
 _MOST_BACKWARDS = 0.01
+_SHOWN = 5
 
 
 def order_clock(recording: Recording, path: str, *, time_scale: float = 1.0) -> Recording:
@@ -41,10 +42,16 @@ def _refuse_no_clock(recording: Recording, steps: NDArray[np.float64], path: str
     behind = np.maximum.accumulate(recording.t) - recording.t
     worst = int(behind.argmax())
     if behind[worst] > _LONGEST_BACKWARDS_S or backwards > max(_MOST_BACKWARDS * len(steps), 1.0):
+        starts = np.flatnonzero(steps < 0.0) + 2
+        several = (
+            f"these look like {backwards + 1} recordings in one file: cut it before row "
+            f"{', '.join(map(str, starts[:_SHOWN]))}{'...' if backwards > _SHOWN else ''} and read each part"
+            if backwards <= max(_MOST_BACKWARDS * len(steps), 1.0)
+            else "bring the rows into order"
+        )
         raise InputError(
             f"{path}: time ({name}) goes back at {backwards} of {len(steps)} rows, by up to {behind[worst]:.4g} s "
-            f"at row {worst + 1}; expected increasing stamps; split a file of several recordings, or name another "
-            "clock with --map t=<column>"
+            f"at row {worst + 1}; expected increasing stamps; {several}, or name another clock with --map t=<column>"
         )
 
 

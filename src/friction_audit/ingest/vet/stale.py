@@ -5,9 +5,14 @@ from numpy.typing import NDArray
 
 from friction_audit.ingest.reader import Recording
 from friction_audit.ingest.vet.rows import take_rows, with_findings
+from friction_audit.ingest.vet.sampling import GAP_S
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
 MOVING_RAD_S = 0.02
+HELD_SHARE = 0.5
+"""Share of stale rows, of those in motion, from which on the state itself is slow, and the logger did not stall."""
+HELD_PERIODS = 3.5
+"""A state that is held for more of its own periods did stall."""
 
 
 def drop_stale_samples(recording: Recording) -> Recording:
@@ -21,6 +26,10 @@ def drop_stale_samples(recording: Recording) -> Recording:
         return recording
     fresh = np.ones(len(recording.t), dtype=np.bool_)
     fresh[stale] = False
+    recording = _keep_slow_state(recording, fresh)
+    stale = np.flatnonzero(~fresh)
+    if len(stale) == 0:
+        return recording
     share = len(stale) / len(fresh)
     message = (
         f"{len(stale)} of {len(fresh)} rows ({share:.1%}) repeat q, dq and torque of the row before while the arm "
@@ -41,7 +50,32 @@ def find_stale(recording: Recording) -> NDArray[np.intp]:
         if len(rows) == 0:
             return rows
         rows = rows[column[rows] == column[rows - 1]]
-    moving = np.zeros(len(rows), dtype=np.bool_)
+    return rows[_moving(recording, rows)]
+
+
+def _moving(recording: Recording, rows: NDArray[np.intp] | slice) -> NDArray[np.bool_]:
+    moving = np.zeros(len(recording.t[rows]), dtype=np.bool_)
     for column in recording.channels["dq"].T:
         moving |= np.abs(column[rows]) > MOVING_RAD_S
-    return rows[moving]
+    return moving
+
+
+def _keep_slow_state(recording: Recording, fresh: NDArray[np.bool_]) -> Recording:
+    """Mark stale rows as fresh where the state is new less often than a hole is long, as on a bus of many motors.
+
+    Without them, each of its steps would pass for a hole in the log.
+    """
+    rows = np.flatnonzero(fresh)
+    steps, repeats = np.diff(recording.t[rows]), np.diff(rows) - 1
+    period = float(np.median(steps[repeats > 0])) if repeats.any() else 0.0
+    moving = np.count_nonzero(_moving(recording, slice(None)))
+    if HELD_PERIODS * period <= GAP_S or repeats.sum() < HELD_SHARE * moving:
+        return recording
+    held = (repeats > 0) & (steps <= HELD_PERIODS * period)
+    for row in np.flatnonzero(held):
+        fresh[rows[row] : rows[row + 1]] = True
+    message = (
+        f"q, dq and torque are new only every {period:.3g} s while the arm moves (a bus that asks one motor after the "
+        f"other?); {repeats[held].sum()} rows that repeat them are kept"
+    )
+    return with_findings(recording, Finding(code="slow_state", message=message, amount=period))

@@ -147,7 +147,7 @@ def _source(summary: LogSummary) -> Iterator[tuple[str, str]]:
     yield "Robot", f"{source.robot}, serial number {source.serial}" if source.serial else source.robot
     gaps = f"{count_of(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
     yield "Samples", f"{len(log.t)} in {log.duration_s:.6g} s, {log.rate_hz:.6g} Hz"
-    yield "Clock", f"{source.clock}, {summary.jitter}, {gaps}"
+    yield "Clock", f"{source.clock}, {summary.jitter}, {gaps}, {summary.clock_check}"
     yield "Repeated", f"{count_of(summary.stale_samples, 'repeated sample')} left out"
 
 
