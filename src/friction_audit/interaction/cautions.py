@@ -41,7 +41,7 @@ def sign_cautions(
         found.append(_turned(plan, balance))
     if most(balance.evidence, "falls"):
         found.append(_contradicted(log, plan, balance, settings))
-    elif not balance.proved and any(one.verdict != "still" for one in balance.evidence):
+    elif not balance.proved and voting(balance.evidence):
         found.append(
             Caution(
                 code="sign_unproved",

@@ -13,7 +13,7 @@ from friction_audit.interaction.late_velocity import on_time
 from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
-from friction_audit.interaction.sign import CoarseLog, coarse_log, prevails, prove_sign
+from friction_audit.interaction.sign import CoarseLog, coarse_log, prove_sign
 from friction_audit.joint_log import Float, JointLog
 
 
@@ -81,9 +81,7 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid,
     if other is None:
         return first, False
     other = _proved(log, coarse, plan, other)
-    # Gravity that is still inside leaves most joints undecided; the others may still tell one row from the other.
-    better = prevails(other.evidence) and not prevails(first.evidence)
-    return (other, True) if better else (first, False)
+    return (other, True) if other.proved else (first, False)
 
 
 def _other_row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], first: Balance) -> Balance | None:
@@ -125,7 +123,7 @@ def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> B
     for active in (log.tau_compensation, log.tau_passivity):
         if active is not None:
             torque += coarse.mean(active)
-    return replace(balance, evidence=prove_sign(coarse, torque))
+    return replace(balance, evidence=prove_sign(coarse, torque, log.source.dead_torque))
 
 
 def _compensation(log: JointLog) -> Float | None:
