@@ -1,8 +1,10 @@
 """What the user must know about the torque and its sign."""
 
+from dataclasses import replace
+
 from friction_audit.interaction.balance import Balance, formula
 from friction_audit.interaction.interaction import Caution, SignEvidence
-from friction_audit.interaction.plan import Plan
+from friction_audit.interaction.plan import Plan, with_a_model
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import most, voting
 from friction_audit.joint_log import JointLog
@@ -38,7 +40,7 @@ def sign_cautions(
     """Say what the energy tells about the sign, and what is still in the torque."""
     found = []
     if turned:
-        found.append(_turned(plan, balance))
+        found.append(_turned(log, plan, balance, settings))
     if most(balance.evidence, "falls"):
         found.append(_contradicted(log, plan, balance, settings))
     elif not balance.proved and voting(balance.evidence):
@@ -55,7 +57,7 @@ def sign_cautions(
             Caution(
                 code="inertia_in_torque",
                 message="the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that "
-                "move together spoil each other's energy: give --urdf, or --robot panda",
+                f"move together spoil each other's energy; {with_a_model(log, replace(settings, inertia='auto'))}",
             )
         )
     return (*found, *_disagreeing(balance.evidence))
@@ -87,13 +89,15 @@ def _contradicted(log: JointLog, plan: Plan, balance: Balance, settings: TorqueS
     return Caution(code="sign_contradicts_drive", message=message)
 
 
-def _turned(plan: Plan, balance: Balance) -> Caution:
+def _turned(log: JointLog, plan: Plan, balance: Balance, settings: TorqueSettings) -> Caution:
     if plan.source == "interaction":
         text = "the interaction torque as logged makes the net energy fall; its sign was turned"
     else:
+        model = "none" if plan.arm is None else settings.robot
+        robot, hand = (settings.command(log.source.path, drive=drive, robot=model) for drive in ("robot", "hand"))
         text = (
             "with the hand's balance the net energy does not rise, with the robot's it does: the arm moved by itself, "
-            f"so {formula(plan, balance)}; say --drive robot, or --drive hand to keep the other"
+            f"so {formula(plan, balance)}; to say so: {robot}; to keep the other: {hand}"
         )
     return Caution(code="sign_turned", message=text)
 

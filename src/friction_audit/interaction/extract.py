@@ -10,11 +10,14 @@ from friction_audit.interaction.balance import SIGNS, Balance, formula
 from friction_audit.interaction.cautions import not_used, sign_cautions
 from friction_audit.interaction.interaction import Interaction, TorqueChoice
 from friction_audit.interaction.late_velocity import on_time
-from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
+from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan, removed_command
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import CoarseLog, coarse_log, prove_sign
 from friction_audit.joint_log import Float, JointLog
+
+FURTHER = 1.1
+"""Ratio of mean squares: friction, inertia and noise alone move it by less about 1 where the model hardly matters."""
 
 
 def extract_interaction(
@@ -41,6 +44,7 @@ def extract_interaction(
     plan = make_plan(log, coarse, settings)
     grids = grids_of(log, settings.model_rate_hz)
     balance, turned = _choose_row(log, coarse, plan, grids)
+    _refuse_wrong_model(log, coarse, plan, balance, settings)
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
     index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
@@ -124,6 +128,39 @@ def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> B
         if active is not None:
             torque += coarse.mean(active)
     return replace(balance, evidence=prove_sign(coarse, torque, log.source.dead_torque))
+
+
+def _refuse_wrong_model(
+    log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance, settings: TorqueSettings
+) -> None:
+    """Refuse a model of the arm that explains less of the measured torque than no model does.
+
+    The criterion is a negative explained variance of the arm as a whole, moving and at rest. A payload that the model
+    lacks may shift the torque by more than a short motion changes it, so the mean square must grow too.
+
+    Raises:
+        UsageError: If the model is further from the torque than none.
+    """
+    if balance.modelled is None or plan.gravity != "model":
+        return
+    alive = [number not in log.source.dead_torque for number in range(1, len(log.joint_names) + 1)]
+    measured = coarse.mean(getattr(log, CHANNELS[plan.source]))[:, alive]
+    left = balance.coarse(log, coarse, getattr(log, CHANNELS[plan.source]))[:, alive]
+    further = (np.sum(np.var(left, axis=0)) > FURTHER * np.sum(np.var(measured, axis=0))) and (
+        np.sum(left**2) > FURTHER * np.sum(measured**2)
+    )
+    if not further:
+        return
+    where = log.source.path
+    rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
+    joints = ", ".join(str(number + 1) for number in np.flatnonzero(alive))
+    without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None, payload=None)
+    raise UsageError(
+        f"{where}: the model of {plan.arm.name if plan.arm else 'the arm'} is further from the torque than no model: "
+        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m. If "
+        f"it is another arm: {without}, or give its --urdf. If gravity is already removed from tau_J: "
+        f"{removed_command(log, settings)}. If the base does not stand upright, give its --gravity-vector"
+    )
 
 
 def _compensation(log: JointLog) -> Float | None:
