@@ -51,8 +51,7 @@ def sign_cautions(
                 f"{formula(plan, balance)}; record more strokes in both directions, or make sure of --drive",
             )
         )
-    several = log.q.shape[1] > 1
-    if several and balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia:
+    if inertia_left(log, plan, balance):
         found.append(
             Caution(
                 code="inertia_in_torque",
@@ -61,6 +60,12 @@ def sign_cautions(
             )
         )
     return (*found, *_disagreeing(balance.evidence))
+
+
+def inertia_left(log: JointLog, plan: Plan, balance: Balance) -> bool:
+    """Return True if joints that move together leave inertial and Coriolis torque in F_m."""
+    several = log.q.shape[1] > 1
+    return several and balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia
 
 
 def _contradicted(log: JointLog, plan: Plan, balance: Balance, settings: TorqueSettings) -> Caution:

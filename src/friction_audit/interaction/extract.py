@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
 from friction_audit.interaction.balance import SIGNS, Balance, formula
-from friction_audit.interaction.cautions import not_used, sign_cautions
-from friction_audit.interaction.interaction import Interaction, TorqueChoice
+from friction_audit.interaction.cautions import inertia_left, not_used, sign_cautions
+from friction_audit.interaction.gravity_left import gravity_cautions
+from friction_audit.interaction.interaction import Caution, Interaction, TorqueChoice
 from friction_audit.interaction.late_velocity import on_time
 from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan, removed_command
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
@@ -49,6 +50,7 @@ def extract_interaction(
     kept = log.take_joints(columns)
     index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
     unused = not_used(log, plan, balance, settings, hand=hand)
+    left = _gravity_left(log, coarse, plan, balance, columns, index, direction)
     return Interaction(
         t=log.t,
         q=kept.q,
@@ -61,7 +63,7 @@ def extract_interaction(
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
-        warnings=plan.warnings + late + unused + sign_cautions(log, plan, balance, settings, turned=turned),
+        warnings=plan.warnings + late + unused + sign_cautions(log, plan, balance, settings, turned=turned) + left,
     )
 
 
@@ -123,11 +125,45 @@ def _modelled(log: JointLog, plan: Plan, grids: tuple[Grid, ...], *, inertia: bo
 
 
 def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> Balance:
+    torque = _driving(log, coarse, plan, balance)
+    return replace(balance, evidence=prove_sign(coarse, torque, log.source.dead_torque))
+
+
+def _driving(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> Float:
+    """Return F_m + u of all joints at the coarse log's times."""
     torque = balance.coarse(log, coarse, getattr(log, CHANNELS[plan.source]))
     for active in (log.tau_compensation, log.tau_passivity):
         if active is not None:
             torque += coarse.mean(active)
-    return replace(balance, evidence=prove_sign(coarse, torque, log.source.dead_torque))
+    return torque
+
+
+def _gravity_left(
+    log: JointLog,
+    coarse: CoarseLog,
+    plan: Plan,
+    balance: Balance,
+    columns: list[int],
+    index: NDArray[np.int64] | None,
+    direction: Float | None,
+) -> tuple[Caution, ...]:
+    """Say what gravity is left in the torque, unless it is declared to be inside or something else is in it too."""
+    mixed = not balance.proved or inertia_left(log, plan, balance)
+    if plan.gravity == "none" or mixed or log.source.torque_unit != "N m":
+        return ()
+    if index is not None and direction is not None:
+        nearest = np.searchsorted(log.t[index], coarse.t).clip(max=len(index) - 1)
+        direction = direction[nearest]
+    dead = [number - 1 for number in log.source.dead_torque]
+    alive = [place for place, column in enumerate(columns) if column not in dead]
+    return gravity_cautions(
+        coarse,
+        _driving(log, coarse, plan, balance),
+        None if direction is None else direction[:, alive],
+        [columns[place] for place in alive],
+        tuple(log.joint_names[columns[place]] for place in alive),
+        plan.gravity,
+    )
 
 
 def _refuse_wrong_model(

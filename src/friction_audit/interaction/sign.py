@@ -78,9 +78,7 @@ def coarse_log(log: JointLog) -> CoarseLog:
     return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
 
 
-def prove_sign(
-    log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()
-) -> tuple[SignEvidence, ...]:
+def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
     """Judge for every joint whether the net energy rises.
 
     Args:
@@ -116,14 +114,19 @@ def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
     return (combined if verdict == "rises" else -combined) > SIGNIFICANT
 
 
+def strokes_of(log: CoarseLog, joint: int) -> tuple[NDArray[np.bool_], Float, NDArray[np.int64]]:
+    """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
+    speed = np.abs(log.dq[:, joint])
+    moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
+    direction = np.sign(log.dq[moving, joint])
+    return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
+
+
 def _judge(log: CoarseLog, joint: int, step: float, torque: Float) -> SignEvidence:
     speed = np.abs(log.dq[:, joint])
-    peak = float(speed.max())
-    moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
-    verdict: Verdict = "undecided" if peak >= STILL_RAD_S else "still"
+    moving, direction, stroke = strokes_of(log, joint)
+    verdict: Verdict = "undecided" if speed.max() >= STILL_RAD_S else "still"
     against = error = float("nan")
-    direction = np.sign(log.dq[moving, joint])
-    stroke = np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
     if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
         q = log.q[moving, joint]
         ddq = np.gradient(log.dq[:, joint], log.t)[moving]
