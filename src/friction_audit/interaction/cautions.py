@@ -52,11 +52,13 @@ def sign_cautions(
             )
         )
     if inertia_left(log, plan, balance):
+        # Where gravity is left too, its caution has the commands.
+        advice = "" if plan.gravity == "none" else f"; {with_a_model(log, replace(settings, inertia='auto'))}"
         found.append(
             Caution(
                 code="inertia_in_torque",
                 message="the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that "
-                f"move together spoil each other's energy; {with_a_model(log, replace(settings, inertia='auto'))}",
+                f"move together spoil each other's energy{advice}",
             )
         )
     return (*found, *_disagreeing(balance.evidence))

@@ -185,17 +185,24 @@ def _plan_without_model(log: JointLog, source: str, reason: str, settings: Torqu
 def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm | None:
     """Load the model if it is needed and the log or the user names it; no arm is assumed."""
     demanded = settings.gravity == "model" or settings.inertia == "model"
+    without = settings.command(log.source.path, gravity="auto", inertia="auto", robot="none", urdf=None)
     if robot in ("urdf", "panda"):
         by_default = log.gravity is None and settings.gravity == "auto"
         possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
         useful = possible and settings.drive != "hand" and settings.inertia == "auto"
-        return _load(log, settings) if demanded or by_default or useful else None
+        current = log.source.torque_unit != "N m"
+        if demanded and current:
+            raise UsageError(
+                f"{log.source.path}: the torque is in {log.source.torque_unit}, and a model of the arm gives N m; "
+                f"convert the current to N m, or do without a model: {without}"
+            )
+        return _load(log, settings) if demanded or ((by_default or useful) and not current) else None
     if demanded:
-        raise UsageError(_no_model(log, settings, robot))
+        raise UsageError(_no_model(log, settings, robot, without))
     return None
 
 
-def _no_model(log: JointLog, settings: TorqueSettings, robot: str) -> str:
+def _no_model(log: JointLog, settings: TorqueSettings, robot: str, without: str) -> str:
     where = log.source.path
     if robot == "fr3":
         return (
@@ -204,7 +211,6 @@ def _no_model(log: JointLog, settings: TorqueSettings, robot: str) -> str:
         )
     if robot == "none":
         return f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
-    without = settings.command(where, gravity="auto", inertia="auto", robot="none")
     return (
         f"{where}: --gravity model and --inertia model need a model of the arm, and the log does not name its robot "
         f"(joints: {len(log.joint_names)}); {with_a_model(log, settings)}; without a model: {without}"
@@ -215,7 +221,7 @@ def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
     """Return the commands that name the arm of a log."""
     where = log.source.path
     panda = f"if it is a Panda: {settings.command(where, *more, robot='panda')}; "
-    other = f"of another arm: {settings.command(where, *more, robot='auto', urdf='FILE')}"
+    other = f"by its URDF: {settings.command(where, *more, robot='auto', urdf='FILE')}"
     return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
 
 
@@ -247,11 +253,13 @@ def _gravity_cautions(log: JointLog, settings: TorqueSettings, gravity: str, rob
     where = log.source.path
     model = replace(settings, gravity="auto")
     named = robot in ("urdf", "panda")
+    asked = " (--gravity none)" if settings.gravity == "none" else ""
+    by_model = f". To remove it by a model, {model.command(where) if named else with_a_model(log, model)}"
+    by_model = by_model if log.source.torque_unit == "N m" else ""
     remaining = Caution(
         code="gravity_in_torque",
-        message=f"{where}: gravity is taken to be still in tau_J{' (--gravity none)' if named else ''}, so only cycles "
-        f"closed in position count. If gravity is already removed from it: {removed_command(log, settings)}. To "
-        f"remove it by a model, {model.command(where) if named else with_a_model(log, model)}",
+        message=f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
+        f"gravity is already removed from it: {removed_command(log, settings)}{by_model}",
     )
     if robot != "fr3":
         return (remaining,)

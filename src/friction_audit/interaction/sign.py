@@ -72,9 +72,8 @@ def coarse_log(log: JointLog) -> CoarseLog:
     rate_hz = log.rate_hz
     samples = max(1, min(round(rate_hz / RATE_HZ), len(log.t) // 2))
     t = _block_mean(log.t[:, None], samples)[:, 0]
-    step = np.diff(t, prepend=2 * t[0] - t[1], append=2 * t[-1] - t[-2])
-    longest = max(3 * samples / rate_hz, BRIDGED_S)
-    whole = (step[1:] < longest) & (step[:-1] < longest)
+    hole = np.flatnonzero(np.diff(log.t) > max(BRIDGED_S, 3.0 / rate_hz))
+    whole = ~np.isin(np.arange(len(t)), np.append(hole, hole + 1) // samples)
     return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
 
 
