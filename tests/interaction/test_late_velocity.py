@@ -126,8 +126,8 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
 
 
 def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
-    dq = motion()[1]
-    late = log_with(np.interp(T - 0.195, T, dq))
+    slow = 0.6 * np.sin(0.8 * T)
+    late = log_with(0.48 * np.cos(0.8 * (T - 0.195)), slow)
     found = extract_interaction(late, TorqueSettings())
     (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
     assert caution.code == "dq_other_clock"
