@@ -113,7 +113,7 @@ def _caution(one: _Left, name: str, gravity: str) -> Caution:
         "logged": "; several joints have it, so the robot was probably not told of its payload",
     }.get(gravity, "; check the gravity that was removed, and its direction")
     message = (
-        f"{where}: gravity of at least {one.rms_nm:.1f} N m rms over the {one.range_rad:.2g} rad that the joint moves is left "
-        f"in the torque{cause}"
+        f"{where}: gravity of at least {one.rms_nm:.1f} N m rms over the {one.range_rad:.2g} rad that the joint moves "
+        f"is left in the torque{cause}"
     )
     return Caution(code="gravity_error", joint=one.column + 1, message=message)
