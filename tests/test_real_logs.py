@@ -111,7 +111,7 @@ def diagnosed(name: str, *options: str) -> dict[int, dict[str, Any]]:
     return {joint["joint"]: joint for joint in json.loads(out.getvalue())["joints"]}
 
 
-BARE = (EXCITATION, "--drive", "robot", "--gravity", "model", "--inertia", "none")
+BARE = (EXCITATION, "--drive", "robot", "--robot", "panda", "--gravity", "model", "--inertia", "none")
 WHOLE = (EXCITATION, "--drive", "robot", "--robot", "panda")
 
 

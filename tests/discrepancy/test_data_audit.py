@@ -10,6 +10,7 @@ from friction_audit.discrepancy.data_audit import DataFinding, audit_data, fault
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.interaction import Interaction
+from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.simulate import BenchSettings, simulate
 
@@ -61,8 +62,18 @@ def test_a_turned_velocity_is_a_fault(clean: tuple[JointLog, Interaction, JointD
     data = clean[2]
     codes = {one.code for one in found(clean, replace(data, logged_dq=-data.dq)).values() if one.verdict == "fault"}
     assert codes == {"dq_scale"}
-    gaining = found(clean, replace(data, torque=-data.torque))["power"]
-    assert gaining.verdict == "fault"
+
+
+def test_a_motion_that_gains_energy_has_one_score_in_estimate_and_diagnosis() -> None:
+    log = simulate(BenchSettings(duration_s=30.0), 0).log
+    turned = replace(log, tau_J=log.tau_interaction, tau_interaction=None)  # the hand's row turns it
+    estimate = estimate_log(turned, AuditSettings(torque=TorqueSettings(drive="hand")))
+    (data,) = prepare(estimate.interaction, estimate.cycles, turned)
+    gaining = {one.code: one for one in audit_data(turned, estimate.interaction, data)}["power"]
+    (evidence,) = estimate.interaction.choice.sign_evidence
+    assert (gaining.verdict, evidence.verdict) == ("fault", "falls")
+    assert gaining.value == evidence.score < -10.0
+    assert "sign_contradicts_drive" in [one.code for one in estimate.interaction.warnings]
 
 
 def test_recorder_and_sensor_are_measured(clean: tuple[JointLog, Interaction, JointData]) -> None:

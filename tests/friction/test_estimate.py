@@ -175,15 +175,6 @@ def test_a_change_within_the_log_is_said_and_its_absence_is_not() -> None:
     assert codes == [[], ["coulomb_changes"]]
 
 
-def test_a_forgotten_payload_is_suspected() -> None:
-    t, v, a = strokes(LENGTHS, DURATIONS)
-    log = interaction(t, v, friction(v, a) + 3.0)
-    history = estimate_friction(log, segment_cycles(log, CycleSettings()), ALONE)
-    (caution,) = history.warnings
-    assert caution.code == "gravity_error"
-    assert "--payload mass,x,y,z" in caution.message
-
-
 def test_two_methods_that_disagree_are_reported_with_what_it_means() -> None:
     t, v, a = strokes(LENGTHS, DURATIONS)
     quadratic = COULOMB * np.sign(v) + 0.3 * v * np.abs(v) + INERTIA * a

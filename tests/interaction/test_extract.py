@@ -1,5 +1,6 @@
 """The table of the balance, one row and one source at a time."""
 
+import re
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -11,10 +12,11 @@ import pytest
 from friction_audit.errors import UsageError
 from friction_audit.interaction import Interaction, extract_interaction
 from friction_audit.interaction.settings import TorqueSettings
-from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.joint_log import Finding, Float, JointLog, Source
 from friction_audit.robot import load_arm
 
 COULOMB = np.array([0.3, 0.25, 0.3, 0.4, 0.3, 0.2, 0.25])
+DEAD_2 = Finding(code="torque_dead", message="", joint=2)
 PENDULUM = """<robot name="pendulum"><link name="base"/>
   <joint name="hinge" type="continuous"><parent link="base"/><child link="bob"/><axis xyz="0 1 0"/></joint>
   <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
@@ -179,12 +181,61 @@ def test_an_fr3_does_not_get_a_panda_s_inertias_unasked() -> None:
     assert extract(hand_log("fr3"), gravity="model", robot="panda").choice.robot == "panda"
 
 
-@pytest.mark.parametrize("choices", [{"gravity": "model"}, {"inertia": "model"}, {"drive": "robot"}])
-def test_an_unknown_arm_of_seven_joints_is_assumed_a_panda_when_a_model_is_asked_for(choices: dict[str, Any]) -> None:
-    found = extract(robot_log("unknown"), **choices)
-    assert found.choice.robot == "panda"
-    (caution,) = [one for one in found.warnings if one.code == "robot_assumed"]
-    assert "N m rms on joints 1 to 7" in caution.message
+def test_no_robot_is_assumed_of_a_log_that_names_none() -> None:
+    found = extract(robot_log("unknown"), drive="robot")
+    assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "none", "none")
+    (caution,) = [one for one in found.warnings if one.code == "gravity_in_torque"]
+    assert "`friction-audit estimate made.csv --drive robot --robot panda`" in caution.message
+    assert "`friction-audit estimate made.csv --drive robot --map tau_interaction=COLUMN`" in caution.message
+    named = extract(robot_log("unknown"), drive="robot", robot="panda")
+    assert (named.choice.robot, named.choice.gravity, named.choice.inertia) == ("panda", "model", "model")
+    by_itself = next(one for one in extract(robot_log("unknown")).warnings if one.code == "sign_turned")
+    assert "`friction-audit estimate made.csv --drive robot --robot none`" in by_itself.message
+
+
+@pytest.mark.parametrize(("choice", "option"), [("gravity", "--gravity"), ("inertia", "--inertia")])
+def test_a_model_of_an_arm_without_a_name_is_refused_with_the_commands(choice: str, option: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        extract(robot_log("unknown"), **{choice: "model"})
+    assert f"`friction-audit estimate made.csv {option} model --robot panda`" in str(refused.value)
+    assert "without a model: `friction-audit estimate made.csv --robot none`" in str(refused.value)
+    with pytest.raises(UsageError, match="--cycles-from hand"):
+        extract(hand_log("unknown"), hand=True)
+
+
+@pytest.mark.parametrize("drive", ["hand", "robot"])
+def test_a_model_further_from_the_torque_than_none_is_refused_with_the_numbers(drive: str) -> None:
+    """Torques of another arm, a few newton metres, and a torque from which gravity is removed already."""
+    q = motion(7)[1]
+    other = log_of("unknown", tau_J=2.0 * np.cos(q) + friction())
+    with pytest.raises(UsageError) as refused:
+        extract(other, robot="panda", drive=drive)
+    assert f"friction-audit estimate made.csv --drive {drive} --robot none" in str(refused.value)
+    assert len(re.findall(r"\d+\.\d\d", str(refused.value))) == 14
+    with pytest.raises(UsageError, match=r"already removed from tau_J: .*--map tau_interaction=COLUMN"):
+        extract(log_of("panda", tau_J=friction()), drive=drive)
+    dead = replace(robot_log(), source=replace(robot_log().source, findings=(DEAD_2,)))
+    torque = tau_J_of(dead).copy()
+    torque[:, 1] = 0.0
+    assert extract(replace(dead, tau_J=torque), drive=drive).choice.robot == "panda"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"payload": (3.0, 0.0, 0.0, 0.1)}, {"gravity_vector": (2.5, 0.0, -9.5)}, {"gravity_vector": (0.0, 2.5, -9.5)}],
+)
+@pytest.mark.parametrize("log", [hand_log(), robot_log()], ids=["hand", "robot"])
+def test_a_wrong_payload_or_a_base_that_leans_is_no_other_arm(log: JointLog, wrong: dict[str, Any]) -> None:
+    assert extract(log, **wrong).choice.robot == "panda"
+
+
+def test_a_current_gets_no_gravity_of_a_model() -> None:
+    log = robot_log()
+    current = replace(log, source=replace(log.source, torque_unit="A"))
+    found = extract(current, drive="robot")
+    assert (found.choice.gravity, found.choice.robot) == ("none", "none")
+    with pytest.raises(UsageError, match="the torque is in A"):
+        extract(current, gravity="model")
 
 
 @pytest.mark.parametrize(("robot", "joints"), [("unknown", 1), ("panda", 1), ("panda", 6)])
@@ -199,6 +250,7 @@ def test_a_model_that_nobody_demanded_is_done_without_where_the_log_has_other_jo
 
 PAYLOAD = (0.73, -0.01, 0.0, 0.03)
 TILTED = (9.81, 0.0, 0.0)
+LEANING = (1.0, 0.0, -9.76)
 
 
 @pytest.fixture
@@ -218,7 +270,7 @@ def test_what_is_said_about_the_arm_and_not_used_is_named(urdf: Path) -> None:
 
 
 def test_what_is_used_is_not_named(urdf: Path) -> None:
-    assert "model_not_used" not in codes(extract(hand_log(), payload=PAYLOAD, gravity_vector=TILTED))
+    assert "model_not_used" not in codes(extract(hand_log(), payload=PAYLOAD, gravity_vector=LEANING))
     assert "model_not_used" not in codes(extract(hand_log("unknown"), urdf=urdf))
     beside = hand_log(gravity=load_arm().gravity(motion(7)[1]))
     assert codes(extract(beside, urdf=urdf)) == []  # the direction of gravity is the model's
@@ -238,7 +290,7 @@ def test_a_file_that_is_no_arm_is_refused_even_where_none_is_needed(tmp_path: Pa
 
 @pytest.mark.parametrize("choices", [{"gravity": "model"}, {"inertia": "model"}])
 def test_an_unknown_arm_of_another_size_needs_its_urdf(choices: dict[str, Any]) -> None:
-    with pytest.raises(UsageError, match=r"made\.csv: joints: 2, .*--urdf"):
+    with pytest.raises(UsageError, match=r"joints: 2\).*`friction-audit estimate made\.csv .*--urdf FILE`"):
         extract(log_of("unknown", 2, tau_J=friction(2)), **choices)
 
 
@@ -287,6 +339,79 @@ def test_a_joint_that_disagrees_is_named() -> None:
     found = extract(replace(log, tau_J=wrong))
     assert found.choice.sign_proved
     assert [(one.code, one.joint) for one in found.warnings] == [("sign_disagrees", 3)]
+
+
+@pytest.mark.parametrize("dead", [frozenset({1, 2, 3, 4}), frozenset()])
+def test_joints_without_a_torque_cast_no_vote(dead: frozenset[int]) -> None:
+    """Four joints whose torque is a few counts that go with the motion, three that are right."""
+    log = hand_log()
+    torque = tau_J_of(log).copy()
+    torque[:, :4] = 0.001 * np.round(2.0 * np.tanh(log.dq[:, :4]))
+    findings = tuple(Finding(code="torque_dead", message="", joint=joint) for joint in dead)
+    source = replace(log.source, findings=findings)
+    found = extract(
+        replace(log, tau_J=None, tau_interaction=np.where(np.arange(7) < 4, -torque, friction()), source=source)
+    )
+    assert (found.choice.sign, found.choice.sign_proved) == (1, bool(dead))
+    assert [one.code for one in found.warnings] == ([] if dead else ["sign_unproved"])
+
+
+def test_a_bus_that_updates_a_joint_every_seventh_row_has_its_sign_proved() -> None:
+    """Rows at rest are kept, rows that repeat in motion were left out: the steps in motion are 70 ms of a 10 ms log."""
+    t = np.arange(0.0, 60.0, 0.01)
+    dq = np.where(t % 5.0 < 2.5, 0.8 * np.sin(2 * np.pi * t / 2.5) * np.sign(np.sin(np.pi * t / 5.0 + 0.1)), 0.0)
+    fresh = (dq == 0.0) | (np.arange(len(t)) % 7 == 0)
+    q = np.cumsum(dq) * 0.01
+    noise = 0.01 * np.random.default_rng(3).normal(size=len(t))
+    torque = 0.116 * np.sign(dq) + 0.04 * dq + noise
+    channels = {name: values[fresh][:, None] for name, values in (("q", q), ("dq", dq), ("tau_J", torque))}
+    source = Source(path="made.csv", sha256="", format="csv")
+    log = JointLog(t=t[fresh] - t[fresh][0], joint_names=("joint5",), source=source, **channels)
+    choice = extract(log).choice
+    assert (choice.drive, choice.sign_proved, choice.sign_turned) == ("robot", True, True)
+
+
+FORGOTTEN = load_arm(payload=(2.0, 0.05, 0.0, 0.1))
+
+
+@pytest.mark.parametrize(
+    ("forgotten", "short", "said"), [(True, False, "payload"), (False, False, ""), (True, True, "no payload")]
+)
+def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_told(forgotten: bool, short: bool, said: str) -> None:
+    _, q, dq, ddq = motion(7)
+    swing = 0.02 if short else 1.0
+    centre = q.mean(axis=0)
+    q, dq, ddq = centre + swing * (q - centre), swing * dq, swing * ddq
+    t, arm = motion(7)[0], FORGOTTEN if forgotten else load_arm()
+    torque = arm.inverse_dynamics(q, dq, ddq) + friction()
+    log = replace(log_of("panda", tau_J=torque), q=q, dq=dq, t=t)
+    found = {one.joint: one for one in extract(log, drive="robot").warnings if one.code in LEFT}
+    if not said:
+        assert not found
+        return
+    truth = np.sqrt(np.mean((arm.gravity(q) - load_arm().gravity(q)) ** 2, axis=0))
+    assert 4 in found
+    assert 1 not in found  # its axis is vertical
+    for joint, caution in found.items():
+        size = float(re.findall(r"(-?\d+\.\d) N m", caution.message)[0])
+        # Where other joints move too, only a part goes with the joint's own posture: a lower bound.
+        if caution.code == "gravity_error" or short:
+            assert (0.9 if short else 0.3) * truth[joint - 1] < abs(size) < 1.15 * truth[joint - 1]
+        assert ("a payload is probably missing" in caution.message) == (caution.code == "gravity_error")
+    by_position = [one for one in found.values() if one.code == "gravity_error"]
+    assert len(by_position) >= 2 if said == "payload" else not by_position
+
+
+LEFT = ("gravity_error", "torque_offset")
+
+
+def test_gravity_that_is_declared_to_be_inside_is_no_error_nor_is_a_current() -> None:
+    _, q, dq, ddq = motion(7)
+    log = log_of("unknown", tau_J=FORGOTTEN.inverse_dynamics(q, dq, ddq) + friction())
+    assert not set(LEFT) & set(codes(extract(log, drive="robot")))
+    pulled = log_of("unknown", tau_interaction=friction() + 4.0 * np.sin(q))
+    assert "gravity_error" in codes(extract(pulled))
+    assert not set(LEFT) & set(codes(extract(replace(pulled, source=replace(pulled.source, torque_unit="A")))))
 
 
 def test_nothing_moves_nothing_is_proved() -> None:

@@ -123,3 +123,19 @@ def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
     assert caution.message.startswith("joints 1, 3: dq comes 2.0 to 6.0 ms behind the change of q")
     assert (mended.dq[:, 1] == log.dq[:, 1]).all()
     assert np.abs(mended.dq[100:-100] - dq[100:-100, None]).max() < 0.03 * np.abs(dq).max()
+
+
+def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
+    slow = 0.6 * np.sin(0.8 * T)
+    late = log_with(0.48 * np.cos(0.8 * (T - 0.195)), slow)
+    found = extract_interaction(late, TorqueSettings())
+    (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
+    assert caution.code == "dq_other_clock"
+    assert caution.message.startswith("joint 1: dq comes 1")
+    assert (found.dq == late.dq).all()
+
+
+def test_a_joint_that_stands_still_is_not_accused_of_its_vibration() -> None:
+    q, dq = 0.01 * motion()[0], 0.01 * motion()[1]
+    log = log_with(np.interp(T - 0.006, T, dq), q)
+    assert on_time(log, coarse_log(log)) == (log, ())

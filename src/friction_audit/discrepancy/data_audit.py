@@ -7,6 +7,7 @@ import numpy as np
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import fresh_samples, holes
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.sign import SIGNIFICANT
 from friction_audit.joint_log import Float, JointLog, median_step
 
 MOST_JITTER = 0.5
@@ -56,7 +57,13 @@ def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tupl
         interaction: Motion and torque.
         data: The joint on its even grid.
     """
-    return (*_clock(log), *_velocity(interaction, data), _power(data), *_sensors(interaction, data), *_excitation(data))
+    return (
+        *_clock(log),
+        *_velocity(interaction, data),
+        _power(interaction, data),
+        *_sensors(interaction, data),
+        *_excitation(data),
+    )
 
 
 def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
@@ -139,17 +146,14 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     )
 
 
-def _power(data: JointData) -> DataFinding:
-    """Mean torque along the motion in standard errors of its mean over cycles: friction only takes energy."""
-    along, cycle = (data.torque * np.sign(data.dq))[data.used], data.cycle[data.used]
-    numbers, place = np.unique(cycle, return_inverse=True)
-    if len(numbers) <= 1:
+def _power(interaction: Interaction, data: JointData) -> DataFinding:
+    """Torque along the motion in standard errors, as the proof of the sign has it: friction only takes energy."""
+    number = interaction.joint_numbers[data.joint]
+    scores = [one.score for one in interaction.choice.sign_evidence if one.joint == number]
+    if not scores or np.isnan(scores[0]):
         return _stated("power", float("nan"), "")
-    means = np.bincount(place, weights=along) / np.bincount(place)
-    error = float(means.std(ddof=1)) / np.sqrt(len(means))
-    score = float(means.mean()) / error if error > 0 else float(np.sign(means.mean())) * 1e9
     message = "the motion gains energy ({value:.1f} standard errors): torque or velocity has the wrong sign"
-    return _judged("power", score, -3.0, message, above=False)
+    return _judged("power", scores[0], -SIGNIFICANT, message, above=False)
 
 
 def _sensors(interaction: Interaction, data: JointData) -> tuple[DataFinding, ...]:

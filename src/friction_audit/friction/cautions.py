@@ -13,10 +13,6 @@ LEAST_DIFFERENCE = {"coulomb": 0.02, "viscous": 0.02}
 
 LEAST_SHARE = 0.1
 
-LARGEST_ERROR_NM = 1.5
-"""An identified model errs by a few tenths of a newton metre, the vendor's by up to two on the heaviest joints; a
-forgotten hand makes two to three."""
-
 MEANING = {
     "coulomb": "low-speed friction (Stribeck), friction that depends on position, or a gravity error pulls them apart",
     "viscous": "friction that is not linear in speed pulls them apart",
@@ -40,19 +36,7 @@ def cautions_of(joint: JointFriction) -> Iterator[Caution]:
         message = f"{where}: only {joint.cycles} cycles; intervals from so few are wide and rough"
         yield Caution(code="few_cycles", joint=joint.joint, message=message)
     yield from _disagreement(joint, where)
-    yield from _wrong_gravity(joint, where)
     yield from _change(joint, where)
-
-
-def _wrong_gravity(joint: JointFriction, where: str) -> Iterator[Caution]:
-    largest = max(abs(joint.offset_nm), abs(joint.gravity_error_nm))
-    if largest > LARGEST_ERROR_NM:
-        message = (
-            f"{where}: the torque holds {joint.offset_nm:.1f} N m of offset and {joint.gravity_error_nm:.1f} N m of "
-            "gravity error beside friction; they are kept out of the coefficients as far as they can be, but a payload "
-            "is probably missing from the model (--payload mass,x,y,z), or the wrong arm is modelled"
-        )
-        yield Caution(code="gravity_error", joint=joint.joint, message=message)
 
 
 def _change(joint: JointFriction, where: str) -> Iterator[Caution]:

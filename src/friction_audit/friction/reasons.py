@@ -11,8 +11,9 @@ SMALLEST_SPREAD = 0.1
 
 ADVICE = {
     GAP: "a hole in the log lies in every one of these; record without dropping samples",
-    OPEN: "gravity is still in the torque and no path returns to where it began; remove gravity (--gravity model with "
-    "--robot or --urdf, or log it), or move back and forth between the same postures",
+    OPEN: "gravity is taken to be still in the torque and no path returns to where it began; name the arm (--robot or "
+    "--urdf), log gravity, say that it is removed already (--map tau_interaction=COLUMN), or move back and forth "
+    "between the same postures",
     SMALL: "in none of these did every selected joint move far enough; move all joints, select fewer (--joints), or "
     "lower --min-path",
     ONE_WAY: "the joint moved one way only and never back, so there is no closed energy cycle and friction cannot be "

@@ -1,8 +1,10 @@
 """What the user must know about the torque and its sign."""
 
+from dataclasses import replace
+
 from friction_audit.interaction.balance import Balance, formula
 from friction_audit.interaction.interaction import Caution, SignEvidence
-from friction_audit.interaction.plan import Plan
+from friction_audit.interaction.plan import Plan, with_a_model
 from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.interaction.sign import most, voting
 from friction_audit.joint_log import JointLog
@@ -38,10 +40,10 @@ def sign_cautions(
     """Say what the energy tells about the sign, and what is still in the torque."""
     found = []
     if turned:
-        found.append(_turned(plan, balance))
+        found.append(_turned(log, plan, balance, settings))
     if most(balance.evidence, "falls"):
         found.append(_contradicted(log, plan, balance, settings))
-    elif not balance.proved and any(one.verdict != "still" for one in balance.evidence):
+    elif not balance.proved and voting(balance.evidence):
         found.append(
             Caution(
                 code="sign_unproved",
@@ -49,16 +51,23 @@ def sign_cautions(
                 f"{formula(plan, balance)}; record more strokes in both directions, or make sure of --drive",
             )
         )
-    several = log.q.shape[1] > 1
-    if several and balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia:
+    if inertia_left(log, plan, balance):
+        # Where gravity is left too, its caution has the commands.
+        advice = "" if plan.gravity == "none" else f"; {with_a_model(log, replace(settings, inertia='auto'))}"
         found.append(
             Caution(
                 code="inertia_in_torque",
                 message="the arm moves by itself and its inertial and Coriolis torque is still in F_m; joints that "
-                "move together spoil each other's energy: give --urdf, or --robot panda",
+                f"move together spoil each other's energy{advice}",
             )
         )
     return (*found, *_disagreeing(balance.evidence))
+
+
+def inertia_left(log: JointLog, plan: Plan, balance: Balance) -> bool:
+    """Return True if joints that move together leave inertial and Coriolis torque in F_m."""
+    several = log.q.shape[1] > 1
+    return several and balance.drive == "robot" and plan.source == "tau_J" and not balance.inertia
 
 
 def _contradicted(log: JointLog, plan: Plan, balance: Balance, settings: TorqueSettings) -> Caution:
@@ -87,13 +96,15 @@ def _contradicted(log: JointLog, plan: Plan, balance: Balance, settings: TorqueS
     return Caution(code="sign_contradicts_drive", message=message)
 
 
-def _turned(plan: Plan, balance: Balance) -> Caution:
+def _turned(log: JointLog, plan: Plan, balance: Balance, settings: TorqueSettings) -> Caution:
     if plan.source == "interaction":
         text = "the interaction torque as logged makes the net energy fall; its sign was turned"
     else:
+        model = "none" if plan.arm is None else settings.robot
+        robot, hand = (settings.command(log.source.path, drive=drive, robot=model) for drive in ("robot", "hand"))
         text = (
             "with the hand's balance the net energy does not rise, with the robot's it does: the arm moved by itself, "
-            f"so {formula(plan, balance)}; say --drive robot, or --drive hand to keep the other"
+            f"so {formula(plan, balance)}; to say so: {robot}; to keep the other: {hand}"
         )
     return Caution(code="sign_turned", message=text)
 

@@ -7,14 +7,18 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import UsageError
 from friction_audit.interaction.balance import SIGNS, Balance, formula
-from friction_audit.interaction.cautions import not_used, sign_cautions
-from friction_audit.interaction.interaction import Interaction, TorqueChoice
+from friction_audit.interaction.cautions import inertia_left, not_used, sign_cautions
+from friction_audit.interaction.gravity_left import gravity_cautions
+from friction_audit.interaction.interaction import Caution, Interaction, TorqueChoice
 from friction_audit.interaction.late_velocity import on_time
-from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan
+from friction_audit.interaction.plan import CHANNELS, Plan, arm_for_hand, make_plan, removed_command
 from friction_audit.interaction.resample import Grid, GridTorque, grids_of, position_on, torque_on_grids, velocity_on
 from friction_audit.interaction.settings import TorqueSettings
-from friction_audit.interaction.sign import CoarseLog, coarse_log, prevails, prove_sign
+from friction_audit.interaction.sign import CoarseLog, coarse_log, prove_sign
 from friction_audit.joint_log import Float, JointLog
+
+FURTHER = 1.1
+"""Ratio of mean squares: friction, inertia and noise alone move it by less about 1 where the model hardly matters."""
 
 
 def extract_interaction(
@@ -41,10 +45,12 @@ def extract_interaction(
     plan = make_plan(log, coarse, settings)
     grids = grids_of(log, settings.model_rate_hz)
     balance, turned = _choose_row(log, coarse, plan, grids)
+    _refuse_wrong_model(log, coarse, plan, balance, settings)
     source: Float = getattr(log, CHANNELS[plan.source])
     kept = log.take_joints(columns)
     index, direction = _gravity_direction(log, plan, columns, settings.model_rate_hz)
     unused = not_used(log, plan, balance, settings, hand=hand)
+    left = _gravity_left(log, coarse, plan, balance, columns, index, direction)
     return Interaction(
         t=log.t,
         q=kept.q,
@@ -57,7 +63,7 @@ def extract_interaction(
         joint_numbers=tuple(column + 1 for column in columns),
         joint_names=kept.joint_names,
         choice=_choice(plan, balance, settings, turned=turned),
-        warnings=plan.warnings + late + unused + sign_cautions(log, plan, balance, settings, turned=turned),
+        warnings=plan.warnings + late + unused + sign_cautions(log, plan, balance, settings, turned=turned) + left,
     )
 
 
@@ -81,9 +87,7 @@ def _choose_row(log: JointLog, coarse: CoarseLog, plan: Plan, grids: tuple[Grid,
     if other is None:
         return first, False
     other = _proved(log, coarse, plan, other)
-    # Gravity that is still inside leaves most joints undecided; the others may still tell one row from the other.
-    better = prevails(other.evidence) and not prevails(first.evidence)
-    return (other, True) if better else (first, False)
+    return (other, True) if other.proved else (first, False)
 
 
 def _other_row(log: JointLog, plan: Plan, grids: tuple[Grid, ...], first: Balance) -> Balance | None:
@@ -121,11 +125,78 @@ def _modelled(log: JointLog, plan: Plan, grids: tuple[Grid, ...], *, inertia: bo
 
 
 def _proved(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> Balance:
+    torque = _driving(log, coarse, plan, balance)
+    return replace(balance, evidence=prove_sign(coarse, torque, log.source.dead_torque))
+
+
+def _driving(log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance) -> Float:
+    """Return F_m + u of all joints at the coarse log's times."""
     torque = balance.coarse(log, coarse, getattr(log, CHANNELS[plan.source]))
     for active in (log.tau_compensation, log.tau_passivity):
         if active is not None:
             torque += coarse.mean(active)
-    return replace(balance, evidence=prove_sign(coarse, torque))
+    return torque
+
+
+def _gravity_left(
+    log: JointLog,
+    coarse: CoarseLog,
+    plan: Plan,
+    balance: Balance,
+    columns: list[int],
+    index: NDArray[np.int64] | None,
+    direction: Float | None,
+) -> tuple[Caution, ...]:
+    """Say what gravity is left in the torque, unless it is declared to be inside or something else is in it too."""
+    mixed = not balance.proved or inertia_left(log, plan, balance)
+    if plan.gravity == "none" or mixed or log.source.torque_unit != "N m":
+        return ()
+    if index is not None and direction is not None:
+        nearest = np.searchsorted(log.t[index], coarse.t).clip(max=len(index) - 1)
+        direction = direction[nearest]
+    dead = [number - 1 for number in log.source.dead_torque]
+    alive = [place for place, column in enumerate(columns) if column not in dead]
+    return gravity_cautions(
+        coarse,
+        _driving(log, coarse, plan, balance),
+        None if direction is None else direction[:, alive],
+        [columns[place] for place in alive],
+        tuple(log.joint_names[columns[place]] for place in alive),
+        plan.gravity,
+    )
+
+
+def _refuse_wrong_model(
+    log: JointLog, coarse: CoarseLog, plan: Plan, balance: Balance, settings: TorqueSettings
+) -> None:
+    """Refuse a model of the arm that explains less of the measured torque than no model does.
+
+    The criterion is a negative explained variance of the arm as a whole, moving and at rest. A payload that the model
+    lacks may shift the torque by more than a short motion changes it, so the mean square must grow too.
+
+    Raises:
+        UsageError: If the model is further from the torque than none.
+    """
+    if balance.modelled is None or plan.gravity != "model":
+        return
+    alive = [number not in log.source.dead_torque for number in range(1, len(log.joint_names) + 1)]
+    measured = coarse.mean(getattr(log, CHANNELS[plan.source]))[:, alive]
+    left = balance.coarse(log, coarse, getattr(log, CHANNELS[plan.source]))[:, alive]
+    further = (np.sum(np.var(left, axis=0)) > FURTHER * np.sum(np.var(measured, axis=0))) and (
+        np.sum(left**2) > FURTHER * np.sum(measured**2)
+    )
+    if not further:
+        return
+    where = log.source.path
+    rms = [" ".join(f"{value:.2f}" for value in np.std(torque, axis=0)) for torque in (left, measured)]
+    joints = ", ".join(str(number + 1) for number in np.flatnonzero(alive))
+    without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None, payload=None)
+    raise UsageError(
+        f"{where}: the model of {plan.arm.name if plan.arm else 'the arm'} is further from the torque than no model: "
+        f"tau_J less the model has {rms[0]} N m rms about its mean on joints {joints}, tau_J alone {rms[1]} N m. If "
+        f"it is another arm: {without}, or give its --urdf. If gravity is already removed from tau_J: "
+        f"{removed_command(log, settings)}. If the base does not stand upright, give its --gravity-vector"
+    )
 
 
 def _compensation(log: JointLog) -> Float | None:

@@ -19,7 +19,8 @@ class SignEvidence:
 
     Attributes:
         joint: Joint number for people (1..n of the log).
-        verdict: ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"`` or ``"still"``.
+        verdict: ``"rises"`` (the sign is right), ``"falls"`` (it is wrong), ``"undecided"``, ``"still"`` or
+            ``"no_torque"`` (its torque channel is dead).
         moving_s: Time for which the joint moves. [s]
         path_rad: How far it moves in that time, both directions added. [rad]
         against_motion_nm: Part of F_m + u that goes with the direction of motion; NaN where it cannot be told. [N m]
@@ -32,6 +33,11 @@ class SignEvidence:
     path_rad: float
     against_motion_nm: float
     standard_error_nm: float
+
+    @property
+    def score(self) -> float:
+        """Torque against the motion in standard errors; NaN where it cannot be told."""
+        return self.against_motion_nm / self.standard_error_nm if self.standard_error_nm else float("nan")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

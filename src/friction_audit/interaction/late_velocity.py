@@ -19,6 +19,12 @@ CERTAIN = 5.0
 """Standard errors that a lag must differ from zero."""
 SHARE_OF_STEP = 0.5
 """And so much of a step of the clock: channels of one message may be sampled in turn."""
+LATEST_S, LATEST_STEPS = 0.02, 2.0
+"""A driver's filter delays by no more, or by so many steps of a slow clock; beyond, dq is of another clock."""
+TOLERANCE = 0.1
+"""By so much of itself may the lag be found too large."""
+MOVED_RAD = 0.05
+"""The lag of a joint that moves less is that of its vibration."""
 FINE = 0.01
 """Noise of a velocity from the position, of the usual speed, that is no loss."""
 
@@ -90,13 +96,30 @@ def _roughness(q: Float) -> float:
 
 
 def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:
-    """Return the log with its velocities on time, and what the user must know about it."""
-    lag = find_lag(coarse, median_step(log.t))
-    if not lag.any():
-        return log, ()
+    """Return the log with its velocities on time, and what the user must know about it.
+
+    A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
+    """
+    step_s = median_step(log.t)
+    lag = np.where(np.ptp(log.q, axis=0) > MOVED_RAD, find_lag(coarse, step_s), 0.0)
+    foreign = lag > max(LATEST_S * (1.0 + TOLERANCE), LATEST_STEPS * step_s)
+    late = np.where(foreign, 0.0, lag)
+    cautions = []
+    if late.any():
+        message = f"{_lags(late)} behind the change of q, as behind a filter; it is put on time"
+        cautions.append(Caution(code="dq_late", message=message))
+    if foreign.any():
+        message = (
+            f"{_lags(np.where(foreign, lag, 0.0))} behind the change of q, later than a filter makes it, so another "
+            "clock stamped it; it is used as logged, and all energies are wrong by it; log q, dq and torque in one "
+            "message, or shift the dq columns earlier by this much"
+        )
+        cautions.append(Caution(code="dq_other_clock", message=message))
+    return (read_on_time(log, late) if late.any() else log), tuple(cautions)
+
+
+def _lags(lag: Float) -> str:
     late = np.flatnonzero(lag)
     least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
     much = least if least == most else f"{least} to {most}"
-    joints = f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}"
-    message = f"{joints}: dq comes {much} ms behind the change of q, as behind a filter; it is put on time"
-    return read_on_time(log, lag), (Caution(code="dq_late", message=message),)
+    return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq comes {much} ms"

@@ -68,11 +68,11 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
     source, reason = _source(log, settings, robot)
     if source != "tau_J":
         return _plan_without_model(log, source, reason, settings)
-    arm, warnings = _arm_for_torque(log, coarse, settings, robot)
+    arm = _arm_for_torque(log, settings, robot)
     if reason == "unfiltered" and arm is not None and _payload_missing(log, coarse, settings, robot, arm):
         return _plan_without_model(log, "tau_ext", "payload", settings)
     gravity = _gravity(log, settings, arm)
-    warnings += _gravity_cautions(log, gravity, robot)
+    warnings = _gravity_cautions(log, settings, gravity, robot)
     inertia = arm is not None and settings.inertia != "none"
     drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
     if settings.inertia == "model":
@@ -115,10 +115,10 @@ def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
         UsageError: If no model of this arm is known.
     """
     robot = known_robot(log, settings)
-    if robot == "none" or (robot == "unknown" and len(log.joint_names) != PANDA_JOINTS):
+    if robot in ("none", "unknown"):
         raise UsageError(
-            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and this log's is not known; "
-            "give its --urdf, or use --cycles-from joint"
+            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name its "
+            f"robot; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
         )
     return _load(log, settings)
 
@@ -196,27 +196,27 @@ def _plan_without_model(log: JointLog, source: str, reason: str, settings: Torqu
     )
 
 
-def _arm_for_torque(
-    log: JointLog, coarse: CoarseLog, settings: TorqueSettings, robot: str
-) -> tuple[Arm | None, tuple[Caution, ...]]:
-    """Load the model if it is needed and allowed; assume a Panda only where the user's request needs a model."""
+def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm | None:
+    """Load the model if it is needed and the log or the user names it; no arm is assumed."""
     demanded = settings.gravity == "model" or settings.inertia == "model"
-    implied = settings.drive == "robot" and settings.inertia == "auto"
-    whole_panda = len(log.joint_names) == PANDA_JOINTS
+    without = settings.command(log.source.path, gravity="auto", inertia="auto", robot="none", urdf=None)
     if robot in ("urdf", "panda"):
         by_default = log.gravity is None and settings.gravity == "auto"
-        possible = robot == "urdf" or whole_panda
+        possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
         useful = possible and settings.drive != "hand" and settings.inertia == "auto"
-        return (_load(log, settings) if demanded or by_default or useful else None), ()
-    if not demanded and not (implied and robot == "unknown" and whole_panda):
-        return None, ()
-    if robot != "unknown" or not whole_panda:
-        raise UsageError(_no_model(log, robot))
-    arm = _load(log, settings)
-    return arm, (_assumed(log, coarse, arm),)
+        current = log.source.torque_unit != "N m"
+        if demanded and current:
+            raise UsageError(
+                f"{log.source.path}: the torque is in {log.source.torque_unit}, and a model of the arm gives N m; "
+                f"convert the current to N m, or do without a model: {without}"
+            )
+        return _load(log, settings) if demanded or ((by_default or useful) and not current) else None
+    if demanded:
+        raise UsageError(_no_model(log, settings, robot, without))
+    return None
 
 
-def _no_model(log: JointLog, robot: str) -> str:
+def _no_model(log: JointLog, settings: TorqueSettings, robot: str, without: str) -> str:
     where = log.source.path
     if robot == "fr3":
         return (
@@ -226,23 +226,22 @@ def _no_model(log: JointLog, robot: str) -> str:
     if robot == "none":
         return f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
     return (
-        f"{where}: joints: {len(log.joint_names)}, and the built-in model is a Panda's with {PANDA_JOINTS}; give the "
-        "arm's --urdf, or do without a model: --gravity none --inertia none"
+        f"{where}: --gravity model and --inertia model need a model of the arm, and the log does not name its robot "
+        f"(joints: {len(log.joint_names)}); {with_a_model(log, settings)}; without a model: {without}"
     )
+
+
+def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
+    """Return the commands that name the arm of a log."""
+    where = log.source.path
+    panda = f"if it is a Panda: {settings.command(where, *more, robot='panda')}; "
+    other = f"by its URDF: {settings.command(where, *more, robot='auto', urdf='FILE')}"
+    return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
 
 
 def _load(log: JointLog, settings: TorqueSettings) -> Arm:
     arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
     return arm.matched(log.joint_names, log.source.path)
-
-
-def _assumed(log: JointLog, coarse: CoarseLog, arm: Arm) -> Caution:
-    message = f"{log.source.path}: the robot is not known; the built-in Panda is assumed"
-    if log.tau_J is not None:
-        rms = np.sqrt(np.mean((coarse.mean(log.tau_J) - arm.gravity(coarse.q)) ** 2, axis=0))
-        listed = " ".join(f"{value:.2f}" for value in rms)
-        message += f": tau_J differs from its gravity by {listed} N m rms on joints 1 to {len(rms)}"
-    return Caution(code="robot_assumed", message=message + "; say --robot panda, or give another arm's --urdf")
 
 
 def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings, robot: str, arm: Arm) -> bool:
@@ -262,13 +261,19 @@ def _gravity(log: JointLog, settings: TorqueSettings, arm: Arm | None) -> str:
     return "none" if arm is None else "model"
 
 
-def _gravity_cautions(log: JointLog, gravity: str, robot: str) -> tuple[Caution, ...]:
+def _gravity_cautions(log: JointLog, settings: TorqueSettings, gravity: str, robot: str) -> tuple[Caution, ...]:
     if gravity != "none":
         return ()
+    where = log.source.path
+    model = replace(settings, gravity="auto")
+    named = robot in ("urdf", "panda")
+    asked = " (--gravity none)" if settings.gravity == "none" else ""
+    by_model = f". To remove it by a model, {model.command(where) if named else with_a_model(log, model)}"
+    by_model = by_model if log.source.torque_unit == "N m" else ""
     remaining = Caution(
         code="gravity_in_torque",
-        message=f"{log.source.path}: gravity is still in the torque, so only cycles closed in position count; log "
-        "gravity, or have it computed: --gravity model --robot panda, or --gravity model --urdf FILE",
+        message=f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
+        f"gravity is already removed from it: {removed_command(log, settings)}{by_model}",
     )
     if robot != "fr3":
         return (remaining,)
@@ -280,3 +285,10 @@ def _gravity_cautions(log: JointLog, gravity: str, robot: str) -> tuple[Caution,
         ),
         remaining,
     )
+
+
+def removed_command(log: JointLog, settings: TorqueSettings) -> str:
+    """Return the command that reads tau_J as a torque from which gravity is removed already."""
+    column = log.source.channels.get("tau_J", "COLUMN")
+    plain = {"torque": "auto", "gravity": "auto", "inertia": "auto"}
+    return settings.command(log.source.path, "--map", f"tau_interaction={column}", **plain)

@@ -1,6 +1,7 @@
 """What the user may say about the torque that friction sees."""
 
-from dataclasses import dataclass
+import shlex
+from dataclasses import dataclass, fields
 from math import isfinite
 from pathlib import Path
 
@@ -66,3 +67,20 @@ class TorqueSettings:
                 f"--gravity-vector {','.join(f'{g:g}' for g in self.gravity_vector)}: expected three finite numbers, "
                 "not all zero, in m/s^2; where nothing weighs, use --gravity none"
             )
+
+    def command(self, log: str, *more: str, **changed: str | None) -> str:
+        """Return the command to paste that estimates a log with these choices.
+
+        Args:
+            log: Path of the log.
+            more: Further options.
+            changed: Choices to be made otherwise, by name.
+        """
+        words = ["friction-audit", "estimate", log]
+        for one in fields(self):
+            value = changed.get(one.name, getattr(self, one.name))
+            if value != one.default:
+                text = ",".join(f"{number:g}" for number in value) if isinstance(value, tuple) else str(value)
+                option = "--" + one.name.removesuffix("_hz").replace("_", "-")
+                words += [f"{option}={text}"] if text.startswith("-") else [option, text]
+        return f"`{shlex.join((*words, *more))}`"

@@ -11,7 +11,7 @@ is the energy taken. The noise is not white (vibration, gravity of other joints)
 independent strokes: a stroke is the motion between two reversals.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -36,8 +36,12 @@ SHARE_OF_FARTHEST = 0.1
 MINIMUM_STROKES = 4
 SIGNIFICANT = 2.0
 """Standard errors."""
+LARGEST_SCORE = 5.0
+"""Standard errors beyond which a joint's score tells of gravity or inertia in its torque, not of more certainty."""
+BRIDGED_S = 0.1
+"""A step of the clock up to this is no hole here: the mean motion between two samples is well below 5 Hz."""
 
-Verdict = Literal["rises", "falls", "undecided", "still"]
+Verdict = Literal["rises", "falls", "undecided", "still", "no_torque"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -68,53 +72,60 @@ def coarse_log(log: JointLog) -> CoarseLog:
     rate_hz = log.rate_hz
     samples = max(1, min(round(rate_hz / RATE_HZ), len(log.t) // 2))
     t = _block_mean(log.t[:, None], samples)[:, 0]
-    step = np.diff(t, prepend=2 * t[0] - t[1], append=2 * t[-1] - t[-2])
-    longest = 3 * samples / rate_hz
-    whole = (step[1:] < longest) & (step[:-1] < longest)
+    hole = np.flatnonzero(np.diff(log.t) > max(BRIDGED_S, 3.0 / rate_hz))
+    whole = ~np.isin(np.arange(len(t)), np.append(hole, hole + 1) // samples)
     return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
 
 
-def prove_sign(log: CoarseLog, torque: Float) -> tuple[SignEvidence, ...]:
+def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
     """Judge for every joint whether the net energy rises.
 
     Args:
         log: Motion.
         torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
+        dead_torque: Numbers (1..j) of joints whose torque channel records nothing.
     """
     step = median_step(log.t)
-    return tuple(per_joint(lambda joint: _judge(log, joint, step, torque[:, joint]), log.q.shape[1]))
+    found = per_joint(lambda joint: _judge(log, joint, step, torque[:, joint]), log.q.shape[1])
+    return tuple(replace(one, verdict="no_torque") if one.joint in dead_torque else one for one in found)
 
 
 def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
     """Return the joints that move on their own account: at least a tenth as far as the one that goes farthest.
 
-    The others only give way while another joint is moved, and their noise shall not outvote it.
+    The others only give way while another joint is moved, and their noise shall not outvote it. Nor has a joint a
+    vote whose torque channel is dead.
     """
-    farthest = max((one.path_rad for one in evidence), default=0.0)
-    return tuple(one for one in evidence if one.verdict != "still" and one.path_rad >= SHARE_OF_FARTHEST * farthest)
+    moved = [one for one in evidence if one.verdict not in ("still", "no_torque")]
+    farthest = max((one.path_rad for one in moved), default=0.0)
+    return tuple(one for one in moved if one.path_rad >= SHARE_OF_FARTHEST * farthest)
 
 
 def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
-    """Return True if more than half of the joints that vote have this verdict."""
-    votes = [one.verdict == verdict for one in voting(evidence)]
-    return 2 * sum(votes) > len(votes)
+    """Return True if the joints that vote have this verdict, ``"rises"`` or ``"falls"``, taken together.
+
+    Their scores are combined by Stouffer's method, so that a joint counts by its significance.
+    """
+    scores = np.array([one.score for one in voting(evidence) if np.isfinite(one.score)])
+    if not scores.size:
+        return False
+    combined = float(np.clip(scores, -LARGEST_SCORE, LARGEST_SCORE).sum() / np.sqrt(len(scores)))
+    return (combined if verdict == "rises" else -combined) > SIGNIFICANT
 
 
-def prevails(evidence: tuple[SignEvidence, ...]) -> bool:
-    """Return True if more joints rise than fall, and a third of those that vote rise: enough to prefer one sign."""
-    verdicts = [one.verdict for one in voting(evidence)]
-    rising = verdicts.count("rises")
-    return rising > verdicts.count("falls") and 3 * rising >= len(verdicts)
+def strokes_of(log: CoarseLog, joint: int) -> tuple[NDArray[np.bool_], Float, NDArray[np.int64]]:
+    """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
+    speed = np.abs(log.dq[:, joint])
+    moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
+    direction = np.sign(log.dq[moving, joint])
+    return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
 
 
 def _judge(log: CoarseLog, joint: int, step: float, torque: Float) -> SignEvidence:
     speed = np.abs(log.dq[:, joint])
-    peak = float(speed.max())
-    moving = (speed > np.clip(SHARE_OF_PEAK * peak, SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
-    verdict: Verdict = "undecided" if peak >= STILL_RAD_S else "still"
+    moving, direction, stroke = strokes_of(log, joint)
+    verdict: Verdict = "undecided" if speed.max() >= STILL_RAD_S else "still"
     against = error = float("nan")
-    direction = np.sign(log.dq[moving, joint])
-    stroke = np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
     if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
         q = log.q[moving, joint]
         ddq = np.gradient(log.dq[:, joint], log.t)[moving]
