@@ -219,7 +219,7 @@ FAILED = JointDiscrepancy(
     message="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
     traceback="ZeroDivisionError: float division by zero\n",
 )
-VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT, FAILED)
+VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
 
 
 def diagnosis(
