@@ -16,7 +16,7 @@ def test_every_verdict_has_a_joint_by_hand() -> None:
     assert {joint.verdict for joint in (*VERDICTS_BY_HAND, FAILED)} == set(VERDICTS)
 
 
-@pytest.mark.parametrize("joint", (*VERDICTS_BY_HAND, FAILED), ids=lambda joint: joint.verdict)
+@pytest.mark.parametrize("joint", [*VERDICTS_BY_HAND, FAILED], ids=lambda joint: joint.verdict)
 def test_each_verdict_keeps_to_the_schema(joint: JointDiscrepancy) -> None:
     (told,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
     assert told["verdict"] == joint.verdict
