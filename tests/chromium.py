@@ -114,8 +114,10 @@ def _unpack(brought: Path, unpacked: Path) -> None:
     for tar in unpacked.glob("*.tar"):
         target = unpacked / "fonts" if tar.stem == "fonts" else unpacked
         with tarfile.open(tar) as archive:
-            # The filter came with Python 3.11.4; the hash of the archive was compared in any case.
-            archive.extractall(target, **({"filter": "data"} if hasattr(tarfile, "data_filter") else {}))
+            if hasattr(tarfile, "data_filter"):
+                archive.extractall(target, filter="data")
+            else:  # before Python 3.11.4; the hash of the archive was compared
+                archive.extractall(target)
         tar.unlink()
     (unpacked / "fonts" / "fonts.conf").write_text(FONTS)
     (unpacked / "chromium").chmod(0o755)

@@ -1,6 +1,6 @@
 """Where simulation and measurement disagree, joint by joint."""
 
-from traceback import format_exception
+from functools import partial
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
 from friction_audit.discrepancy.candidates import CANDIDATES
@@ -12,7 +12,7 @@ from friction_audit.discrepancy.likely_work import longest_first
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.errors import FrictionAuditError
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.in_copies import in_copies, workers_for
 from friction_audit.interaction.interaction import Interaction
@@ -57,21 +57,22 @@ def diagnose(
         )
 
     def one(k: int) -> JointDiscrepancy:
-        """Diagnose a joint; an error that was not foreseen is the result of this joint, not the end of the others."""
+        """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         data = prepared[k]
+        unanswered = partial(
+            JointDiscrepancy,
+            joint=interaction.joint_numbers[data.joint],
+            name=interaction.joint_names[data.joint],
+            from_energy=_from_energy(friction, data.joint),
+        )
         try:
             return diagnose_joint(subject(data), candidates, settings)
+        except AnalysisError as error:
+            return unanswered(verdict="not_testable", message=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            return JointDiscrepancy(
-                joint=interaction.joint_numbers[data.joint],
-                name=interaction.joint_names[data.joint],
-                verdict="failed",
-                message=f"the diagnosis failed with {type(error).__name__}: {error}; this is a bug, please report it",
-                from_energy=_from_energy(friction, data.joint),
-                traceback="".join(format_exception(error)),
-            )
+            return unanswered(verdict="failed", message=bug_sentence("the diagnosis", error), traceback=traced(error))
 
     workers = workers_for(len(prepared))
     # Half of the work is in the interpreter, for which threads would wait.

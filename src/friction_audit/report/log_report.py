@@ -4,13 +4,12 @@ from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, field
 from pathlib import Path
-from traceback import format_exception
 from typing import TypeVar
 
 from friction_audit.audit import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.discrepancy.result import JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.errors import AnalysisError, FrictionAuditError
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import JointFriction
 from friction_audit.replay.result import JointReplay
 from friction_audit.replay.settings import ReplaySettings
@@ -109,8 +108,7 @@ def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -
     except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
         raise
     except Exception as error:  # noqa: BLE001 - reported as a bug: on the page, with traceback and exit code 1
-        sentence = f"{part} failed with {type(error).__name__}: {error}; this is a bug, please report it"
-        unanswered.append(Unanswered(part=part, message=sentence, traceback="".join(format_exception(error))))
+        unanswered.append(Unanswered(part=part, message=bug_sentence(part, error), traceback=traced(error)))
     return None
 
 
