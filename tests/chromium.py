@@ -4,7 +4,9 @@ import hashlib
 import json
 import os
 import shutil
+import signal
 import subprocess
+import tarfile
 import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,7 +22,10 @@ ARCHIVES = {
 }
 """Files of the package that are used, with their SHA-256: the browser, libraries and fonts that a machine may lack."""
 FONTS = '<fontconfig><dir prefix="relative">fonts</dir><cachedir prefix="xdg">fontconfig</cachedir></fontconfig>'
+PROBE_S = 20.0
+"""Where the registry does not answer within this, the tests that want a browser are skipped."""
 LONGEST_S = 300.0
+"""Limit of the download and of the unpacking, once the registry has answered."""
 UNPACK = """
 const fs = require("fs"), zlib = require("zlib");
 for (const [from, to] of JSON.parse(process.argv[1]))
@@ -88,8 +93,10 @@ def _fetch(workshop: Path) -> None:
     npm = shutil.which("npm")
     if npm is None:
         raise NoChromiumError(f"no {', '.join(NAMES)} on the path, and no npm to fetch {PACKAGE} with; install one")
+    wanted = f"{PACKAGE}@{VERSION}"
+    _run([npm, "view", wanted, "version", "--fetch-retries=0"], PROBE_S)
     command = [npm, "install", "--prefix", str(workshop), "--no-audit", "--no-fund", "--ignore-scripts"]
-    _run([*command, f"{PACKAGE}@{VERSION}"])
+    _run([*command, wanted], LONGEST_S)
     brought = workshop / "node_modules" / PACKAGE / "bin"
     for name, expected in ARCHIVES.items():
         if hashlib.sha256((brought / name).read_bytes()).hexdigest() != expected:
@@ -103,18 +110,33 @@ def _unpack(brought: Path, unpacked: Path) -> None:
     node = shutil.which("node")
     if node is None:
         raise NoChromiumError("no node beside npm")
-    _run([node, "-e", UNPACK, json.dumps(pairs)])
+    _run([node, "-e", UNPACK, json.dumps(pairs)], LONGEST_S)
     for tar in unpacked.glob("*.tar"):
         target = unpacked / "fonts" if tar.stem == "fonts" else unpacked
-        shutil.unpack_archive(tar, target, filter="data")
+        with tarfile.open(tar) as archive:
+            if hasattr(tarfile, "data_filter"):
+                archive.extractall(target, filter="data")
+            else:  # before Python 3.11.4; the hash of the archive was compared
+                archive.extractall(target)
         tar.unlink()
     (unpacked / "fonts" / "fonts.conf").write_text(FONTS)
     (unpacked / "chromium").chmod(0o755)
 
 
-def _run(command: list[str]) -> None:
+def _run(command: list[str], longest_s: float) -> None:
+    """Run a command; after the limit it is ended with all that it started, which may hold the pipes open."""
+    tool = Path(command[0]).name
     try:
-        subprocess.run(command, check=True, capture_output=True, text=True, timeout=LONGEST_S)
-    except (subprocess.SubprocessError, OSError) as error:
-        said = getattr(error, "stderr", "") or str(error)
-        raise NoChromiumError(f"{Path(command[0]).name}: {said.strip().splitlines()[-1]}") from error
+        process = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, start_new_session=True
+        )
+    except OSError as error:
+        raise NoChromiumError(f"{tool}: {error}") from error
+    try:
+        _, said = process.communicate(timeout=longest_s)
+    except subprocess.TimeoutExpired as error:
+        os.killpg(process.pid, signal.SIGKILL)
+        process.communicate()
+        raise NoChromiumError(f"{tool}: no answer within {longest_s:g} s") from error
+    if process.returncode:
+        raise NoChromiumError(f"{tool}: {(said.strip() or f'exit code {process.returncode}').splitlines()[-1]}")

@@ -64,13 +64,6 @@ def test_an_older_report_is_refused_before_the_log_is_read(run: Run, logs: Path,
     assert (tmp_path / "absent.report.html").read_text() == "old"
 
 
-def test_nothing_is_written_without_an_estimate(run: Run, logs: Path, tmp_path: Path) -> None:
-    answer = run("report", logs / "still.csv", "-o", "out")
-    assert answer.code == 4
-    assert "no joint has an estimate" in answer.err
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_format_that_is_none_is_named(run: Run, logs: Path) -> None:
     answer = run("report", logs / "moved1.csv", "--format", "markdwn")
     assert answer.code == 2

@@ -20,7 +20,7 @@ def test_of_a_complete_model_it_is_what_the_model_leaves() -> None:
     ground = make_ground(moved_joint(noise_nm=0.02), None, 0)
     floor = noise_floor(ground, ground.curves)
     assert floor == pytest.approx(0.02, rel=0.05)
-    assert floor <= rms(ground.residual()[ground.locked])
+    assert floor <= rms(ground.residual()[ground.locked]) * (1.0 + 1e-9)
 
 
 def test_a_curve_that_the_model_lacks_does_not_raise_it() -> None:

@@ -34,4 +34,4 @@ def test_of_each_width_the_best_flanks_are_kept(ground: Ground) -> None:
     least, best = found[GAP_RAD]
     assert list(found) == [GAP_RAD]
     assert best["contact_hz"] in {22.0, *(one["contact_hz"] for one in BACKLASH.beside_rugged)}
-    assert least <= beside.fit(columns(ground, GAP_RAD))[1]
+    assert least <= beside.fit(columns(ground, GAP_RAD))[1] * (1.0 + 1e-9)

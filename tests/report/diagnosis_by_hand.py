@@ -212,6 +212,13 @@ DATA_FAULT = JointDiscrepancy(
     message=FAULT,
     findings=(finding("dq_scale", "fault", FAULT),),
 )
+FAILED = JointDiscrepancy(
+    joint=6,
+    name="panda_joint6",
+    verdict="failed",
+    message="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
+    traceback="ZeroDivisionError: float division by zero\n",
+)
 VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
 
 

@@ -8,15 +8,15 @@ from friction_audit.discrepancy.result import VERDICTS, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
 from friction_audit.model.joint_model import ArmModel, simple_model
 from friction_audit.report.diagnose_document import diagnose_document
-from tests.report.diagnosis_by_hand import LOCKED, NAMED, VERDICTS_BY_HAND, diagnosis
+from tests.report.diagnosis_by_hand import FAILED, LOCKED, NAMED, VERDICTS_BY_HAND, diagnosis
 from tests.report.test_documents import checked
 
 
 def test_every_verdict_has_a_joint_by_hand() -> None:
-    assert {joint.verdict for joint in VERDICTS_BY_HAND} == set(VERDICTS)
+    assert {joint.verdict for joint in (*VERDICTS_BY_HAND, FAILED)} == set(VERDICTS)
 
 
-@pytest.mark.parametrize("joint", VERDICTS_BY_HAND, ids=lambda joint: joint.verdict)
+@pytest.mark.parametrize("joint", [*VERDICTS_BY_HAND, FAILED], ids=lambda joint: joint.verdict)
 def test_each_verdict_keeps_to_the_schema(joint: JointDiscrepancy) -> None:
     (told,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
     assert told["verdict"] == joint.verdict

@@ -1,7 +1,7 @@
 """Log -> Estimate, as the commands run it: watched, and with the exit codes of the whole program."""
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import asdict
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from friction_audit.ingest import ReadOptions
     from friction_audit.joint_log import JointLog
 
+BUG = 1
+"""Exit code: part of the result is missing because of a bug."""
 TABLED = "not_determined"
 """Code of the caution that the table shows as well."""
 
@@ -87,6 +89,20 @@ def exit_if_damaged(*logs: "JointLog") -> None:
     """Exit with the code for a result that part of the input is missing from."""
     if any(map(is_damaged, logs)):
         raise typer.Exit(DAMAGED)
+
+
+def exit_for_bugs(bugs: Iterable[tuple[str, str]], voice: Voice) -> None:
+    """Say what ended in a bug, after the other results stand, and exit as a bug does.
+
+    Args:
+        bugs: A sentence and a traceback each.
+        voice: Prints the tracebacks if it is verbose.
+    """
+    bugs = list(bugs)
+    for sentence, traceback in bugs:
+        remark(f"{traceback if voice.verbose else ''}error: {sentence}")
+    if bugs:
+        raise typer.Exit(BUG)
 
 
 def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = None, folder: bool = False) -> None:

@@ -123,6 +123,7 @@ def command(
         if plan is not None:
             _export(found, plan, recorded, told, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
+    chain.exit_for_bugs(joint_bugs(found), voice)
     chain.exit_if_damaged(recorded)
 
 
@@ -176,20 +177,23 @@ def _warn(found: "Diagnosis", voice: Voice) -> None:
     voice.warn(notice_lines(diagnose_notices(found)))
 
 
-UNANSWERED = ("not_testable", "data_fault")
-"""Verdicts that are no answer."""
-
-
 def _require_an_answer(found: "Diagnosis") -> None:
     """Refuse a result without an answer for any joint.
 
     Raises:
         AnalysisError: With what is said of each joint.
     """
+    from friction_audit.discrepancy.result import UNANSWERED
+
     joints = found.discrepancy.joints
-    if all(joint.verdict in UNANSWERED for joint in joints):
+    if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
         lines = "".join(f"\n  joint {joint.joint}: {joint.message}" for joint in joints)
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
+
+
+def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
+    """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
+    return [(f"joint {one.joint}: {one.message}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
 def _document(found: "Diagnosis", reading: dict[str, object]) -> str:

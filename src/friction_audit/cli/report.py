@@ -10,6 +10,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.command_line import command_line
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, say
+from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.export_files import ExportPlan, write_exports
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
@@ -78,12 +79,14 @@ def command(
         estimate = chain.estimate(recorded, settings, told)
         if not output.json:
             chain.warn_about(estimate, told)
-        chain.require_an_estimate(estimate)
         again = command_line(context, leave_out=NOT_PART_OF_IT)
         report = _report(estimate, shared.cycles, chain.reading_settings(options), again, told)
         _write(report, files, told, overwrite=output.overwrite)
         exported = _export(report, plan, recorded, told, overwrite=output.overwrite)
     _print(report, (*files.values(), *exported), json=output.json)
+    bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
+    chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
+    chain.require_an_estimate(estimate)
     chain.exit_if_damaged(recorded)
 
 

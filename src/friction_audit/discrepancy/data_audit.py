@@ -7,6 +7,7 @@ import numpy as np
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.prepare import fresh_samples, holes
 from friction_audit.interaction.interaction import Interaction
+from friction_audit.interaction.plan import CHANNELS
 from friction_audit.interaction.sign import SIGNIFICANT
 from friction_audit.joint_log import Float, JointLog, median_step
 
@@ -57,13 +58,9 @@ def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tupl
         interaction: Motion and torque.
         data: The joint on its even grid.
     """
-    return (
-        *_clock(log),
-        *_velocity(interaction, data),
-        _power(interaction, data),
-        *_sensors(interaction, data),
-        *_excitation(data),
-    )
+    dead = _dead_channels(log, interaction, data)
+    against_q = () if faults(dead[1:]) else _velocity(interaction, data)
+    return (*_clock(log), *dead, *against_q, _power(interaction, data), *_sensors(interaction, data), *_excitation(data))
 
 
 def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
@@ -103,6 +100,31 @@ def _clock(log: JointLog) -> tuple[DataFinding, ...]:
         _judged("clock_jitter", jitter, MOST_JITTER, "steps of the clock scatter by {value:.0%} of a step"),
         _judged("holes", lost, MOST_HOLES, "{value:.0%} of the time lies in holes", bad="limit"),
         _judged("stale", float(np.mean(~new)), MOST_STALE, "{value:.0%} of the samples repeat the one before"),
+    )
+
+
+def _dead_channels(log: JointLog, interaction: Interaction, data: JointData) -> tuple[DataFinding, DataFinding]:
+    """Look for channels that hold one number while the joint moves, as a bus without an answer leaves them."""
+    torque: Float = getattr(log, CHANNELS[interaction.choice.source])[:, data.own_column]
+    q, dq = log.q[:, data.own_column], log.dq[:, data.own_column]
+    no_torque = bool(data.used.any()) and np.ptp(torque) == 0.0
+    no_speed = np.ptp(q) > RESTING_RAD and np.ptp(dq) == 0.0
+    torque_name, no_answer = CHANNELS[interaction.choice.source], "channel is dead; check the sensor and the bus, or"
+    return (
+        _judged(
+            "torque_constant",
+            float(no_torque),
+            0.0,
+            f"the torque reads {torque[0]:.4g} N m in all samples: the torque {no_answer} "
+            f"choose another column with --map {torque_name}=...",
+        ),
+        _judged(
+            "dq_constant",
+            float(no_speed),
+            0.0,
+            f"the velocity reads {dq[0]:.4g} rad/s in all samples while q moves by {np.ptp(q):.3g} rad: the velocity "
+            f"{no_answer} choose another column with --map dq=...",
+        ),
     )
 
 

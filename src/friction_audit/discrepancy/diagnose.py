@@ -1,18 +1,18 @@
 """Where simulation and measurement disagree, joint by joint."""
 
-from collections.abc import Sequence
 from functools import partial
 
 from friction_audit.cycles.energy_cycles import EnergyCycles
-from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.candidates import CANDIDATES
 from friction_audit.discrepancy.data_audit import audit_data
 from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
+from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.discrepancy.known_inertia import known_inertias
 from friction_audit.discrepancy.likely_work import longest_first
 from friction_audit.discrepancy.prepare import prepare
 from friction_audit.discrepancy.result import Discrepancy, JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.in_copies import in_copies, workers_for
 from friction_audit.interaction.interaction import Interaction
@@ -42,31 +42,43 @@ def diagnose(
     prepared = prepare(interaction, cycles, log, arm)
     candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
     inertias = known_inertias(arm, interaction.choice, log.q)
-    subjects = [
-        Subject(
+
+    def subject(data: JointData) -> Subject:
+        number = interaction.joint_numbers[data.joint]
+        return Subject(
             data=data,
-            number=interaction.joint_numbers[data.joint],
+            number=number,
             name=interaction.joint_names[data.joint],
             findings=audit_data(log, interaction, data),
             from_energy=_from_energy(friction, data.joint),
-            model=None if settings.model is None else settings.model.joints[interaction.joint_numbers[data.joint] - 1],
-            known_inertia_kg_m2=float(inertias[interaction.joint_numbers[data.joint] - 1]),
+            model=None if settings.model is None else settings.model.joints[number - 1],
+            known_inertia_kg_m2=float(inertias[number - 1]),
             lacking=friction.joints[data.joint].reason,
         )
-        for data in prepared
-    ]
-    one = partial(_one, subjects, candidates, settings)
-    workers = workers_for(len(subjects))
+
+    def one(k: int) -> JointDiscrepancy:
+        """Diagnose a joint; an error is the result of this joint and not the end of the others."""
+        data = prepared[k]
+        unanswered = partial(
+            JointDiscrepancy,
+            joint=interaction.joint_numbers[data.joint],
+            name=interaction.joint_names[data.joint],
+            from_energy=_from_energy(friction, data.joint),
+        )
+        try:
+            return diagnose_joint(subject(data), candidates, settings)
+        except AnalysisError as error:
+            return unanswered(verdict="not_testable", message=str(error))
+        except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
+            raise
+        except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
+            return unanswered(verdict="failed", message=bug_sentence("the diagnosis", error), traceback=traced(error))
+
+    workers = workers_for(len(prepared))
     # Half of the work is in the interpreter, for which threads would wait.
     if workers > 1:
-        return Discrepancy(joints=tuple(in_copies(one, len(subjects), workers, longest_first(prepared))))
-    return Discrepancy(joints=tuple(per_joint(one, len(subjects))))
-
-
-def _one(
-    subjects: Sequence[Subject], candidates: Sequence[Candidate], settings: DiagnosisSettings, k: int
-) -> JointDiscrepancy:
-    return diagnose_joint(subjects[k], candidates, settings)
+        return Discrepancy(joints=tuple(in_copies(one, len(prepared), workers, longest_first(prepared))))
+    return Discrepancy(joints=tuple(per_joint(one, len(prepared))))
 
 
 def _from_energy(friction: FrictionHistory, joint: int) -> dict[str, Coefficient]:

@@ -45,6 +45,8 @@ WEBB = np.sqrt(np.array([1.5, 1.0, 0.5, 0.5, 1.0, 1.5])) * np.array([-1, -1, -1,
 
 CHANCE = 0.95
 """Quantile of a candidate's draws from which it is counted."""
+TIE = 1e-9
+"""Statistics that differ by less than this share are equal: one library or processor rounds them otherwise."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -111,7 +113,7 @@ def omnibus_test(  # noqa: PLR0913
     largest = [scores.largest(group) for group in groups]
     observed, drawn = balanced(np.array([own for own, _ in largest]), np.array([drawn for _, drawn in largest]))
     return Omnibus(
-        p_value=float((1 + np.sum(drawn.max(axis=0) >= observed.max())) / (draws + 1)),
+        p_value=float((1 + np.sum(drawn.max(axis=0) >= _reached(observed.max()))) / (draws + 1)),
         names=tuple(group.name for group in groups),
         adjusted_p=step_down(observed, drawn),
         cycles=cycles,
@@ -226,10 +228,15 @@ def step_down(observed: Float, drawn: Float) -> Float:
     order = np.argsort(-observed, kind="stable")
     # From the smallest statistic up: the maximum over all hypotheses that are not yet rejected.
     maxima = np.maximum.accumulate(drawn[order][::-1], axis=0)[::-1]
-    p = (1.0 + np.sum(maxima >= observed[order][:, None], axis=1)) / (drawn.shape[1] + 1.0)
+    p = (1.0 + np.sum(maxima >= _reached(observed[order][:, None]), axis=1)) / (drawn.shape[1] + 1.0)
     adjusted = np.empty_like(observed)
     adjusted[order] = np.maximum.accumulate(p)
     return adjusted
+
+
+def _reached(observed: Float) -> Float:
+    """What a draw must reach to count as equal: one with all signs alike is the observation itself, up to rounding."""
+    return np.asarray(observed - TIE * np.abs(observed))
 
 
 def _weighted(y: Float, base: Float, weight: Float | None) -> tuple[Float, Float]:

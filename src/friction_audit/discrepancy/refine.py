@@ -42,6 +42,7 @@ def refine(
         base: All other columns of the model on the rows, shape (m, b).
     """
     from scipy.optimize import minimize
+    from scipy.special import expit
 
     free = _free(candidate, shape, tried)
     if not free:
@@ -55,7 +56,7 @@ def refine(
         return left if candidate.admissible(factors, at) else nothing
 
     def inside(x: Float) -> Shape:
-        return {**shape, **dict(zip(free, (low + (high - low) / (1.0 + np.exp(-x))).tolist(), strict=True))}
+        return {**shape, **dict(zip(free, (low + (high - low) * expit(x)).tolist(), strict=True))}
 
     def cost(x: Float) -> float:
         return misfit(inside(x))

@@ -12,8 +12,10 @@ from friction_audit.discrepancy.gap import Gap
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
-Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable", "data_fault"]
-VERDICTS: tuple[Verdict, ...] = ("none", "named", "ambiguous", "unexplained", "not_testable", "data_fault")
+Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
+VERDICTS: tuple[Verdict, ...] = ("none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed")
+UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
+"""Verdicts that are no answer."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -216,6 +218,7 @@ class JointDiscrepancy:
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
         message: What people are told, one or two sentences.
+        traceback: Of the error, a bug, that ended the diagnosis of the joint; empty without one.
     """
 
     joint: int
@@ -240,6 +243,7 @@ class JointDiscrepancy:
     untestable: dict[str, str] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()
     traces: Traces | None = None
+    traceback: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

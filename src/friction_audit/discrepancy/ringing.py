@@ -34,6 +34,8 @@ LEAST_VIBRATION = 0.5
 CORNER_HZ = 60.0
 """Half of the amplitude passes here: above all that rings and is told, below what torque and motion were filtered with,
 so that a jump is as steep in the columns as in the torque."""
+CORNER_SHARE = 0.225
+"""Of the rate, where that is lower: vibrations are looked for below 0.2 of it, and torque and motion end at 0.25."""
 FILTER_S = 0.05
 """Reach of that low-pass to either side."""
 LEAST_EXPLAINED = 0.5
@@ -195,11 +197,12 @@ def on_every_sample(ground: Ground, names: Names) -> Ground:
     used = data.used & np.isin(data.cycle, ground.rows.cycle)
     columns = np.hstack([declared.fine, *fine_columns(ground, names)])
     y = data.torque - declared.stated
+    corner_hz = min(CORNER_HZ, CORNER_SHARE / data.step_s)
     extra = tuple(f"found_{k}" for k in range(columns.shape[1] - declared.fine.shape[1]))
     bare = replace(
         ground.rows,
-        kernel=firwin(2 * round(FILTER_S / data.step_s) + 1, CORNER_HZ, fs=1.0 / data.step_s),
-        corner_hz=CORNER_HZ,
+        kernel=firwin(2 * round(FILTER_S / data.step_s) + 1, corner_hz, fs=1.0 / data.step_s),
+        corner_hz=corner_hz,
         every=1,
         used=used,
         t=data.t[used],

@@ -46,7 +46,7 @@ def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] 
         friction: What friction took in it, shape (m,). [J]
     """
     cycles = len(path)
-    if cycles < 2 * IN_A_ROW or not path.min() > 0.0:
+    if cycles < 2 * IN_A_ROW or not path.min() > 0.0 or not friction.any():
         return None
     rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
     whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)

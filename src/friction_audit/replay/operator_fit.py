@@ -36,8 +36,8 @@ WIDEST = 0.3
 INTENTION = (0.06, 0.07, 0.21)
 """Error of inertia, damping and stiffness over their values that 95 % of persons stay below whose log has no noise, by
 what they intend above the lower end of the band: 47 simulated persons, none of whom is in ``bench_operator_fit``."""
-LEAST_PERIODS = 2.5
-"""The rate must be above the band by this."""
+LEAST_PERIODS = 2.75
+"""The rate must be above the band by this, and above twice the 20 Hz that reversals are found below."""
 NORMAL_95 = 1.96
 TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3,9,60 (0.1 to 0.6, 3 to 15, 20 to 150)"
 

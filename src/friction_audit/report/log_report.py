@@ -9,7 +9,7 @@ from typing import TypeVar
 from friction_audit.audit import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
 from friction_audit.discrepancy.result import JointDiscrepancy
 from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.errors import AnalysisError
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import JointFriction
 from friction_audit.replay.result import JointReplay
 from friction_audit.replay.settings import ReplaySettings
@@ -22,10 +22,11 @@ Step = Callable[[str], AbstractContextManager[object]]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Unanswered:
-    """A part of the report that this log gives no answer to: its name and why."""
+    """A part of the report that has no answer: its name and why; the traceback if a bug ended it."""
 
     part: str
     message: str
+    traceback: str = ""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -104,7 +105,11 @@ def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -
         return compute()
     except AnalysisError as error:
         unanswered.append(Unanswered(part=part, message=str(error)))
-        return None
+    except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
+        raise
+    except Exception as error:  # noqa: BLE001 - reported as a bug: on the page, with traceback and exit code 1
+        unanswered.append(Unanswered(part=part, message=bug_sentence(part, error), traceback=traced(error)))
+    return None
 
 
 def name_of_log(path: Path) -> str:

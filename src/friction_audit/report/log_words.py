@@ -19,6 +19,7 @@ WORDS: Mapping[str, str] = {
     "unexplained": "unexplained",
     "not_testable": "not testable",
     "data_fault": "data fault",
+    "failed": "failed",
 }
 """Verdicts of a diagnosis as the page says them."""
 UNITS = (("Coulomb", "N m"), ("viscous", "N m s/rad"))
@@ -110,6 +111,7 @@ def _missing(joint: JointReport) -> str:
         "unexplained": f"something unexplained is missing{beside}",
         "not_testable": "what the model misses cannot be tested",
         "data_fault": "the data contradict themselves",
+        "failed": "the diagnosis failed",
     }[found.verdict]
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from friction_audit.discrepancy.beside import Beside
 from friction_audit.discrepancy.candidate import Candidate
 from friction_audit.discrepancy.joint_data import JointData
 from friction_audit.joint_log import Float
@@ -13,10 +14,9 @@ def share_explained(candidate: Candidate, data: JointData, torque: Float) -> flo
     used = data.used
     declared = np.column_stack([data.ddq, np.sign(data.dq), data.dq])[used]
     y = torque[used] - declared @ np.linalg.lstsq(declared, torque[used])[0]
-    best = 0.0
+    beside, best = Beside(declared, y), 0.0
     for shape in candidate.tried(data):
-        columns = np.hstack([declared, candidate.columns(data, baseline(data), shape)[used]])
-        factors = np.linalg.lstsq(columns, y)[0]
-        if candidate.admissible(np.asarray(factors[3:]), shape):
-            best = max(best, 1.0 - float(np.sum((y - columns @ factors) ** 2) / np.sum(y**2)))
+        factors, left = beside.fit(candidate.columns(data, baseline(data), shape)[used])
+        if candidate.admissible(factors, shape):
+            best = max(best, 1.0 - left / float(np.sum(y**2)))
     return best

@@ -27,8 +27,8 @@ def test_strokes_of_a_seed_stay_the_same() -> None:
     strokes = plan_strokes(USUAL, 10.0, np.random.default_rng(5))
     table = np.stack([strokes.start_s, strokes.duration_s, strokes.length_rad])
     assert table.shape == (3, 5)
-    assert table[:, 0].tolist() == [0.5, 1.3437207168585683, -0.8773761539252232]
-    assert table[:, -1].tolist() == [7.447505816635416, 0.9166654959031897, 0.38676348599823623]
+    assert table[:, 0] == pytest.approx([0.5, 1.3437207168585683, -0.8773761539252232], rel=1e-9)
+    assert table[:, -1] == pytest.approx([7.447505816635416, 0.9166654959031897, 0.38676348599823623], rel=1e-9)
 
 
 def test_mean_and_spread_of_the_peak_speeds() -> None:

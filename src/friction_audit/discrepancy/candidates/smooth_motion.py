@@ -30,6 +30,8 @@ def _low_passed(signal: Float, below_hz: float, step_s: float) -> Float:
     """A signal filtered symmetrically, its ends held; half of the amplitude passes at the frequency."""
     from scipy.signal import firwin, oaconvolve
 
+    if below_hz >= 0.5 / step_s:  # the log holds nothing above its Nyquist frequency
+        return signal
     half = round(FILTER_S / step_s)
     kernel = firwin(2 * half + 1, below_hz, fs=1.0 / step_s)
     # From its first value, so that rest is rest to the last digit.

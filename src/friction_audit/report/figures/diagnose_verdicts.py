@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from friction_audit.audit import Diagnosis
-from friction_audit.discrepancy.result import JointDiscrepancy
+from friction_audit.discrepancy.result import UNANSWERED, JointDiscrepancy
 from friction_audit.report.figures.diagnose_look import DECLARED, GROWN, chosen_joints, joint_name, once, verdict_words
 from friction_audit.report.figures.layout import add_legend, label_panel, new_figure
 from friction_audit.report.figures.style import BORDER, COLUMN_IN, MUTED, SHEET_IN, figure_style
@@ -110,4 +110,4 @@ def _write(axes: "Axes", joints: Sequence[JointDiscrepancy], characters: int) ->
 def said_of(joint: JointDiscrepancy) -> str:
     """Return the verdict and names, and where there is no answer, the message."""
     words = verdict_words(joint)
-    return f"{words}: {joint.message}" if joint.verdict in ("not_testable", "data_fault") else words
+    return f"{words}: {joint.message}" if joint.verdict in UNANSWERED else words

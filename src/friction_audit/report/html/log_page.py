@@ -51,7 +51,8 @@ WORDS = {
     "ambiguous": "Something is missing, and this log does not tell it from something else.",
     "unexplained": "Something is missing that nothing in the catalogue explains.",
     "not testable": "The log lacks the motion that would tell.",
-    "data fault": "The data contradict themselves, so that nothing may be concluded from them.",
+    "data fault": "The data contradict themselves, or a channel is dead, so that nothing may be concluded from them.",
+    "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
     "gap": "Torque that a model leaves unexplained, as root mean square, on cycles that were locked away before "
     "anything was chosen.",
     "floor": "What the noise leaves, below which no model of the motion gets.",

@@ -23,6 +23,7 @@ TONES: Mapping[str, Tone] = {
     WORDS["unexplained"]: "alert",
     WORDS["not_testable"]: "off",
     WORDS["data_fault"]: "alert",
+    WORDS["failed"]: "alert",
     NO_ESTIMATE: "off",
     ESTIMATED: "fine",
 }

@@ -1,0 +1,134 @@
+"""What is wrong with one joint, or one part, takes no answer from the others: diagnose and report, end to end."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.discrepancy import diagnose as engine
+from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
+from friction_audit.discrepancy.result import JointDiscrepancy
+from friction_audit.export import write_log
+from friction_audit.report import log_report
+from tests.cli.conftest import Run
+from tests.report.conftest import build_estimate
+
+FEW = ("--candidates", "stribeck,torque_ripple")
+DEAD = {"torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0)}
+ERRORS = (ZeroDivisionError, FloatingPointError, np.linalg.LinAlgError, ValueError, IndexError)
+
+
+@pytest.fixture
+def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+    """Return a log of two joints of which the second has a dead channel."""
+    channel, value = DEAD[request.param]
+    log = build_estimate(2, count=24, rate=250.0).log
+    column = getattr(log, channel).copy()
+    column[:, 1] = value
+    write_log(replace(log, **{channel: column}), tmp_path / "dead.csv")
+    return tmp_path / "dead.csv"
+
+
+def fails(error: type[Exception], number: int) -> object:
+    """Return a diagnosis that ends in an error for one joint."""
+
+    def diagnose(subject: Subject, *others: object) -> JointDiscrepancy:
+        if subject.number == number:
+            raise error("by zero")
+        return diagnose_joint(subject, *others)  # type: ignore[arg-type]
+
+    return diagnose
+
+
+@pytest.mark.parametrize("dead", DEAD, indirect=True)
+def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
+    answer = run("diagnose", dead, "--json", *FEW)
+    assert answer.code == 0
+    good, bad = answer.document()["joints"]
+    assert (good["verdict"], bad["verdict"]) == ("none", "data_fault")
+    assert "channel is dead" in bad["message"]
+    assert good["declared"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
+
+
+@pytest.mark.usefixtures("sketched")
+@pytest.mark.parametrize("dead", DEAD, indirect=True)
+def test_a_report_stands_with_a_dead_channel(dead: Path, run: Run, tmp_path: Path) -> None:
+    assert run("report", dead, "--format", "markdown,html").code == 0
+    page = (tmp_path / "dead.report.md").read_text(encoding="utf-8")
+    assert "**nothing missing** Joint 1" in page
+    assert "**data fault** Joint 2" in page
+
+
+@pytest.mark.parametrize("error", ERRORS)
+def test_a_bug_in_one_joint_is_its_own(
+    error: type[Exception], run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "diagnose_joint", fails(error, 1))
+    answer = run("diagnose", logs / "moved2.csv", "--json", *FEW)
+    assert answer.code == 1
+    bad, good = answer.document()["joints"]
+    assert (bad["verdict"], good["verdict"]) == ("failed", "none")
+    assert error.__name__ in bad["message"]
+    assert answer.err.splitlines() == [f"error: joint 1: {bad['message']}"]
+
+
+def test_the_traceback_of_a_bug_is_for_those_who_ask(
+    run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "diagnose_joint", fails(ZeroDivisionError, 1))
+    answer = run("diagnose", logs / "moved1.csv", "-v", *FEW)
+    assert answer.code == 1
+    assert "Traceback (most recent call last)" in answer.err
+    assert answer.err.splitlines()[-1].startswith("error: joint 1: the diagnosis failed with ZeroDivisionError")
+    assert "failed" in answer.out
+    answer = run("report", logs / "moved2.csv", "--format", "markdown")
+    assert answer.code == 1
+    assert "Traceback" not in answer.err
+    page = (tmp_path / "moved2.report.md").read_text(encoding="utf-8")
+    assert "**failed** Joint 1" in page
+    assert "**nothing missing** Joint 2" in page
+
+
+@pytest.mark.usefixtures("sketched")
+@pytest.mark.parametrize(("part", "stays"), [("replay", "What the model misses"), ("diagnose", "a compensator would")])
+def test_a_bug_in_one_part_leaves_the_others_on_the_page(
+    part: str, stays: str, run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(log_report, f"{part}_estimate", lambda *_: 1 / 0)
+    answer = run("report", logs / "moved1.csv", "--format", "markdown,html,json")
+    assert answer.code == 1
+    assert f"error: {part} failed with ZeroDivisionError" in answer.err
+    page = (tmp_path / "moved1.report.md").read_text(encoding="utf-8")
+    assert f"{part} failed with ZeroDivisionError" in page
+    assert "Friction is estimated on the joint." in page
+    assert stays in page
+
+
+def test_without_an_estimate_the_page_says_what_was_read_and_what_to_record(
+    run: Run, logs: Path, tmp_path: Path
+) -> None:
+    answer = run("report", logs / "still.csv", "-o", "out", "--format", "html,markdown,json,pdf")
+    assert answer.code == 4
+    assert "no joint has an estimate:\n  joint 1: did not move" in answer.err
+    assert len(list((tmp_path / "out").iterdir())) == 4
+    page = (tmp_path / "out" / "still.report.md").read_text(encoding="utf-8")
+    for said in ("Friction is estimated on no joint", "move it back and forth", "SHA-256", "samples"):
+        assert said in page.replace("Samples", "samples")
+
+
+@pytest.mark.parametrize("share", [0.15, 0.45])
+@pytest.mark.parametrize("rate", [30.0, 38.0, 50.0, 100.0, 119.0, 125.0, 2000.0])
+def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: Run, tmp_path: Path) -> None:
+    """Noise of the motion lowers the corner of the rows, and a vibration above it is looked at on every sample."""
+    log, rng = build_estimate(1, count=24, rate=rate).log, np.random.default_rng(0)
+    assert log.tau_interaction is not None
+    vibration = 0.1 * np.sin(2.0 * np.pi * share * rate * log.t)
+    q, dq = (signal + size * rng.standard_normal(signal.shape) for signal, size in ((log.q, 1e-3), (log.dq, 1e-2)))
+    write_log(replace(log, q=q, dq=dq, tau_interaction=log.tau_interaction + vibration[:, None]), tmp_path / "low.npz")
+    answer = run("diagnose", "low.npz", "--json", "--candidates", "joint_elasticity,backlash,stribeck")
+    assert answer.code == 0, answer.err
+    (joint,) = answer.document()["joints"]
+    assert joint["verdict"] in ("none", "named", "ambiguous", "unexplained")
+    if share < 0.2 and rate < 200.0:  # above, torque and motion are filtered away
+        assert joint["vibration"]["frequency_hz"] == pytest.approx(share * rate, rel=0.05)
