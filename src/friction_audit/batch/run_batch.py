@@ -110,6 +110,7 @@ def catch_up(
     key = settings.key()
     hashes = _hashes(logs, ledger)
     first, copies = _first_of_each(logs, hashes)
+    broken = ledger.forget_broken(hashes.values(), key)
     new = [log for log in first if log.place not in hashes or not ledger.is_done(hashes[log.place], key)]
     passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
     hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
@@ -120,7 +121,11 @@ def catch_up(
         passing={place: faults for place, faults in passing.items() if faults},
         new=len(new),
         known=len(logs) - len(new) - len(copies),
-        warnings=(*copies, *late_copies),
+        warnings=(
+            *(f"{log.path}: its row in {ledger.path} was damaged or changed; computed anew" for log in first
+              if hashes.get(log.place) in broken),
+            *(copies, *late_copies),
+        ),
     )
 
 

@@ -173,7 +173,7 @@ def command(
             check_results(folder, figures, ledger, settings)
         standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
-        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
+        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if told is None:
             again = command_line(context, leave_out=NOT_PART_OF_IT)
             with voice.step("look for drift"):
