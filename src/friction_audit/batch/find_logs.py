@@ -128,7 +128,9 @@ def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
         stamp = stamp_of(path)
     except OSError:  # the worker says why
         stamp = Stamp(size=-1, changed_ns=0)
-    which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])  # devices are numbered anew at every start
+    which = repr(
+        [(inode, *times) for _, _, inode, *times in stamp.identity]
+    )  # devices are numbered anew at every start
     return LogFile(
         path=as_text(str(path)),
         place=str(place),

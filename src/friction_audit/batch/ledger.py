@@ -258,7 +258,16 @@ class Ledger:
                 self._write_digest(key, rows.digest_of(row, *parts))
 
     def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
-        values = (as_text(log.place), settings, fault.topic, sha256, log.path, fault.message, fault.lasting, fault.detail)
+        values = (
+            as_text(log.place),
+            settings,
+            fault.topic,
+            sha256,
+            log.path,
+            fault.message,
+            fault.lasting,
+            fault.detail,
+        )
         self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
 
     def _remember(self, log: LogFile, sha256: str) -> None:

@@ -33,6 +33,8 @@ MOST_NAMED = 4
 """Files that a message names; more are counted."""
 EXCEEDED = 5
 """Exit code: a limit that the user set is exceeded."""
+CANNOT_TELL = 7
+"""Exit code: the sessions cannot test a limit that the user set."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -89,7 +91,9 @@ def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice
         return None
     digest, _, text = written.partition(" ")
     if digest != _digest(text):
-        voice.warn([f"{ledger.path}: the note on the last report is damaged; the report is made anew from the sessions"])
+        voice.warn(
+            [f"{ledger.path}: the note on the last report is damaged; the report is made anew from the sessions"]
+        )
         return None
     note = json.loads(text)
     if note["request"] != _digest(request) or note["files"] != _stamps(folder, note["files"]):
@@ -155,9 +159,9 @@ def _remember(told: Told, request: object, names: Sequence[str], folder: Path, l
 
 
 def _code(summary: "BatchSummary") -> int:
-    """Return the exit code; a limit that is exceeded comes before all else: that is what was asked."""
-    if summary.exceeded:
-        return EXCEEDED
+    """Return the exit code; what was asked, the limits, comes before files that failed."""
+    if summary.exceeded or summary.cannot_tell:
+        return EXCEEDED if summary.exceeded else CANNOT_TELL
     return DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
 
 

@@ -97,7 +97,8 @@ class DriftOptions:
         list[str] | None,
         typer.Option(
             metavar="COEFFICIENT=LIMIT",
-            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%. Repeatable.",
+            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
+            "few or scattered to tell. Repeatable.",
             rich_help_panel=DRIFT,
         ),
     ] = None
@@ -164,6 +165,8 @@ def command(
     if shared.general.dump_config:
         typer.echo(dump_config(context), nl=False)
         return
+    from friction_audit.batch.log_file import as_text
+
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     output, settings = shared.output, _settings(sessions, shared)
     drift_settings, limits = _drift_settings(drift)
@@ -175,7 +178,7 @@ def command(
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
         told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if told is None:
-            again = command_line(context, leave_out=NOT_PART_OF_IT)
+            again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
@@ -332,7 +335,7 @@ def _summarise(
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.drift_of_arms import drift_of_arms
     from friction_audit.batch.run_batch import gather
-    from friction_audit.drift.fail_on import exceeded
+    from friction_audit.drift.fail_on import cannot_tell, exceeded
     from friction_audit.report.batch_summary import BatchSummary, FailedLog
     from friction_audit.report.document import to_json
 
@@ -345,6 +348,7 @@ def _summarise(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
+        cannot_tell=cannot_tell(report, limits),
         settings=to_json(every),
         command=command,
         computed=result.new,

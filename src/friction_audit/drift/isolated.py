@@ -67,8 +67,8 @@ def leave_odd_out(series: Series) -> Series:
 def _most_odd(series: Series) -> int | None:
     """Return the place of the session with the largest externally studentised residual, or None if none is an outlier.
 
-    The residual is taken around every shape of drift (step or ramp) that describes the other sessions about as well as
-    the best one does (profile likelihood, 95 %); the smallest counts. Sessions in a row that are off alike are a change.
+    The residual is taken around every step and ramp that describes the other sessions about as well as the best one
+    does (profile likelihood, 95 %); the smallest counts. Sessions in a row that are off alike are a change.
     """
     from scipy.stats import f, t
 

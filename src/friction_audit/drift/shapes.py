@@ -15,8 +15,8 @@ SHORTEST_SEGMENT = 2
 MOST_STEPS = 80
 """So many places of a step are tried; more only cost time, for neighbours say nearly the same."""
 
-SHORTEST_EPISODE = 3
-"""Sessions of a change that comes and goes: fewer are odd sessions."""
+SHORTEST_EPISODE = 8
+"""Sessions of a change that comes and goes: shorter ones are like scatter with a memory, and cost sensitivity."""
 
 MOST_PLACES = 16
 """So many places of a step are paired to changes that come and go."""

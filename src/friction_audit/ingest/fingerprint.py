@@ -2,7 +2,6 @@
 
 import errno
 import hashlib
-import os
 import stat
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +14,8 @@ class Stamp:
     Attributes:
         size: Bytes, of all files.
         changed_ns: Time of the last change of content that the file system tells, the latest of all files. [ns]
-        identity: Of each file its device, inode and both times: ``cp -p`` over a file keeps size and time of the content,
-            but not the time of the inode, and ``mv`` over it not the inode.
+        identity: Of each file its name, device, inode and both times: ``cp -p`` over a file keeps size and time of the
+            content, but not the time of the inode, and ``mv`` over it not the inode.
     """
 
     size: int
@@ -44,10 +43,9 @@ def sha256_of(path: Path) -> str:
     if not files:  # all folders that cannot be listed would be one content
         raise OSError(errno.ENOENT, "holds no file that can be read", str(path))
     for file in files:
-        # Without O_NONBLOCK a named pipe that nobody writes to is waited for; to files it makes no difference.
-        with open(os.open(file, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC), "rb") as stream:
-            if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
-                raise OSError(errno.EINVAL, "a pipe or a device, not a file", str(file))
+        if not stat.S_ISREG(file.stat().st_mode):  # to open a named pipe waits for its writer
+            raise OSError(errno.EINVAL, "a pipe or a device, not a file", str(file))
+        with file.open("rb") as stream:
             hashlib.file_digest(stream, lambda: digest)
     return digest.hexdigest()
 

@@ -134,8 +134,8 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
         return ()
     how = f"{before.size} bytes before, {after.size} after" if before.size != after.size else "its size stayed"
     message = (
-        f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again when "
-        "the recording is finished"
+        f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
+        "when the recording is finished"
     )
     return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
 

@@ -50,6 +50,7 @@ def _head(summary: BatchSummary) -> Document:
         "known": summary.known,
         "drift": summary.report.drift,
         "exceeded": list(summary.exceeded),
+        "cannot_tell": list(summary.cannot_tell),
         "failed": [{"path": failed.path, "message": failed.message} for failed in summary.failed],
     }
 
