@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from friction_audit.batch.recorded import Recorded
+from friction_audit.drift.series import COEFFICIENTS
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 
@@ -115,10 +116,10 @@ def is_sound(row: sqlite3.Row, joints: Sequence[sqlite3.Row], coefficients: Sequ
             [dict(zip(JOINT_COLUMNS, one, strict=True)) for one in joint_rows(row["id"], written)],
             [dict(zip(COEFFICIENT_COLUMNS, one, strict=True)) for one in coefficient_rows(row["id"], written)],
         )
-        text = json.dumps([dict(row), *map(dict, coefficients)], ensure_ascii=False, allow_nan=False)
+        text = json.dumps([*map(dict, (row, *joints, *coefficients))], ensure_ascii=False, allow_nan=False)
         return (
             bool(text.encode())  # bytes that are no UTF-8 raise
-            and len({len(own) for own in of_joint.values()}) == 1
+            and all({one["coefficient"] for one in own} == {*COEFFICIENTS} for own in of_joint.values())
             and digest_of(*again) == digest_of(row, joints, coefficients)
         )
     except (ValueError, TypeError, KeyError, AttributeError):

@@ -349,6 +349,7 @@ def _summarise(
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
         cannot_tell=cannot_tell(report, limits),
+        warnings=result.warnings,
         settings=to_json(every),
         command=command,
         computed=result.new,

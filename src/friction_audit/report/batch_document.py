@@ -51,6 +51,7 @@ def _head(summary: BatchSummary) -> Document:
         "drift": summary.report.drift,
         "exceeded": list(summary.exceeded),
         "cannot_tell": list(summary.cannot_tell),
+        "warnings": list(summary.warnings),
         "failed": [{"path": failed.path, "message": failed.message} for failed in summary.failed],
     }
 
