@@ -15,13 +15,13 @@ SHORTEST_SEGMENT = 2
 MOST_STEPS = 80
 """So many places of a step are tried; more only cost time, for neighbours say nearly the same."""
 
-SHORTEST_EPISODE = 8
+SHORTEST_EPISODE = 10
 """Sessions of a change that comes and goes: shorter ones are like scatter with a memory, and cost sensitivity."""
 
-MOST_PLACES = 16
+MOST_PLACES = 32
 """So many places of a step are paired to changes that come and go."""
 
-HANDICAP = 0.8
+HANDICAP = 0.7
 """Factor on the statistic of a change that comes and goes: there are many, and they must not hide the single steps."""
 
 COLLINEAR = 1e-6
