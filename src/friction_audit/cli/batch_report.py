@@ -275,21 +275,25 @@ def _catch_up(
     from friction_audit.batch.run_batch import catch_up
 
     last: list[Progress] = []
+    loading = Thread(target=_load, name="load", daemon=True)
 
     def watch(progress: "Progress") -> None:
         last[:] = [progress]
         if progress.done == 1 < progress.total:
-            Thread(target=_load, name="load", daemon=True).start()  # there is time while others read logs
+            loading.start()  # there is time while others read logs
         if count is not None:
             count(progress.done, progress.total, progress.failed)
 
     try:
         with voice.count("estimate friction") as count:
-            return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
+            standing = catch_up(found, settings, ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
         typer.echo(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there", err=True)
         raise typer.Exit(INTERRUPTED) from stop
+    if loading.is_alive():  # modules that import each other, imported by two threads at once, are half there
+        loading.join()
+    return standing
 
 
 def _load() -> None:
