@@ -100,7 +100,7 @@ def _scatter(series: Series, shapes: Float, freedom: int) -> float:
 def relative_size(y: Float | float) -> Float:
     """Return the relative change that a change of a logarithm is; infinite (no limit) beyond all numbers."""
     with np.errstate(over="ignore"):
-        return np.expm1(y)
+        return np.asarray(np.expm1(y), dtype=float)
 
 
 def to_level(y: Coefficient, series: Series) -> Coefficient:
