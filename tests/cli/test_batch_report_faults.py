@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.export import write_log
-from friction_audit.ingest import read
+from friction_audit.ingest.fingerprint import sha256_of
 from friction_audit.simulate import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
@@ -117,11 +117,10 @@ def test_a_log_that_is_replaced_while_it_is_read_is_kept_under_its_own_content(
     levels = {}
     for path in (first, second):
         levels[path] = run("batch-report", path, "-q", "--json", "-o", f"alone-{path.stem}").document()["sessions"][0]
-    other = second.read_bytes()
-    size = max(first.stat().st_size, len(other))
+    size = max(first.stat().st_size, second.stat().st_size)
     for path in (first, second):  # a zip archive may have a tail
         path.write_bytes(path.read_bytes().ljust(size, b"\0"))
-    replaced = []
+    replaced: list[Path] = []
 
     def replace_then_hash(path: Path) -> str:
         if path.name == first.name and not replaced:
@@ -129,10 +128,9 @@ def test_a_log_that_is_replaced_while_it_is_read_is_kept_under_its_own_content(
             times = first.stat()
             first.write_bytes(second.read_bytes())
             os.utime(first, ns=(times.st_atime_ns, times.st_mtime_ns))
-        return hash_of(path)
+        return sha256_of(path)
 
-    hash_of = read.sha256_of
-    monkeypatch.setattr(read, "sha256_of", replace_then_hash)
+    monkeypatch.setattr("friction_audit.ingest.read.sha256_of", replace_then_hash)
     found = run("batch-report", first, "-q", "--json").document()["sessions"][0]
     assert replaced
     expected = levels[second]["joints"][0]["coulomb_nm"]
