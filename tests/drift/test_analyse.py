@@ -1,3 +1,4 @@
+import warnings
 from dataclasses import replace
 
 import numpy as np
@@ -96,7 +97,45 @@ def test_one_broken_estimate_is_no_drift(at: int) -> None:
     assert (found.drift, found.isolated) == (False, (at,))
     assert found.control[at].outside
     if at == 29:
-        assert "the last session lies 6" in found.message
+        assert "session 30 (2026-03-30) does not fit: 6" in found.message
+
+
+def rise(*, odd_at: int | None = None, back_for: int = 0, seed: int = 0) -> list[Session]:
+    """30 sessions, 15 % higher from the 16th on, each known to 5 %; an old one dated later, or the last ones back."""
+    level = np.where(np.arange(30) >= 15, 0.345, 0.3)
+    level[30 - back_for :] = 0.3
+    if odd_at is not None:
+        level = np.insert(np.delete(level, 2), odd_at, 0.3)
+    return make_sessions(level * noisy(30, seed, level=1.0, scatter=0.02), error=0.025 * 0.32, seed=seed)
+
+
+@pytest.mark.parametrize("seed", range(1, 4))
+@pytest.mark.parametrize("odd_at", [None, 29, 28, 21])
+def test_one_odd_session_does_not_hide_a_step(odd_at: int | None, seed: int) -> None:
+    found = coulomb(rise(odd_at=odd_at, seed=seed))
+    assert (found.drift, found.shape) == (True, "step")
+    assert found.isolated == (() if odd_at is None else (odd_at,))
+    assert found.total.low < 0.15 < found.total.high
+    assert found.total.high - found.total.low < 0.13
+    assert found.change_points[0].low <= (15 if odd_at is None else 14) <= found.change_points[0].high
+    if odd_at is not None:
+        assert f"session {odd_at + 1} (2026-03-{odd_at + 1}) does not fit: 1" in found.message
+
+
+@pytest.mark.parametrize("back_for", [3, 5])
+def test_a_joint_that_recovered_is_no_odd_session(back_for: int) -> None:
+    found = coulomb(rise(back_for=back_for, seed=1))
+    assert (found.drift, found.shape, found.isolated) == (True, "steps", ())
+    assert [point.session for point in found.change_points] == [15, 30 - back_for]
+    assert found.total.low < 0.0 < found.total.high
+    assert "changed in 2 steps: rose by 1" in found.message
+
+
+def test_limits_of_few_sessions_overflow_without_a_warning() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = coulomb(make_sessions([0.001, 0.5, 0.0002, 0.9], error=1e-5))
+    assert not any(point.outside for point in found.control)
 
 
 def test_one_negative_estimate_is_no_drift() -> None:

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.fail_on import Limit, exceeded, parse_limit
+from friction_audit.drift.fail_on import Limit, cannot_tell, exceeded, parse_limit
 from friction_audit.drift.report import DriftReport
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import UsageError
@@ -59,3 +59,25 @@ def test_estimate_beyond_an_interval_across() -> None:
     close = Limit(joint=None, coefficient="coulomb_nm", size=total.value - 1e-4, relative=True, text="coulomb=close")
     (sentence,) = exceeded(report, [close])
     assert "probably beyond" in sentence
+
+
+@pytest.mark.parametrize(
+    ("sessions", "text", "told"),
+    [
+        (16, "coulomb=20%", True),
+        (16, "coulomb=0.1%", False),
+        (16, "coulomb=0%", True),
+        (16, "coulomb=0.00001", False),
+        (3, "coulomb=50%", False),
+        (16, "joint2.coulomb=20%", False),
+    ],
+)
+def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
+    report = analyse_drift(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
+    sentences = cannot_tell(report, [parse_limit(text)])
+    assert len(sentences) == (not told)
+    assert all(text in sentence for sentence in sentences)
+
+
+def test_a_proven_drift_tests_every_limit(stepped: DriftReport) -> None:
+    assert cannot_tell(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")]) == ()

@@ -1,17 +1,18 @@
 """Files, folders, globs and URLs -> the logs among them, each once, in the order of their names."""
 
 import glob
+import hashlib
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePath
 
 from friction_audit.batch import remote
-from friction_audit.batch.log_file import LEDGER, LogFile, ManifestRow
+from friction_audit.batch.log_file import LEDGER, LogFile, ManifestRow, as_text
 from friction_audit.drift.order import natural
 from friction_audit.errors import InputError
 from friction_audit.ingest import READERS
-from friction_audit.ingest.fingerprint import stamp_of
+from friction_audit.ingest.fingerprint import Stamp, stamp_of
 
 BAG_METADATA = "metadata.yaml"
 STORAGE_SUFFIXES = (".db3", ".mcap")
@@ -45,7 +46,7 @@ def find_logs(
     for name in (*names, *rows):
         logs = [log for log in _logs_of(name, closed) if os.path.realpath(log.place) not in closed]
         if not logs:
-            lost.append(_nothing(name))
+            lost.append(as_text(_nothing(name)))
         for log in logs:
             key = log.place if log.is_remote else os.path.realpath(log.place)
             found.setdefault(key, replace(log, row=rows.get(log.place)))
@@ -62,7 +63,7 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
     path = Path(name)
     if path.is_dir():
         return [] if os.path.realpath(path) in closed else list(_logs_in(path, closed))
-    if path.exists():
+    if os.path.lexists(path):  # a link that leads nowhere is listed as failed
         return [_local(path, ())]
     if not glob.has_magic(name):
         return []
@@ -72,7 +73,8 @@ def _logs_of(name: str, closed: set[str]) -> list[LogFile]:
 
 def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
     """Walk through a folder; a folder that is a bag is one log, and results of this program are none."""
-    for folder, folders, files in os.walk(top):
+    closed_to_us: list[OSError] = []
+    for folder, folders, files in os.walk(top, onerror=closed_to_us.append):
         here = Path(folder)
         if LEDGER in files or os.path.realpath(here) in closed:
             folders.clear()
@@ -86,6 +88,8 @@ def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
         for file in sorted(files, key=natural):
             if is_log_name(file):
                 yield _local(here / file, around)
+    for error in closed_to_us:  # a folder that cannot be listed: its reader says why
+        yield _local(Path(error.filename), _folders_around(top, Path(error.filename)))
 
 
 def _folders_around(top: Path, here: Path) -> tuple[str, ...]:
@@ -122,10 +126,18 @@ def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
     place = path.absolute()
     try:
         stamp = stamp_of(path)
-    except OSError as error:
-        raise InputError(f"{path}: cannot be looked at: {error.strerror}; check its permissions") from error
-    around = folders or (place.parent.name,)
-    return LogFile(path=str(path), place=str(place), folders=around, size=stamp.size, changed=str(stamp.changed_ns))
+    except OSError:  # the worker says why
+        stamp = Stamp(size=-1, changed_ns=0)
+    which = repr(
+        [(inode, *times) for _, _, inode, *times in stamp.identity]
+    )  # devices are numbered anew at every start
+    return LogFile(
+        path=as_text(str(path)),
+        place=str(place),
+        folders=tuple(map(as_text, folders or (place.parent.name,))),
+        size=stamp.size,
+        changed=f"{stamp.changed_ns} {hashlib.sha256(which.encode()).hexdigest()[:16]}",
+    )
 
 
 def _nothing(name: str) -> str:

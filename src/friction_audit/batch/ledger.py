@@ -14,7 +14,7 @@ from typing import Self
 
 from friction_audit.batch import ledger_rows as rows
 from friction_audit.batch.ledger_schema import APPLICATION_ID, SCHEMA_VERSION, TABLES
-from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.log_file import LogFile, as_text
 from friction_audit.batch.recorded import Fault, Recorded, Worked
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.drift.session import Session
@@ -24,6 +24,8 @@ BUSY_S = 60.0
 """How long to wait while another run writes."""
 BESIDE = ("", "-wal", "-shm")
 """Endings of the files that a ledger is made of while it is open."""
+LEFT_BEHIND = ("-wal", "-journal")
+"""What lies beside a ledger that is open or was not closed."""
 AT_ONCE = 50
 """Keys per question: SQLite takes no more than a thousand, and rows take memory beside what is made of them."""
 
@@ -40,15 +42,19 @@ class Ledger:
 
     def __init__(self, path: Path) -> None:
         self.path = path
+        unclean = any(path.with_name(path.name + ending).exists() for ending in LEFT_BEHIND)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._database = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
         except (OSError, sqlite3.Error) as error:
             raise InputError(f"{path}: cannot be made or opened: {error}; choose another folder with -o") from error
         self._database.row_factory = sqlite3.Row
+        self._database.text_factory = _text  # a broken row must not hide the others
         try:
             with self._told():
                 self._set_up()
+                if unclean:
+                    self._check()
         except BaseException:
             self._database.close()
             raise
@@ -68,8 +74,8 @@ class Ledger:
     def known_hash(self, log: LogFile) -> str | None:
         """Return the hash of a log's content if the log has not changed since it was last looked at."""
         query = "SELECT sha256 FROM files WHERE place = ? AND size = ? AND changed = ?"
-        row = self._ask(query, (log.place, log.size, log.changed)).fetchone()
-        return None if row is None else str(row["sha256"])
+        found = self._ask(query, (as_text(log.place), log.size, log.changed))
+        return str(found[0]["sha256"]) if found else None
 
     def known_sizes(self) -> set[int]:
         """Return the sizes of all logs that were looked at; content of another size is new."""
@@ -86,14 +92,30 @@ class Ledger:
         query = f"""SELECT
             (EXISTS (SELECT 1 FROM sessions {where}) OR EXISTS (SELECT 1 FROM failed {where} AND lasting))
             AND NOT EXISTS (SELECT 1 FROM failed {where} AND NOT lasting)"""  # noqa: S608
-        return bool(self._ask(query, {"sha256": sha256, "settings": settings}).fetchone()[0])
+        return bool(self._ask(query, {"sha256": sha256, "settings": settings})[0][0])
+
+    def forget_broken(self, hashes: Iterable[str], settings: str) -> set[str]:
+        """Remove the sessions whose stored content is not what was written; return the hashes of their logs."""
+        broken: dict[int, str] = {}
+        for some in _in_lots(dict.fromkeys(hashes)):
+            for row, joints, coefficients in self._stored(some, settings):
+                if row["digest"] != rows.digest_of(row, joints, coefficients):
+                    broken[row["id"]] = row["sha256"]
+        unreadable = "typeof(message) <> 'text' OR typeof(topic) <> 'text' OR typeof(lasting) <> 'integer'"
+        if broken or self._ask(f"SELECT 1 FROM failed WHERE {unreadable}"):  # noqa: S608 - a constant
+            with self._transaction():
+                self._database.execute(f"DELETE FROM failed WHERE {unreadable}")  # noqa: S608
+                for key in broken:
+                    self._forget_rows(key)
+                    self._database.execute("DELETE FROM sessions WHERE id = ?", (key,))
+        return set(broken.values())
 
     def save(self, log: LogFile, settings: BatchSettings, worked: Worked) -> None:
         """Keep what came of a log, all of it or nothing."""
         key = settings.key()
         with self._transaction():
             self._database.execute("INSERT OR IGNORE INTO settings VALUES (?, ?)", (key, settings.text()))
-            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, log.place))
+            self._database.execute("DELETE FROM failed WHERE settings = ? AND place = ?", (key, as_text(log.place)))
             if worked.sha256:
                 self._database.execute("DELETE FROM failed WHERE settings = ? AND sha256 = ?", (key, worked.sha256))
                 self._remember(log, worked.sha256)
@@ -106,16 +128,23 @@ class Ledger:
         """Return what is known of logs, by the hash of their content; of several arms in the order of their topics."""
         found: dict[str, tuple[Recorded, ...]] = {}
         for some in _in_lots(dict.fromkeys(hashes)):
-            chosen = f"FROM sessions WHERE settings = ? AND sha256 IN ({_marks(some)})"
-            joints = self._by_session("joints", chosen, settings, some)
-            coefficients = self._by_session("coefficients", chosen, settings, some)
-            for row in self._ask(f"SELECT * {chosen} ORDER BY topic", (settings, *some)):
+            for row, joints, coefficients in self._stored(some, settings):
                 of_joint: dict[int, list[sqlite3.Row]] = defaultdict(list)
-                for one in coefficients[row["id"]]:
+                for one in coefficients:
                     of_joint[one["joint"]].append(one)
-                recorded = rows.recorded_from(row, joints[row["id"]], of_joint)
+                recorded = rows.recorded_from(row, joints, of_joint)
                 found[row["sha256"]] = (*found.get(row["sha256"], ()), recorded)
         return found
+
+    def _stored(
+        self, hashes: tuple[str, ...], settings: str
+    ) -> Iterator[tuple[sqlite3.Row, list[sqlite3.Row], list[sqlite3.Row]]]:
+        """Yield the row of each session of some logs with those of its joints and coefficients, by topic."""
+        chosen = f"FROM sessions WHERE settings = ? AND sha256 IN ({_marks(hashes)})"
+        joints = self._by_session("joints", chosen, settings, hashes)
+        coefficients = self._by_session("coefficients", chosen, settings, hashes)
+        for row in self._ask(f"SELECT * {chosen} ORDER BY topic", (settings, *hashes)):
+            yield row, joints[row["id"]], coefficients[row["id"]]
 
     def faults(self, hashes: Iterable[str], settings: str) -> dict[str, tuple[Fault, ...]]:
         """Return what is lastingly wrong with logs, by the hash of their content."""
@@ -153,8 +182,8 @@ class Ledger:
 
     def note(self, key: str) -> str | None:
         """Return a note about the ledger as a whole."""
-        row = self._ask("SELECT value FROM meta WHERE key = ?", (key,)).fetchone()
-        return None if row is None else str(row["value"])
+        found = self._ask("SELECT value FROM meta WHERE key = ?", (key,))
+        return str(found[0]["value"]) if found else None
 
     def write_note(self, key: str, value: str) -> None:
         """Keep a note about the ledger as a whole."""
@@ -164,7 +193,7 @@ class Ledger:
     def _set_up(self) -> None:
         """Make the tables of an empty file; refuse a file that is something else."""
         version = self._pragma("user_version")
-        holds_tables = self._ask("SELECT 1 FROM sqlite_master LIMIT 1").fetchone() is not None
+        holds_tables = bool(self._ask("SELECT 1 FROM sqlite_master LIMIT 1"))
         if holds_tables and self._pragma("application_id") != APPLICATION_ID:
             raise InputError(f"{self.path}: an SQLite database, but no ledger; {_MOVE_ON}")
         if version > SCHEMA_VERSION:
@@ -179,8 +208,36 @@ class Ledger:
         with self._transaction():
             for table in TABLES:
                 self._database.execute(table)
+            if "digest" not in {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}:
+                self._give_digests()
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
+
+    def _give_digests(self) -> None:
+        """Give the sessions of a ledger of schema 1 their hashes; one that is broken gets none, and so is found out."""
+        self._database.execute("ALTER TABLE sessions ADD COLUMN digest TEXT NOT NULL DEFAULT ''")
+        self._database.execute("DELETE FROM meta WHERE key = 'reported'")  # a note without a hash, made anew
+        for known in self._ask("SELECT DISTINCT sha256, settings FROM sessions"):
+            for row, *parts in self._stored((known["sha256"],), known["settings"]):
+                if rows.is_sound(row, *parts):
+                    self._write_digest(row["id"], rows.digest_of(row, *parts))
+
+    def _write_digest(self, key: int, digest: str) -> None:
+        self._database.execute("UPDATE sessions SET digest = ? WHERE id = ?", (digest, key))
+
+    def _forget_rows(self, key: int) -> None:
+        for table in ("joints", "coefficients"):
+            self._database.execute(f"DELETE FROM {table} WHERE session = ?", (key,))  # noqa: S608 - names from here
+
+    def _check(self) -> None:
+        """Refuse a file that is damaged.
+
+        Raises:
+            InputError: If SQLite finds faults in it.
+        """
+        said = [str(row[0]) for row in self._ask("PRAGMA quick_check(3)")]
+        if said != ["ok"]:
+            raise InputError(f"{self.path}: a damaged ledger ({'; '.join(said)}); {_MOVE_ON}")
 
     def _pragma(self, name: str) -> int:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
@@ -192,16 +249,29 @@ class Ledger:
             return  # another run was faster
         key, joints = cursor.lastrowid, recorded.session.joints
         assert key is not None
+        self._forget_rows(key)  # those of a session that was lost, which had this number
         self._database.executemany(rows.insert("joints", rows.JOINT_COLUMNS), rows.joint_rows(key, joints))
         statement = rows.insert("coefficients", rows.COEFFICIENT_COLUMNS)
         self._database.executemany(statement, rows.coefficient_rows(key, joints))
+        for row, *parts in self._stored((recorded.session.sha256,), settings):
+            if row["id"] == key:
+                self._write_digest(key, rows.digest_of(row, *parts))
 
     def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
-        values = (log.place, settings, fault.topic, sha256, log.path, fault.message, fault.lasting, fault.detail)
+        values = (
+            as_text(log.place),
+            settings,
+            fault.topic,
+            sha256,
+            log.path,
+            fault.message,
+            fault.lasting,
+            fault.detail,
+        )
         self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
 
     def _remember(self, log: LogFile, sha256: str) -> None:
-        values = (log.place, log.size, log.changed, sha256)
+        values = (as_text(log.place), log.size, log.changed, sha256)
         self._database.execute("INSERT OR REPLACE INTO files VALUES (?, ?, ?, ?)", values)
 
     def _by_session(
@@ -213,9 +283,9 @@ class Ledger:
             found[row["session"]].append(row)
         return found
 
-    def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> sqlite3.Cursor:
+    def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
         with self._told():
-            return self._database.execute(query, values)
+            return self._database.execute(query, values).fetchall()
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
@@ -243,6 +313,10 @@ class Ledger:
 
 
 _MOVE_ON = "choose another folder with -o, or --rebuild to move it aside and compute anew"
+
+
+def _text(content: bytes) -> str:
+    return content.decode("utf-8", "surrogateescape")
 
 
 def move_aside(path: Path) -> Path | None:

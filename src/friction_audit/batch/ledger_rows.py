@@ -1,5 +1,6 @@
 """Recorded <-> rows of the ledger's tables; NaN is NULL there, lists are JSON."""
 
+import hashlib
 import json
 import math
 import sqlite3
@@ -7,10 +8,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from friction_audit.batch.recorded import Recorded
+from friction_audit.drift.series import COEFFICIENTS
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 
 Row = tuple[Any, ...]
+Stored = sqlite3.Row | Mapping[str, Any]
 NAN = float("nan")
 
 SESSION_COLUMNS = (
@@ -25,6 +28,9 @@ JOINT_COLUMNS = (
 COEFFICIENT_COLUMNS = (
     "session", "joint", "coefficient", "value", "low", "high", "within_value", "within_low", "within_high",
 )  # fmt: skip
+NAMED = {"path", "robot", "start_s", "start_from", "payload", "temperature_c", "note"}
+"""Columns of a session that are written anew with every manifest; nothing is read from them."""
+CONTENT = tuple(column for column in SESSION_COLUMNS if column not in NAMED)
 
 
 def insert(table: str, columns: Sequence[str]) -> str:
@@ -87,6 +93,42 @@ def recorded_from(
         damaged=bool(row["damaged"]),
     )
     return Recorded(session=session, topic=row["topic"], kind=row["kind"], named_by_serial=bool(row["told_by_serial"]))
+
+
+def digest_of(row: Stored, joints: Iterable[Stored], coefficients: Iterable[Stored]) -> str:
+    """Return the hash of all that is stored of a session, by which a changed or damaged row is known."""
+    stored = [
+        [row[column] for column in CONTENT],
+        *([joint[column] for column in JOINT_COLUMNS[1:]] for joint in joints),
+        *([one[column] for column in COEFFICIENT_COLUMNS[1:]] for one in coefficients),
+    ]
+    return hashlib.sha256(json.dumps(stored, default=repr).encode()).hexdigest()
+
+
+def is_sound(row: sqlite3.Row, joints: Sequence[sqlite3.Row], coefficients: Sequence[sqlite3.Row]) -> bool:
+    """Return whether the rows of a session without a hash are as this program writes them: read and written again."""
+    of_joint = {joint["joint"]: [one for one in coefficients if one["joint"] == joint["joint"]] for joint in joints}
+    try:
+        recorded = recorded_from(row, joints, of_joint)
+        written = recorded.session.joints
+        again = (
+            dict(zip(SESSION_COLUMNS, map(_plain, session_row(recorded, row["settings"])), strict=True)),
+            [dict(zip(JOINT_COLUMNS, one, strict=True)) for one in joint_rows(row["id"], written)],
+            [dict(zip(COEFFICIENT_COLUMNS, one, strict=True)) for one in coefficient_rows(row["id"], written)],
+        )
+        text = json.dumps([*map(dict, (row, *joints, *coefficients))], ensure_ascii=False, allow_nan=False)
+        return (
+            bool(text.encode())  # bytes that are no UTF-8 raise
+            and all({one["coefficient"] for one in own} == {*COEFFICIENTS} for own in of_joint.values())
+            and digest_of(*again) == digest_of(row, joints, coefficients)
+        )
+    except (ValueError, TypeError, KeyError, AttributeError):
+        return False
+
+
+def _plain(value: object) -> object:
+    """Return a value as SQLite gives it back."""
+    return int(value) if isinstance(value, bool) else value
 
 
 def _joint_from(row: sqlite3.Row, coefficients: Sequence[sqlite3.Row]) -> JointSummary:

@@ -2,7 +2,7 @@
 
 APPLICATION_ID = 0x46414C47
 """``FALG``, in the head of the file: an SQLite database without it is not a ledger."""
-SCHEMA_VERSION = 1
+SCHEMA_VERSION = 2
 """In ``user_version``; raised with every change below."""
 
 TABLES = (
@@ -17,7 +17,8 @@ TABLES = (
         drive TEXT NOT NULL, torque TEXT NOT NULL, gravity TEXT NOT NULL, inertia TEXT NOT NULL,
         payload TEXT NOT NULL, rate_hz REAL NOT NULL, temperature_c REAL, note TEXT NOT NULL,
         kind TEXT NOT NULL, told_robot TEXT NOT NULL, told_by_serial INTEGER NOT NULL, told_start_s REAL,
-        damaged INTEGER NOT NULL, warnings TEXT NOT NULL, UNIQUE (sha256, settings, topic))""",
+        damaged INTEGER NOT NULL, warnings TEXT NOT NULL,
+        digest TEXT NOT NULL DEFAULT '', UNIQUE (sha256, settings, topic))""",
     "CREATE INDEX IF NOT EXISTS sessions_by_settings ON sessions (settings)",
     """CREATE TABLE IF NOT EXISTS joints (
         session INTEGER NOT NULL REFERENCES sessions (id), joint INTEGER NOT NULL, name TEXT NOT NULL,

@@ -32,7 +32,7 @@ class LogFile:
     """One log: a file, the directory of a ROS 2 bag, or the URL of either.
 
     Attributes:
-        path: As found, for people.
+        path: As found, for people: bytes of a name that are no UTF-8 are written out.
         place: Where a worker finds it: an absolute path, or a URL.
         folders: Names of the folders that it lies in, the innermost first, no further than what the user named.
         size: Bytes, of all files of a bag; -1 where nobody tells.
@@ -51,3 +51,8 @@ class LogFile:
     def is_remote(self) -> bool:
         """True if it is named by a URL."""
         return "://" in self.place
+
+
+def as_text(name: str) -> str:
+    r"""Return text that can be printed and stored as UTF-8: bytes of a name that are none are written as ``\udcff``."""
+    return name.encode("utf-8", "backslashreplace").decode()

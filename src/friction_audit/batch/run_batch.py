@@ -1,6 +1,7 @@
 """The whole way of a batch: what is known is taken from the ledger, what is new goes to the workers, each log once."""
 
 import hashlib
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -15,12 +16,16 @@ from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.log_file import LogFile
 from friction_audit.batch.recorded import Fault, Recorded, Worked
 from friction_audit.batch.settings import BatchSettings
+from friction_audit.batch.start_time import time_in_name
 from friction_audit.batch.work import Task, task_of, work_on
 from friction_audit.drift.session import Session
 from friction_audit.ingest.fingerprint import sha256_of
 
 ENDS_BYTES = 65536
 """At each end of a file: there are the start of a recording and the index or notes of most formats."""
+
+MOST_NAMED = 3
+"""Copies that a warning names; more are counted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,18 +114,24 @@ def catch_up(
     """
     key = settings.key()
     hashes = _hashes(logs, ledger)
-    first, copies = _first_of_each(logs, hashes)
+    first, copies = _one_of_each(logs, hashes)
+    broken = ledger.forget_broken(hashes.values(), key)
+    damaged = [
+        f"{log.path}: what {ledger.path} held of it was damaged or changed since; it was computed anew"
+        for log in first
+        if hashes.get(log.place) in broken
+    ]
     new = [log for log in first if log.place not in hashes or not ledger.is_done(hashes[log.place], key)]
     passing = _work_through(new[::-1] if backwards else new, settings, ledger, executor, watch)
     hashes |= {log.place: sha256 for log in new if (sha256 := ledger.known_hash(log)) is not None}
-    first, late_copies = _first_of_each(first, hashes)
+    first, late_copies = _one_of_each(first, hashes)
     return Standing(
         logs=tuple(first),
         hashes=hashes,
         passing={place: faults for place, faults in passing.items() if faults},
         new=len(new),
         known=len(logs) - len(new) - len(copies),
-        warnings=(*copies, *late_copies),
+        warnings=(*damaged, *_copies_told(copies | late_copies)),
     )
 
 
@@ -183,16 +194,37 @@ def _hash(log: LogFile) -> str | None:
         return None
 
 
-def _first_of_each(logs: Sequence[LogFile], hashes: dict[str, str]) -> tuple[list[LogFile], list[str]]:
-    """Return the logs without further copies of the same content, and a warning for each of those."""
-    first: dict[str, LogFile] = {}
-    warnings = []
-    for log in logs:
-        content = hashes.get(log.place, log.place)
-        other = first.setdefault(content, log)
-        if other is not log:
-            warnings.append(f"{log.path}: the same recording as {other.path}, byte for byte; it counts once")
-    return list(first.values()), warnings
+def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[list[LogFile], dict[str, str]]:
+    """Return the logs without further copies of the same content, and by the path of each copy the log that is kept.
+
+    Of copies the one is kept that the manifest names; else whose name is written as those of most other recordings;
+    else whose name holds a date; else that was changed first. Another name might give the session another date.
+    """
+    content = {log.place: hashes.get(log.place, log.place) for log in logs}
+    alike = Counter(pattern for pattern, _ in {(_pattern(log), content[log.place]) for log in logs})
+
+    def fitness(log: LogFile) -> tuple[bool, int, bool, int]:
+        changed = log.changed.partition(" ")[0]
+        dated = time_in_name([log.path.rpartition("/")[2]]) is not None
+        return log.row is None, -alike[_pattern(log)], not dated, int(changed) if changed.isdecimal() else 0
+
+    kept = {content[log.place]: log for log in sorted(logs, key=fitness, reverse=True)}
+    copies = {log.path: kept[content[log.place]].path for log in logs if kept[content[log.place]] is not log}
+    return [log for log in logs if log.path not in copies], copies
+
+
+def _pattern(log: LogFile) -> str:
+    """Return a log's name without its numbers."""
+    return re.sub(r"\d+", "#", log.path.rstrip("/").rpartition("/")[2])
+
+
+def _copies_told(copies: Mapping[str, str]) -> Iterator[str]:
+    """Yield one warning for all copies."""
+    named = [f"{path}: the same recording as {kept}" for path, kept in copies.items()]
+    if len(named) > MOST_NAMED:
+        named[MOST_NAMED:] = [f"and {len(named) - MOST_NAMED} more copies"]
+    if named:
+        yield f"{'; '.join(named)}, byte for byte; {'it counts' if len(copies) == 1 else 'each counts'} once"
 
 
 def _work_through(

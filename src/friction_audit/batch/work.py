@@ -13,18 +13,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.audit import Estimate, diagnose_estimate, estimate_log
-from friction_audit.batch.log_file import LogFile
+from friction_audit.batch.log_file import LogFile, as_text
 from friction_audit.batch.recorded import Fault, Recorded, Worked
 from friction_audit.batch.remote import fetched
 from friction_audit.batch.settings import BatchSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.ingest import SeveralArmsError, arm_told_by, read_log
-from friction_audit.ingest.fingerprint import sha256_of
+from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
 from friction_audit.per_joint import one_joint_at_a_time
 
 if TYPE_CHECKING:
     from friction_audit.discrepancy.result import Discrepancy
+
+
+READINGS = 2
+"""A log that changes while it is read (a link to it made, a copy not finished) is read once more."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -47,7 +51,11 @@ def work_on(settings: BatchSettings, task: Task) -> Worked:
             # Names that only the worker knows are no help to anybody.
             return _renamed(_work_on(settings, path), str(path), task.path)
     except FrictionAuditError as error:
-        return Worked(sha256="", faults=(Fault(message=str(error).removeprefix(f"{task.path}: "), lasting=False),))
+        return Worked(sha256="", faults=(Fault(message=_told(error, task), lasting=False),))
+
+
+def _told(error: FrictionAuditError, task: Task) -> str:
+    return as_text(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
 
 
 @contextmanager
@@ -62,6 +70,8 @@ def _at_hand(task: Task) -> Iterator[Path]:
             yield path
         return
     path = Path(task.place)
+    if path.is_symlink() and not path.exists():
+        raise InputError(f"{path}: a link to {path.readlink()}, where there is nothing to be read; repair or remove it")
     if not path.exists():
         raise InputError(
             f"{path}: not to be found on {socket.gethostname()}, where it should be read; give a path that every "
@@ -71,6 +81,24 @@ def _at_hand(task: Task) -> Iterator[Path]:
 
 
 def _work_on(settings: BatchSettings, path: Path) -> Worked:
+    """Work on a log that stays what it is meanwhile: what comes of it is kept under the hash of its content."""
+    for _ in range(READINGS):
+        before = _stamp(path)
+        worked = _arms(settings, path)
+        if _stamp(path) == before:
+            return worked
+    message = "the file changed while it was read; run the same command again when it is finished"
+    return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
+
+
+def _stamp(path: Path) -> Stamp | None:
+    try:
+        return stamp_of(path)
+    except OSError:
+        return None
+
+
+def _arms(settings: BatchSettings, path: Path) -> Worked:
     try:
         return _arm(settings, path, "")
     except SeveralArmsError as several:
@@ -151,8 +179,13 @@ def _hash(path: Path) -> str:
 
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
     """Call the log what the user calls it; messages stand beside its name, and need not begin with it."""
-    recorded = tuple(replace(one, session=replace(one.session, path=name)) for one in worked.recorded)
-    faults = tuple(
-        replace(one, message=one.message.replace(here, name).removeprefix(f"{name}: ")) for one in worked.faults
+
+    def said(text: str) -> str:
+        return as_text(text.replace(here, name))
+
+    recorded = tuple(
+        replace(one, session=replace(one.session, path=name, warnings=tuple(map(said, one.session.warnings))))
+        for one in worked.recorded
     )
+    faults = tuple(replace(one, message=said(one.message).removeprefix(f"{name}: ")) for one in worked.faults)
     return replace(worked, recorded=recorded, faults=faults)

@@ -35,6 +35,8 @@ LONGEST_PREFIX = 60
 """Characters of an arm's name in the names of its files, which may have 255 bytes."""
 EXCEEDED = 5
 """Exit code: a limit that the user set is exceeded."""
+CANNOT_TELL = 7
+"""Exit code: the sessions cannot test a limit that the user set."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -84,10 +86,19 @@ def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settin
         )
 
 
-def recall_results(request: object, folder: Path, ledger: "Ledger") -> Told | None:
+def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice) -> Told | None:
     """Return what was told when the same was asked before, if all that was written then is still there; else None."""
-    note = json.loads(ledger.note(TOLD) or "{}")
-    if note.get("request") != _digest(request) or note["files"] != _stamps(folder, note["files"]):
+    written = ledger.note(TOLD)
+    if written is None:
+        return None
+    digest, _, text = written.partition(" ")
+    if digest != _digest(text):
+        voice.warn(
+            [f"{ledger.path}: the note on the last report is damaged; the report is made anew from the sessions"]
+        )
+        return None
+    note = json.loads(text)
+    if note["request"] != _digest(request) or note["files"] != _stamps(folder, note["files"]):
         return None
     return Told(document=folder / DOCUMENT, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"])
 
@@ -145,13 +156,14 @@ def _remember(told: Told, request: object, names: Sequence[str], folder: Path, l
         "warnings": told.warnings,
         "code": told.code,
     }
-    ledger.write_note(TOLD, json.dumps(note))
+    text = json.dumps(note)
+    ledger.write_note(TOLD, f"{_digest(text)} {text}")
 
 
 def _code(summary: "BatchSummary") -> int:
-    """Return the exit code; a limit that is exceeded comes before all else: that is what was asked."""
-    if summary.exceeded:
-        return EXCEEDED
+    """Return the exit code; what was asked, the limits, comes before files that failed."""
+    if summary.exceeded or summary.cannot_tell:
+        return EXCEEDED if summary.exceeded else CANNOT_TELL
     return DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
 
 

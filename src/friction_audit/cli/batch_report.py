@@ -97,7 +97,8 @@ class DriftOptions:
         list[str] | None,
         typer.Option(
             metavar="COEFFICIENT=LIMIT",
-            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%. Repeatable.",
+            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
+            "few or scattered to tell. Repeatable.",
             rich_help_panel=DRIFT,
         ),
     ] = None
@@ -164,6 +165,8 @@ def command(
     if shared.general.dump_config:
         say(dump_config(context), nl=False)
         return
+    from friction_audit.batch.log_file import as_text
+
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     output, settings = shared.output, _settings(sessions, shared)
     drift_settings, limits = _drift_settings(drift)
@@ -173,9 +176,9 @@ def command(
             check_results(folder, figures, ledger, settings)
         standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
-        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger)
+        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if told is None:
-            again = command_line(context, leave_out=NOT_PART_OF_IT)
+            again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
             told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
@@ -276,21 +279,25 @@ def _catch_up(
     from friction_audit.batch.run_batch import catch_up
 
     last: list[Progress] = []
+    loading = Thread(target=_load, name="load", daemon=True)
 
     def watch(progress: "Progress") -> None:
         last[:] = [progress]
         if progress.done == 1 < progress.total:
-            Thread(target=_load, name="load", daemon=True).start()  # there is time while others read logs
+            loading.start()  # there is time while others read logs
         if count is not None:
             count(progress.done, progress.total, progress.failed)
 
     try:
         with voice.count("estimate friction") as count:
-            return catch_up(found, settings, ledger, executor, watch, backwards=not alone)
+            standing = catch_up(found, settings, ledger, executor, watch, backwards=not alone)
     except KeyboardInterrupt as stop:
         done = f"{last[0].done} of {last[0].total} new logs are" if last else "nothing is"
         remark(f"stopped: {done} finished; {ledger.path} keeps them; the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from stop
+    if loading.is_alive():  # modules that import each other, imported by two threads at once, are half there
+        loading.join()
+    return standing
 
 
 def _load() -> None:
@@ -336,7 +343,7 @@ def _summarise(
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.drift_of_arms import drift_of_arms
     from friction_audit.batch.run_batch import gather
-    from friction_audit.drift.fail_on import exceeded
+    from friction_audit.drift.fail_on import cannot_tell, exceeded
     from friction_audit.report.batch_summary import BatchSummary, FailedLog
     from friction_audit.report.document import to_json
 
@@ -349,6 +356,8 @@ def _summarise(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
+        cannot_tell=cannot_tell(report, limits),
+        warnings=result.warnings,
         settings=to_json(every),
         command=command,
         computed=result.new,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from friction_audit.drift.comparable import choose_comparable
 from friction_audit.drift.describe import Verdict, describe_series, too_few
 from friction_audit.drift.family import FamilyTest, judge_family
-from friction_audit.drift.isolated import find_isolated
+from friction_audit.drift.isolated import find_isolated, leave_odd_out
 from friction_audit.drift.order import Order, put_in_order
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.series import COEFFICIENTS, Series, make_series
@@ -92,7 +92,7 @@ def collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], list
         for coefficient in COEFFICIENTS:
             series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
             like = use_temperature(counts(series, find_isolated(series.y, series.y_error)))
-            family.append(like.series)
+            family.append(leave_odd_out(like.series))
             for text in _temperature_words(order, like):
                 warnings.setdefault(text, []).append(joint)
     return family, [_of_joints(text, of, joints) for text, of in warnings.items()]

@@ -106,9 +106,10 @@ def at_like_temperature(series: Series) -> Float:
     if series.temperature is None:
         return series.y
     directions = make_directions(series)
-    best = int(np.argmax(np.abs(directions.residual @ directions.direction)))
-    split = directions.split[best]
-    shape = ramp_shapes(series)[:, 0] if split == 0 else (np.arange(len(series.y)) >= split).astype(float)
+    best = int(np.argmax(np.abs(directions.residual @ directions.direction) * directions.handicap))
+    split, places = directions.split[best], np.arange(len(series.y))
+    between = (places >= split) & (places < directions.back[best])
+    shape = ramp_shapes(series)[:, 0] if split == 0 else between.astype(float)
     base = base_shapes(series)
     design = np.column_stack([base, shape]) * directions.weight[:, None]
     slope = np.linalg.lstsq(design, series.y * directions.weight, rcond=None)[0][1]

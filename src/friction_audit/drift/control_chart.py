@@ -4,7 +4,7 @@ from collections.abc import Collection
 
 import numpy as np
 
-from friction_audit.drift.fit import Fit, is_near_zero
+from friction_audit.drift.fit import Fit, is_near_zero, relative_size
 from friction_audit.drift.report import ControlPoint
 from friction_audit.drift.series import Series
 from friction_audit.friction.history import UNDETERMINED, Coefficient
@@ -41,8 +41,8 @@ def make_chart(
     outside = (np.abs(y - mean) > half) & (half > 0.0)
     ends = np.column_stack([y - mean, -half, half])
     if series.logarithmic:
-        relative = _coefficients(np.expm1(ends))
-        deviation = _coefficients(level.value * np.expm1(ends))
+        relative = _coefficients(relative_size(ends))
+        deviation = _coefficients(level.value * relative_size(ends))
     else:
         deviation = _coefficients(ends)
         near = is_near_zero(level)

@@ -1,12 +1,12 @@
 """Limits that the user sets on drift, for machines that run every night: ``--fail-on coulomb=15%``."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isfinite
 
 from friction_audit.drift.report import CoefficientDrift, DriftReport
-from friction_audit.drift.words import NAMES, UNITS, how_much
+from friction_audit.drift.words import NAMES, UNITS, how_much, percent
 from friction_audit.errors import UsageError
 from friction_audit.friction.history import UNDETERMINED
 
@@ -76,14 +76,49 @@ def exceeded(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
     least as large as the limit.
     """
     return tuple(
-        f"{arm.robot}, joint {joint.joint}: {_sentence(drift, limit)}"
+        f"{where}: {_sentence(drift, limit)}"
         for limit in limits
-        for arm in report.arms
-        for joint in arm.joints
-        for drift in joint.coefficients
-        if limit.joint in {None, joint.joint} and limit.coefficient in {None, drift.coefficient}
+        for where, drift in _meant(report, limit)
         if is_exceeded(drift, limit)
     )
+
+
+def cannot_tell(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
+    """Return one sentence for each coefficient whose sessions cannot show a change as small as a limit.
+
+    A limit of 0 asks for any drift that is proven, which every test answers.
+    """
+    sentences = []
+    for limit in limits:
+        meant = list(_meant(report, limit))
+        if not meant:
+            sentences.append(f"the limit {limit.text}: no session has an estimate that it is meant for")
+        for where, drift in meant:
+            least = drift.smallest_drift if limit.relative else drift.smallest_change
+            told = drift.drift or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
+            if not told:
+                sentences.append(f"{where}: {NAMES[drift.coefficient]}: {_why(drift, least, limit)}")
+    return tuple(sentences)
+
+
+def _meant(report: DriftReport, limit: Limit) -> Iterator[tuple[str, CoefficientDrift]]:
+    """Yield the coefficients that a limit is meant for, each with its arm and joint."""
+    for arm in report.arms:
+        for joint in arm.joints:
+            for drift in joint.coefficients:
+                if limit.joint in {None, joint.joint} and limit.coefficient in {None, drift.coefficient}:
+                    yield f"{arm.robot}, joint {joint.joint}", drift
+
+
+def _why(drift: CoefficientDrift, least: float, limit: Limit) -> str:
+    where = f"the limit {limit.text} cannot be tested"
+    if drift.shape == "temperature":
+        return f"{where}: drift and temperature cannot be told apart; record sessions at like temperature"
+    if drift.shape == "too_few" or not isfinite(least):
+        count = len(drift.sessions) - len(drift.isolated)
+        return f"{where} with {count} comparable session{'' if count == 1 else 's'}; record more"
+    size = f"{percent(least)} %" if limit.relative else f"{least:.2g} {UNITS[drift.coefficient]}"
+    return f"{where}: only a change of {size} or more would have been seen; record more or longer sessions"
 
 
 def is_exceeded(drift: CoefficientDrift, limit: Limit) -> bool:

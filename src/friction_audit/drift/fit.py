@@ -97,17 +97,24 @@ def _scatter(series: Series, shapes: Float, freedom: int) -> float:
     return scatter
 
 
+def relative_size(y: Float | float) -> Float:
+    """Return the relative change that a change of a logarithm is; infinite (no limit) beyond all numbers."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.expm1(y), dtype=float)
+
+
 def to_level(y: Coefficient, series: Series) -> Coefficient:
     """Return a level of y in the unit of the coefficient."""
     if not series.logarithmic:
         return y
-    return Coefficient(value=float(np.exp(y.value)), low=float(np.exp(y.low)), high=float(np.exp(y.high)))
+    with np.errstate(over="ignore"):
+        return Coefficient(value=float(np.exp(y.value)), low=float(np.exp(y.low)), high=float(np.exp(y.high)))
 
 
 def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y over the level; NaN where the level is near zero."""
     if series.logarithmic:
-        ends = (float(np.expm1(end)) for end in (change.value, change.low, change.high))
+        ends = (float(relative_size(end)) for end in (change.value, change.low, change.high))
         return Coefficient(**dict(zip(("value", "low", "high"), ends, strict=True)))
     if is_near_zero(level):
         return UNDETERMINED
@@ -119,7 +126,7 @@ def to_change(change: Coefficient, level: Coefficient, series: Series) -> Coeffi
     """Return a change of y in the unit of the coefficient."""
     if not series.logarithmic:
         return change
-    ends = (level.value * float(np.expm1(end)) for end in (change.value, change.low, change.high))
+    ends = (level.value * float(relative_size(end)) for end in (change.value, change.low, change.high))
     return Coefficient(**dict(zip(("value", "low", "high"), ends, strict=True)))
 
 

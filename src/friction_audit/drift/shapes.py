@@ -15,6 +15,15 @@ SHORTEST_SEGMENT = 2
 MOST_STEPS = 80
 """So many places of a step are tried; more only cost time, for neighbours say nearly the same."""
 
+SHORTEST_EPISODE = 10
+"""Sessions of a change that comes and goes: shorter ones are like scatter with a memory, and cost sensitivity."""
+
+MOST_PLACES = 32
+"""So many places of a step are paired to changes that come and go."""
+
+HANDICAP = 0.7
+"""Factor on the statistic of a change that comes and goes: there are many, and they must not hide the single steps."""
+
 COLLINEAR = 1e-6
 """A direction with a smaller part of its square left beside the temperature is none."""
 
@@ -29,6 +38,7 @@ class Directions:
 
     Attributes:
         split: First session after the step, shape (k,); 0 for a ramp.
+        back: First session after the step back, shape (k,); n where there is none.
         direction: Unit vectors, orthogonal to level and temperature, shape (n, k); 0 where nothing is left of one.
         length: Length of each shape beside level and temperature, before it was made a unit vector, shape (k,).
         base: Orthonormal basis of level and temperature, shape (n, b).
@@ -38,6 +48,7 @@ class Directions:
     """
 
     split: NDArray[np.int64]
+    back: NDArray[np.int64]
     direction: Float
     length: Float
     base: Float
@@ -51,6 +62,16 @@ class Directions:
         return int(len(self.residual) - self.base.shape[1] - 1)
 
     @property
+    def episodes(self) -> NDArray[np.bool_]:
+        """Which directions are changes that come and go, shape (k,)."""
+        return np.asarray(self.back < len(self.residual))
+
+    @property
+    def handicap(self) -> Float:
+        """Factor on the statistic of each direction, shape (k,)."""
+        return np.where(self.episodes, HANDICAP, 1.0)
+
+    @property
     def ramps(self) -> NDArray[np.bool_]:
         """Which directions are ramps, shape (k,)."""
         return np.asarray(self.split == 0)
@@ -62,19 +83,31 @@ def make_directions(series: Series) -> Directions:
     Args:
         series: At least three sessions, all of them counted.
     """
-    splits = step_places(len(series.place))
-    steps = np.arange(len(series.place))[:, None] >= splits[None, :]
-    ramps = ramp_shapes(series)
+    n, ramps = len(series.place), ramp_shapes(series)
+    steps = step_places(n)
+    there, back = episode_places(steps)
+    split, back = np.append(steps, there), np.append(np.full(len(steps), n), back)
+    between = (np.arange(n)[:, None] >= split) & (np.arange(n)[:, None] < back)
+    none = np.zeros(ramps.shape[1], dtype=np.int64)
     return orthogonal(
-        np.column_stack([steps.astype(float), ramps]),
-        split=np.concatenate([splits, np.zeros(ramps.shape[1], dtype=np.int64)]),
+        np.column_stack([between.astype(float), ramps]),
+        split=np.append(split, none),
+        back=np.append(back, none + n),
         base=base_shapes(series),
         y=series.y,
         weight=robust_weight(series),
     )
 
 
-def orthogonal(shapes: Float, *, split: NDArray[np.int64], base: Float, y: Float, weight: Float) -> Directions:
+def orthogonal(
+    shapes: Float,
+    *,
+    split: NDArray[np.int64],
+    base: Float,
+    y: Float,
+    weight: Float,
+    back: NDArray[np.int64] | None = None,
+) -> Directions:
     """Whiten shapes, base and y, and take the base out of the others."""
     basis, _ = np.linalg.qr(base * weight[:, None])
     whitened = shapes * weight[:, None]
@@ -88,6 +121,7 @@ def orthogonal(shapes: Float, *, split: NDArray[np.int64], base: Float, y: Float
         residual = np.zeros_like(residual)
     return Directions(
         split=split,
+        back=np.full(len(split), len(y)) if back is None else back,
         direction=direction,
         length=length,
         base=basis,
@@ -104,6 +138,14 @@ def step_places(sessions: int) -> NDArray[np.int64]:
         return places
     share = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, MOST_STEPS)))
     return places[np.unique(np.round(share * (len(places) - 1)).astype(np.int64))]
+
+
+def episode_places(steps: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the first sessions in and after each change that comes and goes, from the places of steps."""
+    chosen = steps[np.unique(np.linspace(0, len(steps) - 1, min(len(steps), MOST_PLACES)).astype(np.int64))]
+    there, back = chosen[np.array(np.triu_indices(len(chosen), 1))]
+    long = back - there >= SHORTEST_EPISODE
+    return there[long], back[long]
 
 
 def ramp_shapes(series: Series) -> Float:
@@ -140,7 +182,7 @@ def studentise(residual: Float, directions: Directions) -> Float:
     along = residual @ directions.direction
     square = np.sum(residual**2, axis=1) - np.sum((residual @ directions.base) ** 2, axis=1)
     rest = np.maximum(square[:, None] - along**2, 1e-12 * square[:, None] + 1e-300)
-    return np.asarray(along * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
+    return np.asarray(along * directions.handicap * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
 
 
 def studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float:
@@ -163,10 +205,11 @@ def studentise_orders(directions: Directions, order: NDArray[np.int64]) -> Float
     )
     total = float(np.sum(directions.residual**2))
     rest = np.maximum(total - unit**2, 1e-12 * total + 1e-300)
-    return np.asarray(unit * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
+    return np.asarray(unit * directions.handicap * np.sqrt(max(directions.freedom, 1) / rest), dtype=float)
 
 
 def _along_shapes(rows: Float, directions: Directions, ramp: Float) -> Float:
-    """Return the sum of each row after each step, and along each ramp, shape (orders, k)."""
-    after = np.cumsum(rows[:, ::-1], axis=1)[:, ::-1]
-    return np.column_stack([after[:, directions.split[~directions.ramps]], rows @ ramp])
+    """Return the sum of each row from each step to the step back, and along each ramp, shape (orders, k)."""
+    before = np.cumsum(np.insert(rows, 0, 0.0, axis=1), axis=1)
+    steps = ~directions.ramps
+    return np.column_stack([before[:, directions.back[steps]] - before[:, directions.split[steps]], rows @ ramp])

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import PurePath
+from statistics import median
 
+from friction_audit.drift.isolated import REACH
 from friction_audit.drift.report import ChangePoint, CoefficientDrift, JointDrift
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
@@ -145,24 +147,34 @@ def _verb(change: Coefficient, rising: str, falling: str) -> str:
 
 
 def _odd_ones(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
-    """Tell of isolated sessions; of the last one what it may mean."""
-    parts = []
-    others = [index for index in drift.isolated if index != drift.sessions[-1]]
-    if others:
-        names = ", ".join(PurePath(sessions[index].path).name for index in others[:MOST_NAMES])
-        more = f" and {len(others) - MOST_NAMES} more" if len(others) > MOST_NAMES else ""
-        parts.append(f"{names}{more} not counted: far from the sessions before and after")
-    last = drift.control[-1] if drift.control else None
-    if drift.isolated and drift.isolated[-1] == drift.sessions[-1] and last is not None:
-        side = "above" if last.deviation.value >= 0 else "below"
-        share = abs(last.relative.value)
-        size = (
-            f"{percent(share)} %" if isfinite(share) else f"{abs(last.deviation.value):.2g} {UNITS[drift.coefficient]}"
-        )
-        parts.append(
-            f"the last session lies {size} {side} the reference: the next one will tell a change from an odd one"
-        )
+    """Name the isolated sessions and how far each is off; of the last one what will tell more."""
+    parts = [
+        f"session {index + 1} ({_name(sessions[index])}) does not fit: {_off(drift, index)}; left out of the change"
+        for index in drift.isolated[:MOST_NAMES]
+    ]
+    if len(drift.isolated) > MOST_NAMES:
+        parts.append(f"and {len(drift.isolated) - MOST_NAMES} more sessions left out")
+    if drift.isolated and drift.isolated[-1] == drift.sessions[-1]:
+        parts.append("the next session will tell whether the last one is the beginning of a change")
     return parts
+
+
+def _name(session: Session) -> str:
+    if session.start_s is None:
+        return PurePath(session.path).name
+    return f"{datetime.fromtimestamp(session.start_s, tz=UTC):%Y-%m-%d}"
+
+
+def _off(drift: CoefficientDrift, index: int) -> str:
+    """Return how far a session lies from the nearest ones that count, two on each side."""
+    place = drift.sessions.index(index)
+    rows = zip(drift.sessions, drift.values, strict=True)
+    near = [(abs(k - place), value.value) for k, (i, value) in enumerate(rows) if i not in drift.isolated]
+    usual = median([value for distance, value in near if distance <= REACH] or [value for _, value in near])
+    off = drift.values[place].value - usual
+    relative = isfinite(drift.total.value) and usual > 0.0
+    size = f"{percent(abs(off / usual))} %" if relative else f"{abs(off):.2g} {UNITS[drift.coefficient]}"
+    return f"{size} {'above' if off >= 0 else 'below'} the sessions around it"
 
 
 def describe_too_few(drift: CoefficientDrift, reasons: Sequence[str]) -> str:

@@ -161,9 +161,10 @@ def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
 def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
     if before == after:
         return ()
+    how = f"{before.size} bytes before, {after.size} after" if before.size != after.size else "its size stayed"
     message = (
-        f"the file changed while it was read ({before.size} bytes before, {after.size} after); what was read may end "
-        "early; read it again when the recording is finished"
+        f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
+        "when the recording is finished"
     )
     return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
 

@@ -50,6 +50,8 @@ def _head(summary: BatchSummary) -> Document:
         "known": summary.known,
         "drift": summary.report.drift,
         "exceeded": list(summary.exceeded),
+        "cannot_tell": list(summary.cannot_tell),
+        "warnings": list(summary.warnings),
         "failed": [{"path": failed.path, "message": failed.message} for failed in summary.failed],
     }
 

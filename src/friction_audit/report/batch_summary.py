@@ -28,6 +28,8 @@ class BatchSummary:
         report: Drift, arm by arm.
         failed: Files that gave no session.
         exceeded: Limits that were exceeded, a sentence each.
+        cannot_tell: Limits that the sessions cannot test, a sentence each.
+        warnings: What was noticed about the logs as a whole, one sentence each.
         settings: All settings by name, defaults included; values are numbers, words, lists or mappings of them.
         command: The command that makes all of it again.
         computed: Sessions computed in this run.
@@ -37,6 +39,8 @@ class BatchSummary:
     report: DriftReport
     failed: tuple[FailedLog, ...] = ()
     exceeded: tuple[str, ...] = ()
+    cannot_tell: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
     settings: Mapping[str, object] = field(default_factory=dict)
     command: str = ""
     computed: int = 0

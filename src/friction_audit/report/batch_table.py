@@ -46,8 +46,9 @@ def batch_table(summary: BatchSummary, *, verbose: bool = False) -> "list[Text]"
     lines = [_head(summary)]
     for arm in summary.arms:
         lines += ["", *_arm_lines(arm, verbose=verbose)]
-    lines += [""] * bool(summary.exceeded or summary.failed)
+    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
     lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
+    lines += [f"cannot tell: {sentence}" for sentence in summary.cannot_tell]
     lines += [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
     return [Text(line) for line in lines]
 

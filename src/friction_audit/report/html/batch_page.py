@@ -104,8 +104,11 @@ def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
 
 def _verdict_section(summary: BatchSummary) -> Section:
     verdicts = Verdicts(verdicts=[_verdict(arm) for arm in summary.arms])
-    exceeded = (Text(lines=[f"Limit exceeded: {one}" for one in summary.exceeded], listed=True, tone="alert"),)
-    return Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *(exceeded if summary.exceeded else ())))
+    limits = [f"Limit exceeded: {one}" for one in summary.exceeded] + [
+        f"Cannot tell: {one}" for one in summary.cannot_tell
+    ]
+    parts = (Text(lines=limits, listed=True, tone="alert"),) if limits else ()
+    return Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
 
 
 def _verdict(arm: ArmDrift) -> Verdict:
