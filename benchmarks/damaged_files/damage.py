@@ -203,7 +203,7 @@ def sqlite_rows(path: Path, draw: Draw) -> None:
         last = first + int(draw.integers(1, 50))
         commands = (
             "DELETE FROM messages WHERE id BETWEEN ? AND ?",
-            "UPDATE messages SET data = NULL WHERE id BETWEEN ? AND ?",
+            "UPDATE messages SET data = x'' WHERE id BETWEEN ? AND ?",
             "UPDATE messages SET data = 'text' WHERE id BETWEEN ? AND ?",
             "UPDATE messages SET data = substr(data, 1, length(data) / 2) WHERE id BETWEEN ? AND ?",
             "UPDATE messages SET data = zeroblob(length(data)) WHERE id BETWEEN ? AND ?",

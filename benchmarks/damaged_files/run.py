@@ -2,8 +2,8 @@
 
     python -m benchmarks.damaged_files.run --count 10000 [--first 0] [--output rows.csv] [--table table.md]
 
-One number makes one damaged file: the same number, the same file. "Silent" is a coefficient that is off by more than 5 % with
-exit code 0 and no warning that the undamaged log does not have.
+One number makes one damaged file: the same number, the same file. "Silent" is a coefficient that is off by more than
+5 % with exit code 0 and no warning that the undamaged log does not have.
 """
 
 import argparse

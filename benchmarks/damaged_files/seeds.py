@@ -4,6 +4,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
+from mcap.reader import make_reader
+from mcap.writer import CompressionType, Writer
 
 from friction_audit.export import WRITERS
 from friction_audit.joint_log import JointLog, Source
@@ -17,7 +19,7 @@ def swinging_log(joints: int, seed: int) -> JointLog:
     t = np.arange(int(RATE_HZ * DURATION_S)) / RATE_HZ
     # Every stroke has the same ends, at another speed: gravity that is left in the torque cancels over the path.
     phase = 3.0 * t + 2.0 * np.sin(0.6 * t)
-    q = 0.5 * np.sin(np.outer(phase, 1.0 + 0.2 * np.arange(joints)))
+    q = np.outer(np.sin(phase), 0.5 - 0.1 * np.arange(joints))
     dq = np.gradient(q, t, axis=0)
     torque = 0.3 * np.sign(dq) + 0.1 * dq + 0.01 * draw.normal(size=q.shape)
     return JointLog(
@@ -41,17 +43,11 @@ def seeds(folder: Path, samples: Path) -> dict[str, Path]:
                 path = folder / f"own-{joints}-{writer.name}{writer.suffix}"
                 writer.write(log, path)
                 paths[path.name] = path
-    source = paths["sample-mcap.mcap"]
-    for name, path in _mcap_variants(source, folder):
-        paths[name] = path
-    return paths
+    return paths | dict(_mcap_variants(paths["sample-mcap.mcap"], folder))
 
 
 def _mcap_variants(source: Path, folder: Path) -> Iterator[tuple[str, Path]]:
     """Write one MCAP again with other compressions, without check sums, without chunks."""
-    from mcap.reader import make_reader
-    from mcap.writer import CompressionType, Writer
-
     variants = {
         "zstd": {"compression": CompressionType.ZSTD},
         "lz4": {"compression": CompressionType.LZ4},

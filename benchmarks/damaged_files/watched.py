@@ -7,6 +7,7 @@ import resource
 import signal
 import sys
 import tempfile
+import traceback
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -112,14 +113,12 @@ def run(argv: Sequence[str], *, memory: int = 6 * GIGABYTE, seconds: int = 30) -
 
 def _command(argv: Sequence[str], out: int, err: int) -> int:
     """Run the command line with its outputs in files; return its exit code, 1 with a traceback for a bug."""
-    import traceback
-
     os.dup2(out, 1)
     os.dup2(err, 2)
     sys.stdout, sys.stderr = open(1, "w", closefd=False), open(2, "w", closefd=False)  # noqa: SIM115
     code = 1
     try:
-        from friction_audit.cli import main
+        from friction_audit.cli import main  # noqa: PLC0415  # its imports are part of the command
 
         main(list(argv))
         code = 0
@@ -131,5 +130,3 @@ def _command(argv: Sequence[str], out: int, err: int) -> int:
         sys.stdout.flush()
         sys.stderr.flush()
     return code
-
-
