@@ -2,8 +2,8 @@
 
     python -m benchmarks.damaged_files.hostile [--only WORD] [--table table.md]
 
-A case passes if the command ends by itself with an exit code that the case allows, within 10 s of processor time and 1 GB
-of memory, and prints no control characters. Memory is limited to 8 GB.
+A case passes if the command ends by itself with an exit code that the case allows, within 10 s of processor time and 1
+GB of memory, and prints no control characters. Memory is limited to 8 GB.
 """
 
 import argparse

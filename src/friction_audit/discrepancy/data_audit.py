@@ -60,7 +60,14 @@ def audit_data(log: JointLog, interaction: Interaction, data: JointData) -> tupl
     """
     dead = _dead_channels(log, interaction, data)
     against_q = () if faults(dead[1:]) else _velocity(interaction, data)
-    return (*_clock(log), *dead, *against_q, _power(interaction, data), *_sensors(interaction, data), *_excitation(data))
+    return (
+        *_clock(log),
+        *dead,
+        *against_q,
+        _power(interaction, data),
+        *_sensors(interaction, data),
+        *_excitation(data),
+    )
 
 
 def faults(findings: tuple[DataFinding, ...]) -> tuple[DataFinding, ...]:
