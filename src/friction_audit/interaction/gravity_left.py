@@ -54,7 +54,7 @@ def gravity_cautions(
         for place, column in enumerate(columns)
         for one in _left(coarse, torque, None if direction is None else direction[:, place], column)
     ]
-    several = sum(one.by_position and one.rms_nm > one.friction_nm for one in found) > 1
+    several = sum(one.rms_nm > one.friction_nm for one in found) > 1
     labels = dict(zip(columns, names, strict=True))
     return tuple(_caution(one, labels[one.column], gravity if several else "") for one in found)
 
