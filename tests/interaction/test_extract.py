@@ -193,10 +193,12 @@ def test_no_robot_is_assumed_of_a_log_that_names_none() -> None:
     assert "`friction-audit estimate made.csv --drive robot --robot none`" in by_itself.message
 
 
-@pytest.mark.parametrize(("choice", "option"), [("gravity", "--gravity"), ("inertia", "--inertia")])
-def test_a_model_of_an_arm_without_a_name_is_refused_with_the_commands(choice: str, option: str) -> None:
+@pytest.mark.parametrize(
+    ("choices", "option"), [({"gravity": "model"}, "--gravity"), ({"inertia": "model"}, "--inertia")]
+)
+def test_a_model_of_an_arm_without_a_name_is_refused_with_the_commands(choices: dict[str, Any], option: str) -> None:
     with pytest.raises(UsageError) as refused:
-        extract(robot_log("unknown"), **{choice: "model"})
+        extract(robot_log("unknown"), **choices)
     assert f"`friction-audit estimate made.csv {option} model --robot panda`" in str(refused.value)
     assert "without a model: `friction-audit estimate made.csv --robot none`" in str(refused.value)
     with pytest.raises(UsageError, match="--cycles-from hand"):
@@ -385,7 +387,7 @@ def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_told(forgotten: boo
     t, arm = motion(7)[0], FORGOTTEN if forgotten else load_arm()
     torque = arm.gravity(q) - friction()
     log = replace(log_of("panda", tau_J=torque), q=q, dq=dq, t=t)
-    found = {one.joint: one for one in extract(log, drive="hand").warnings if one.code in LEFT}
+    found = {one.joint or 0: one for one in extract(log, drive="hand").warnings if one.code in LEFT}
     if not said:
         assert not found
         return
