@@ -14,8 +14,9 @@ import tempfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
-import lz4.frame
+import lz4.frame  # type: ignore[import-untyped]
 import zstandard
 
 from benchmarks.damaged_files.run import storage_of
@@ -33,6 +34,7 @@ def _unpacked(packed: bytes, compression: str) -> bytes:
     """Decompress as far as the bytes go."""
     if compression in ("", "none"):
         return packed
+    stream: Any
     if compression == "zstd":
         stream = zstandard.ZstdDecompressor().decompressobj()
     elif compression == "lz4":

@@ -121,7 +121,7 @@ def cases() -> Iterator[Case]:
         for value in values:
             yield Case(f"URDF {key} {value!r}", _urdf(**{key: value}), REFUSED)
     yield Case("URDF chain of 20 000 links", _urdf(_chain(20_000)), REFUSED)
-    yield Case("URDF chain of 200 links", _urdf(_chain(200)), REFUSED)
+    yield Case("URDF chain of 200 links", _urdf(_chain(200)))
     bomb = (
         '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa">'
         + "".join(f'<!ENTITY {b} "{f"&{a};" * 10}">' for a, b in zip("abcdefgh", "bcdefghi", strict=True))

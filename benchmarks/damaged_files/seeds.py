@@ -71,5 +71,5 @@ def _mcap_variants(source: Path, folder: Path) -> Iterator[tuple[str, Path]]:
                 writer.add_message(
                     channels[channel.id], message.log_time, message.data, message.publish_time, message.sequence
                 )
-            writer.finish()
+            writer.finish()  # type: ignore[no-untyped-call]
         yield f"mcap-{name}", path

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import lz4.frame
+import lz4.frame  # type: ignore[import-untyped]
 import numpy as np
 import pytest
 import zstandard
@@ -268,7 +268,7 @@ def cut_mcap(folder: Path, compression: CompressionType, share: float) -> tuple[
 
 
 @pytest.mark.parametrize("compression", list(CompressionType))
-def test_log_of_one_chunk_that_is_cut_is_salvaged(tmp_path: Path, compression: int) -> None:
+def test_log_of_one_chunk_that_is_cut_is_salvaged(tmp_path: Path, compression: CompressionType) -> None:
     path, q = cut_mcap(tmp_path, compression, 0.7)
     recording = read(path)
     saved = len(recording.t)

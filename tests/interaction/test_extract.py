@@ -236,7 +236,7 @@ def test_a_current_gets_no_gravity_of_a_model() -> None:
     current = replace(log, source=replace(log.source, torque_unit="A"))
     found = extract(current, drive="robot")
     assert (found.choice.gravity, found.choice.robot) == ("none", "none")
-    with pytest.raises(UsageError, match="the torque is in A"):
+    with pytest.raises(UsageError, match="is a motor current"):
         extract(current, gravity="model")
 
 

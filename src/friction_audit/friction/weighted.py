@@ -90,9 +90,10 @@ def _solve(normal: Float, right: Float) -> Float:
 def conditioning(equations: Equations) -> tuple[float, float]:
     """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
     normal = equations.normal.sum(axis=0)
-    values = np.linalg.eigvalsh(normal)
+    values, vectors = np.linalg.eigh(normal)
     condition = float(np.sqrt(values[-1] / values[0])) if values[0] > 0 else float("inf")
     if equations.names[:2] != ("coulomb", "viscous"):
         return condition, float("nan")
-    covariance = np.linalg.inv(normal + RIDGE * np.eye(len(normal)))
+    # Rounding may leave eigenvalues of a singular matrix below zero, and variances with them.
+    covariance = (vectors / values.clip(min=RIDGE)) @ vectors.T
     return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))

@@ -11,12 +11,12 @@ import numpy as np
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.block_decoder import BlockDecoder
+from friction_audit.ingest.columns import MOST_JOINTS
 from friction_audit.ingest.decoded_row import Row, row_of
 from friction_audit.ingest.fingerprint import stamp_of
 from friction_audit.ingest.joint_messages import MessageKind, match_kind
 from friction_audit.ingest.joint_order import robot_of
 from friction_audit.ingest.joint_samples import LARGEST_EXPECTATION, JointSamples, stamp_paths
-from friction_audit.ingest.long_table import MOST_JOINTS
 from friction_audit.ingest.message_clock import choose_clock
 from friction_audit.ingest.message_decoder import MessageDecoder, UndecodableError, decoder_for
 from friction_audit.ingest.message_definitions import DefinitionError, may_be_known

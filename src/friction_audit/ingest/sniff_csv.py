@@ -8,7 +8,8 @@ from typing import BinaryIO
 
 from friction_audit.errors import InputError
 
-_HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 26
+_HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
+"""The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]"""
 _FEWEST_LINES = 4
 _MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
             "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip

@@ -204,13 +204,7 @@ def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm 
         by_default = log.gravity is None and settings.gravity == "auto"
         possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
         useful = possible and settings.drive != "hand" and settings.inertia == "auto"
-        current = log.source.torque_unit != "N m"
-        if demanded and current:
-            raise UsageError(
-                f"{log.source.path}: the torque is in {log.source.torque_unit}, and a model of the arm gives N m; "
-                f"convert the current to N m, or do without a model: {without}"
-            )
-        return _load(log, settings) if demanded or ((by_default or useful) and not current) else None
+        return _load(log, settings) if demanded or by_default or useful else None
     if demanded:
         raise UsageError(_no_model(log, settings, robot, without))
     return None

@@ -72,7 +72,7 @@ def _table(joints: tuple[JointMotion, ...]) -> "Table":
         "open in\nposition",
         "to be\nleft out",
     ):
-        table.add_column(title.replace("[", r"\["), justify="right")
+        table.add_column(title, justify="right")
     for joint in joints:
         table.add_row(*_row(joint))
     return table

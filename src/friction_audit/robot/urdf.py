@@ -83,7 +83,8 @@ def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
         return
     yield from _wrong_numbers("mass", mass.get("value", ""), 1, lowest=0.0)
     for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-        yield from _wrong_numbers(f"inertia {name}", inertia.get(name, ""), 1)
+        lowest = 0.0 if name[1] == name[2] else -inf
+        yield from _wrong_numbers(f"inertia {name}", inertia.get(name, ""), 1, lowest=lowest)
 
 
 def _wrong_origin(parent: ET.Element, what: str) -> Iterator[str]:
