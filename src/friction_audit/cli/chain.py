@@ -62,9 +62,9 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
 
 def warn_about(result: "Estimate", voice: Voice) -> None:
     """Say the warnings of a result that its table does not show."""
-    from friction_audit.report.notices import estimate_notices
+    from friction_audit.report.notices import estimate_notices, notice_lines
 
-    voice.warn(str(notice) for notice in estimate_notices(result) if notice.code != TABLED)
+    voice.warn(notice_lines(notice for notice in estimate_notices(result) if notice.code != TABLED))
 
 
 def require_an_estimate(result: "Estimate") -> None:

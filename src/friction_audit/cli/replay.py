@@ -108,9 +108,9 @@ def _check_model(given: "ModelFile | None", log: "JointLog") -> None:
 
 
 def _warn(found: "LogReplay", voice: Voice) -> None:
-    from friction_audit.report.notices import replay_notices
+    from friction_audit.report.notices import notice_lines, replay_notices
 
-    voice.warn(str(notice) for notice in replay_notices(found) if notice.code != TABLED)
+    voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code != TABLED))
 
 
 MOMENTS = ("friction_step", "torque_drift")

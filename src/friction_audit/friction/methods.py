@@ -142,16 +142,15 @@ def _history_of(joint: JointFriction, name: str) -> Iterator[Float]:
 
 def _one_profile_caution(joint: JointFriction) -> Caution:
     message = (
-        f"joint {joint.joint} ({joint.name}): all cycles have one speed profile, so their energies give friction at "
-        "its mean speed only; the intervals cover the torque regression too; move at several speeds"
+        "all cycles have one speed profile, so their energies give friction at its mean speed only; the intervals "
+        "cover the torque regression too; move at several speeds"
     )
     return Caution(code="one_speed_profile", joint=joint.joint, message=message)
 
 
 def _regression_caution(joint: JointFriction) -> Caution:
     message = (
-        f"joint {joint.joint} ({joint.name}): too few energy cycles count, so its coefficients are from a regression "
-        "of the torque on direction, velocity, acceleration and gravity; it assumes a constant inertia and that no "
-        "other joint acts on this one"
+        "too few energy cycles count, so the coefficients are from a regression of the torque on direction, velocity, "
+        "acceleration and gravity; it assumes a constant inertia and that no other joint acts on this one"
     )
     return Caution(code="from_regression", joint=joint.joint, message=message)

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 NOTHING = "-"
+MARK = "*"
+"""Marks a joint whose coefficients are not from energy cycles."""
 LONGEST_NAME = 24
 """Characters of a joint's name in tables and figures; no column and no panel has room for more."""
 TITLES = (
@@ -35,6 +37,8 @@ def estimate_table(estimate: Estimate) -> "list[RenderableType]":
     unit = estimate.log.source.torque_unit
     parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
     parts.append(_table(estimate.friction.joints, unit))
+    if any(joint.method != "energy" and not joint.reason for joint in estimate.friction.joints):
+        parts.append(Text(f"{MARK} by a regression of the torque: too few energy cycles count"))
     parts.extend(Text(in_unit(f"not determined: {line}", unit)) for line in reason_lines(estimate.friction.joints))
     return parts
 
@@ -58,19 +62,18 @@ def _table(joints: tuple[JointFriction, ...], unit: str) -> "Table":
     from rich.text import Text
 
     table = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
-    # Only where not all are by energy: the method would be one word in every row.
-    methods = any(joint.method != "energy" for joint in joints)
-    for title in (*in_unit(TITLES, unit), *(("method",) if methods else ())):
-        table.add_column(Text(title), justify="left" if title in (TITLES[0], "method") else "right", no_wrap=True)
+    for title in in_unit(TITLES, unit):
+        table.add_column(Text(title), justify="left" if title == TITLES[0] else "right", no_wrap=True)
     for joint in joints:
-        table.add_row(*_row(joint), *((NOTHING if joint.reason else joint.method,) if methods else ()))
+        table.add_row(*_row(joint))
     return table
 
 
 def _row(joint: JointFriction) -> tuple[str, ...]:
     beside = joint.regression
+    mark = f" {MARK}" if joint.method != "energy" and not joint.reason else ""
     return (
-        joint_label(joint.joint, joint.name),
+        joint_label(joint.joint, joint.name) + mark,
         format_coefficient(joint.coulomb),
         format_coefficient(joint.viscous),
         f"{joint.cycles} ({joint.rejected_cycles})",
