@@ -64,7 +64,7 @@ def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), *
     Args:
         scenario: One of ``friction-audit simulate --list``, e.g. ``"panda-joint"``.
         seed: Seed of everything that is drawn; the same gives the same log to the bit.
-        effects: Hidden effects as on the command line, e.g. ``"stribeck:extra_nm=0.1@1"``.
+        effects: Hidden effects as on the command line, e.g. ``"stribeck:excess_nm=0.1@1"``.
         changes: Settings of the scenario, e.g. ``duration_s=60.0``.
 
     Returns:
