@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from friction_audit.audit import Estimate
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.printable import printable, shortened
+from friction_audit.report.plain_table import plain_lines
 from friction_audit.report.reasons import reason_lines
 from friction_audit.report.units import in_unit
 
@@ -36,7 +37,7 @@ def estimate_table(estimate: Estimate) -> "list[RenderableType]":
 
     unit = estimate.log.source.torque_unit
     parts: list[RenderableType] = [Text(line) for line in _head(estimate)]
-    parts.append(_table(estimate.friction.joints, unit))
+    parts.extend(map(Text, plain_lines(_table(estimate.friction.joints, unit))))
     if any(joint.method != "energy" and not joint.reason for joint in estimate.friction.joints):
         parts.append(Text(f"{MARK} by a regression of the torque: too few energy cycles count"))
     parts.extend(Text(in_unit(f"not determined: {line}", unit)) for line in reason_lines(estimate.friction.joints))

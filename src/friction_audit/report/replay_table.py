@@ -10,6 +10,7 @@ from friction_audit.model import Provenance
 from friction_audit.replay.compensators import EnergyCompensator, JointModelCompensation, kind_of
 from friction_audit.replay.result import JointReplay
 from friction_audit.report.estimate_table import NOTHING, format_coefficient, joint_label
+from friction_audit.report.plain_table import plain_lines
 from friction_audit.report.reasons import reason_lines
 from friction_audit.report.units import in_unit
 
@@ -42,7 +43,7 @@ def replay_table(found: LogReplay) -> "list[RenderableType]":
     joints = found.replay.joints
     parts: list[RenderableType] = [Text(line) for line in _head(found)]
     unit = found.estimate.log.source.torque_unit
-    parts.append(_table(joints, unit))
+    parts.extend(map(Text, plain_lines(_table(joints, unit))))
     lines = [*_models(found), *(line for joint in joints for line in _moved(joint))]
     lines += [line for joint in joints for line in _recovery(joint)]
     lines += [f"not replayed: {line}" for line in reason_lines(joints)]
