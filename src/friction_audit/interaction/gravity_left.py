@@ -67,12 +67,11 @@ def _left(coarse: CoarseLog, torque: Float, direction: Float | None, column: int
     ddq = np.gradient(coarse.dq[:, column], coarse.t)[moving]
     across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[moving]
     plain = np.column_stack([way, dq, ddq, np.ones(len(q))])
-    tau = torque[moving, column]
-    factors, square = _fit(np.column_stack([plain, across]), tau)
+    factors, square, square_plain = _fit(plain, across, torque[moving, column])
     at_rest = factors[3] + across @ factors[4:]
     freedom = int(stroke[-1] + 1) - len(factors)
     wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS
-    by_position = bool(wide and _significant(_fit(plain, tau)[1], square, freedom))
+    by_position = bool(wide and _significant(square_plain, square, freedom))
     mean, rms = float(at_rest.mean()), float(np.sqrt(np.mean(at_rest**2)))
     if (rms if by_position else abs(mean)) > LARGEST_NM:
         yield _Left(
@@ -93,10 +92,19 @@ def _significant(without: float, with_gravity: float, freedom: int) -> bool:
     return bool(fdtrc(2.0, freedom, max(ratio, 0.0)) < SIGNIFICANCE)
 
 
-def _fit(columns: Float, torque: Float) -> tuple[Float, float]:
+def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, float]:
+    """Return the factors of all columns, and the sums of squares that these and the plain ones alone leave."""
+    columns = np.column_stack([plain, across])
     scale = np.linalg.norm(columns, axis=0).clip(min=np.finfo(float).tiny)
-    factors: Float = np.linalg.lstsq(columns / scale, torque, rcond=1e-8)[0] / scale
-    return factors, float(np.sum((torque - columns @ factors) ** 2))
+    # Both fits on the triangular factor: a decomposition of all samples takes most of the time.
+    triangle = np.linalg.qr(np.column_stack([columns / scale, torque]), mode="r")
+    fits = []
+    for count in (columns.shape[1], plain.shape[1]):
+        design, right = triangle[:, :count], triangle[:, -1]
+        factors = np.linalg.lstsq(design, right, rcond=1e-8)[0]
+        fits.append((factors, float(np.sum((right - design @ factors) ** 2))))
+    (factors, square), (_, square_plain) = fits
+    return factors / scale, square, square_plain
 
 
 def _caution(one: _Left, name: str, gravity: str) -> Caution:
