@@ -13,6 +13,8 @@ from friction_audit.friction.torque_regression import HIGHEST_CONDITION
 from friction_audit.interaction.interaction import Caution, Interaction
 from friction_audit.joint_log import Float
 
+ENOUGH = 1 << 16
+"""Samples from which a root mean square is taken: to a percent, which is plenty for a bound."""
 UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
 MOST_UNCERTAIN = 2.0
 """An interval of more than so many times the torque in motion on either side (for the viscous coefficient: per rms
@@ -68,11 +70,12 @@ def _without_energy(joint: JointFriction, found: TorqueRegression) -> JointFrict
 
 def _largest(interaction: Interaction, column: int, standstill_rad_s: float) -> dict[str, float]:
     """Return the half width beyond which an interval says nothing, by coefficient."""
-    speed = interaction.dq[:, column]
-    moving = np.abs(speed) > standstill_rad_s
-    torque = interaction.torque[moving, column]
+    thin = slice(None, None, max(len(interaction.t) // ENOUGH, 1))
+    speed, torque = interaction.dq[thin, column], interaction.torque[thin, column]
     if interaction.compensation is not None:
-        torque = torque + interaction.compensation[moving, column]
+        torque = torque + interaction.compensation[thin, column]
+    moving = np.abs(speed) > standstill_rad_s
+    torque = torque[moving]
     most = MOST_UNCERTAIN * float(np.sqrt(np.mean(torque**2)))
     return {"coulomb": most, "viscous": most / float(np.sqrt(np.mean(speed[moving] ** 2)))}
 

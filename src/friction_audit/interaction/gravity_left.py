@@ -21,6 +21,8 @@ LEAST_RANGE_RAD = 0.3
 LEAST_ACROSS = 0.1
 """Share of gravity across an axis below which the axis is vertical: a payload does not load it."""
 LEAST_STROKES = 10
+ENOUGH = 20_000
+"""Means of 20 ms; more tell nothing of what changes with the position alone."""
 SIGNIFICANCE = 0.01
 
 
@@ -63,11 +65,14 @@ def _left(coarse: CoarseLog, torque: Float, direction: Float | None, column: int
     moving, way, stroke = strokes_of(coarse, column)
     if not stroke.size or stroke[-1] + 1 < LEAST_STROKES:
         return
-    q, dq = coarse.q[moving, column], coarse.dq[moving, column]
-    ddq = np.gradient(coarse.dq[:, column], coarse.t)[moving]
-    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[moving]
+    rows = np.flatnonzero(moving)
+    thin = slice(None, None, max(len(rows) // ENOUGH, 1))
+    rows, way = rows[thin], way[thin]
+    q, dq = coarse.q[rows, column], coarse.dq[rows, column]
+    ddq = np.gradient(coarse.dq[:, column], coarse.t)[rows]
+    across = np.column_stack([np.sin(q), np.cos(q)]) if direction is None else direction[rows]
     plain = np.column_stack([way, dq, ddq, np.ones(len(q))])
-    factors, square, square_plain = _fit(plain, across, torque[moving, column])
+    factors, square, square_plain = _fit(plain, across, torque[rows, column])
     at_rest = factors[3] + across @ factors[4:]
     freedom = int(stroke[-1] + 1) - len(factors)
     wide = np.ptp(q) >= LEAST_RANGE_RAD and float(np.hypot(*across.T).max()) >= LEAST_ACROSS
