@@ -102,7 +102,7 @@ def _fit(plain: Float, across: Float, torque: Float) -> tuple[Float, float, floa
     columns = np.column_stack([plain, across])
     scale = np.linalg.norm(columns, axis=0).clip(min=np.finfo(float).tiny)
     # Both fits on the triangular factor: a decomposition of all samples takes most of the time.
-    triangle: Float = np.linalg.qr(np.column_stack([columns / scale, torque]), mode="r")
+    triangle = np.asarray(np.linalg.qr(np.column_stack([columns / scale, torque]), "r"), np.float64)
     fits = []
     for count in (columns.shape[1], plain.shape[1]):
         design, right = triangle[:, :count], triangle[:, -1]
