@@ -3,14 +3,17 @@
 import re
 import shutil
 import sqlite3
+import struct
 from collections import Counter
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import replace
-from itertools import islice
+from functools import reduce
+from io import SEEK_END
+from itertools import count, islice, pairwise
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any
+from typing import Any, BinaryIO
 
 from friction_audit.errors import InputError
 from friction_audit.ingest.first_bytes import starts_with
@@ -51,6 +54,12 @@ MOST_BROKEN_IDS = 10_000
 """One lost page of the tree is missed by up to 7 000 messages; after more in a row, the rest is lost."""
 _HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
 _PAGES = slice(28, 32)
+_LOCK_BYTE = 1 << 30  # its page is never used
+_VARINT = rb"([\x80-\xff]{0,7}[\0-\x7f])"
+_MESSAGE = re.compile(_VARINT * 2 + rb"([\x05-\x0c])\0([\1-\6\x08\x09])([\1-\6\x08\x09])" + _VARINT, re.DOTALL)
+"""Its length, its id, the length of its header, the types of topic_id, timestamp and data."""
+_INTEGER_BYTES = (0, 1, 2, 3, 4, 6, 8, 0, 0, 0)
+"""Length of an integer by its type."""
 _LAST_ID = 2**63 - 1
 
 Row = tuple[int, int, bytes]
@@ -85,6 +94,10 @@ class Sqlite3Stream:
         if database is not None:
             self._note("the file is cut off there", self._bytes, _stated_bytes(header))
         try:
+            if database is not None:
+                query = "SELECT CAST(rootpage AS INTEGER) FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
+                with closing(self._connect()) as opened, database.open("r+b") as file:
+                    _rebuild_tree(file, *(opened.execute(query).fetchone() or (0,)))
             with closing(self._connect()) as opened:
                 self.connections = self._read_connections(opened)
         except DATABASE_ERRORS as error:
@@ -99,6 +112,8 @@ class Sqlite3Stream:
         """Yield the messages of some topics, one topic after the other."""
         try:
             with closing(self._connect()) as database:
+                if self._database != self._path:
+                    window = None  # where a file is cut off, its index is broken too
                 ids = (0, _LAST_ID) if window is None else _ids_in(database, window)
                 for key in keys:
                     for rows in self._rows(database, key, *ids):
@@ -274,6 +289,74 @@ def _copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
             f"({error.strerror}); set TMPDIR to a larger place"
         ) from error
     return copy
+
+
+def _rebuild_tree(file: BinaryIO, root: int) -> None:
+    """Write the interior pages of the table of messages anew, over those of its leaf pages that are there.
+
+    SQLite begins an interior page when there are hundreds of leaf pages already, so that it may lie after the cut. For
+    the layout of pages and records see https://www.sqlite.org/fileformat2.html.
+    """
+    header = file.read(_HEADER_BYTES)
+    pages = int.from_bytes(header[_PAGES], "big")
+    size = _stated_bytes(header) // pages
+    usable = size - header[20]
+    most = (usable - 12) // (12 + 2)  # a header, and for each cell its place of two bytes
+    level = _leaves(file, size, pages, root, int.from_bytes(header[32:36], "big"))
+    spare = (number for number in count(pages + 1) if number != _LOCK_BYTE // size + 1)
+    while len(level) > 1:
+        groups, parents = -(-len(level) // most), []
+        for begin, end in pairwise([len(level) * group // groups for group in range(groups + 1)]):
+            *left, (last, right) = level[begin:end]
+            keys = ([key >> shift & 0x7F | (shift > 0) << 7 for shift in range(49, -1, -7)] for key, _ in left)
+            cells = b"".join(struct.pack(">I8B", child, *key) for (_, child), key in zip(left, keys, strict=True))
+            start = usable - len(cells)
+            head = struct.pack(f">BHHHBI{len(left)}H", 5, 0, len(left), start, 0, right, *range(start, usable, 12))
+            parents.append((last, root if groups == 1 else next(spare)))
+            file.seek((parents[-1][1] - 1) * size)
+            file.write((head.ljust(start, b"\0") + cells).ljust(size, b"\0"))
+        level = parents
+    pages = file.seek(0, SEEK_END) // size
+    file.seek(_PAGES.start)
+    file.write(pages.to_bytes(4, "big"))
+
+
+def _leaves(file: BinaryIO, size: int, pages: int, root: int, trunk: int) -> list[tuple[int, int]]:
+    """Return the last id and the number of each leaf page of the table of messages, unless the root is one."""
+
+    def page(number: int) -> bytes:
+        file.seek((number - 1) * size)
+        return file.read(size)
+
+    if not 1 < root <= pages or _ids_on(page(root)):
+        return []
+    free: set[int] = set()
+    while 0 < trunk <= pages and trunk not in free:  # the list of free pages, which may hold deleted messages
+        free.add(trunk)
+        trunk, listed, *numbers = struct.unpack(f">{size // 4}I", page(trunk))
+        free.update(number for number in numbers[:listed] if number <= pages)
+    found = ((*ids, number) for number in range(1, pages + 1) if number not in free and (ids := _ids_on(page(number))))
+    leaves = [(-1, 0)]
+    for last, first, number in sorted(found):  # by their last id, so that a page with wrong ids displaces one at most
+        if first > leaves[-1][0]:
+            leaves.append((last, number))
+    return leaves[1:]
+
+
+def _ids_on(page: bytes) -> tuple[int, int] | None:
+    """Return the last and the first id on a leaf page of messages; None if it is another, or a cell is no message."""
+    ids = [-1]
+    cells = page[8 : 8 + 2 * int.from_bytes(page[3:5], "big")] if page.startswith(b"\x0d") else b""
+    for (place,) in struct.iter_unpack(">H", cells):
+        if (cell := _MESSAGE.match(page, place)) is None:
+            return None
+        length, row, data = (reduce(lambda n, byte: n << 7 | byte & 0x7F, cell[part], 0) for part in (1, 2, 6))
+        (head,), (topic,), (time,) = cell.group(3, 4, 5)
+        content = _INTEGER_BYTES[topic] + _INTEGER_BYTES[time] + (data - 12) // 2
+        if row <= ids[-1] or head != 4 + len(cell[6]) or length != head + content:
+            return None
+        ids.append(row)
+    return (ids[-1], ids[1]) if len(ids) > 1 else None
 
 
 class SeveralFiles:
