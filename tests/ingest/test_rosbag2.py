@@ -360,7 +360,7 @@ def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monk
     file = cut(long_bag[0], tmp_path / "bag", 0.5)
     part = read_log(file, ReadOptions(t_start_s=1.0, t_end_s=2.0))
     np.testing.assert_array_equal(part.t, read_log(file).take_window(1.0, 2.0).t)
-    assert any(found.damaged for found in part.findings)
+    assert any(found.damaged for found in part.source.findings)
 
 
 def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(

@@ -55,11 +55,9 @@ MOST_BROKEN_IDS = 10_000
 _HEADER_BYTES, _LARGEST_PAGE = 100, 65_536
 _PAGES = slice(28, 32)
 _LOCK_BYTE = 1 << 30  # its page is never used
-_VARINT = rb"([\x80-\xff]{0,7}[\0-\x7f])"
-_MESSAGE = re.compile(_VARINT * 2 + rb"([\x05-\x0c])\0([\1-\6\x08\x09])([\1-\6\x08\x09])" + _VARINT, re.DOTALL)
-"""Its length, its id, the length of its header, the types of topic_id, timestamp and data."""
-_INTEGER_BYTES = (0, 1, 2, 3, 4, 6, 8, 0, 0, 0)
-"""Length of an integer by its type."""
+_VARINT = rb"[\x80-\xff]{0,7}[\0-\x7f]"
+_MESSAGE = re.compile(_VARINT + b"(" + _VARINT + rb")[\x05-\x0c]\0[\1-\6\x08\x09]{2}" + _VARINT, re.DOTALL)
+"""Length and id of a message, length of its header, type of the id, of topic_id and timestamp, and of the data."""
 _LAST_ID = 2**63 - 1
 
 Row = tuple[int, int, bytes]
@@ -97,7 +95,7 @@ class Sqlite3Stream:
             if database is not None:
                 query = "SELECT CAST(rootpage AS INTEGER) FROM sqlite_master WHERE type = 'table' AND name = 'messages'"
                 with closing(self._connect()) as opened, database.open("r+b") as file:
-                    _rebuild_tree(file, *(opened.execute(query).fetchone() or (0,)))
+                    _rebuild_tree(file, header, *(opened.execute(query).fetchone() or (0,)))
             with closing(self._connect()) as opened:
                 self.connections = self._read_connections(opened)
         except DATABASE_ERRORS as error:
@@ -265,7 +263,7 @@ def _stated_bytes(header: bytes) -> int:
 
 
 def _copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
-    """Return a copy of a database that is cut off, its header corrected to the pages that are there; None if whole.
+    """Return a copy of a database that is cut off, its header corrected; None if whole.
 
     SQLite refuses a file that is shorter than its header says. In the copy it refuses the pages that are missing, and
     reads the others.
@@ -282,7 +280,7 @@ def _copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
         with copy.open("r+b") as file:
             file.truncate(size // page * page)
             file.seek(_PAGES.start)
-            file.write((size // page).to_bytes(4, "big"))
+            file.write(bytes(4))  # SQLite then goes by the size of the file
     except OSError as error:
         raise InputError(
             f"{path}: is cut off, and there is no room in {copy.parent} for the copy from which it is saved "
@@ -291,15 +289,14 @@ def _copy_of_cut(path: Path, stack: ExitStack) -> Path | None:
     return copy
 
 
-def _rebuild_tree(file: BinaryIO, root: int) -> None:
+def _rebuild_tree(file: BinaryIO, header: bytes, root: int) -> None:
     """Write the interior pages of the table of messages anew, over those of its leaf pages that are there.
 
     SQLite begins an interior page when there are hundreds of leaf pages already, so that it may lie after the cut. For
     the layout of pages and records see https://www.sqlite.org/fileformat2.html.
     """
-    header = file.read(_HEADER_BYTES)
-    pages = int.from_bytes(header[_PAGES], "big")
-    size = _stated_bytes(header) // pages
+    size = _stated_bytes(header) // int.from_bytes(header[_PAGES], "big")
+    pages = file.seek(0, SEEK_END) // size
     usable = size - header[20]
     most = (usable - 12) // (12 + 2)  # a header, and for each cell its place of two bytes
     level = _leaves(file, size, pages, root, int.from_bytes(header[32:36], "big"))
@@ -316,9 +313,6 @@ def _rebuild_tree(file: BinaryIO, root: int) -> None:
             file.seek((parents[-1][1] - 1) * size)
             file.write((head.ljust(start, b"\0") + cells).ljust(size, b"\0"))
         level = parents
-    pages = file.seek(0, SEEK_END) // size
-    file.seek(_PAGES.start)
-    file.write(pages.to_bytes(4, "big"))
 
 
 def _leaves(file: BinaryIO, size: int, pages: int, root: int, trunk: int) -> list[tuple[int, int]]:
@@ -345,18 +339,11 @@ def _leaves(file: BinaryIO, size: int, pages: int, root: int, trunk: int) -> lis
 
 def _ids_on(page: bytes) -> tuple[int, int] | None:
     """Return the last and the first id on a leaf page of messages; None if it is another, or a cell is no message."""
-    ids = [-1]
-    cells = page[8 : 8 + 2 * int.from_bytes(page[3:5], "big")] if page.startswith(b"\x0d") else b""
-    for (place,) in struct.iter_unpack(">H", cells):
-        if (cell := _MESSAGE.match(page, place)) is None:
-            return None
-        length, row, data = (reduce(lambda n, byte: n << 7 | byte & 0x7F, cell[part], 0) for part in (1, 2, 6))
-        (head,), (topic,), (time,) = cell.group(3, 4, 5)
-        content = _INTEGER_BYTES[topic] + _INTEGER_BYTES[time] + (data - 12) // 2
-        if row <= ids[-1] or head != 4 + len(cell[6]) or length != head + content:
-            return None
-        ids.append(row)
-    return (ids[-1], ids[1]) if len(ids) > 1 else None
+    places = page[8 : 8 + 2 * int.from_bytes(page[3:5], "big")] if page.startswith(b"\x0d") else b""
+    cells = [_MESSAGE.match(page, place) for (place,) in struct.iter_unpack(">H", places)]
+    ids = [reduce(lambda number, byte: number << 7 | byte & 0x7F, cell[1], 0) for cell in cells if cell]
+    sound = 0 < len(ids) == len(cells) and all(first < second for first, second in pairwise(ids))
+    return (ids[-1], ids[0]) if sound else None
 
 
 class SeveralFiles:
