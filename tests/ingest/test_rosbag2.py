@@ -1,6 +1,7 @@
 """ROS 2 bags: sqlite3 and MCAP storage, with and without metadata and definitions."""
 
 import os
+import shutil
 import sqlite3
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,6 +13,7 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError, UsageError
+from friction_audit.ingest import read_log
 from friction_audit.ingest.message_definitions import ERROR_FLAGS, FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.ingest.read_rosbag2 import ROSBAG2
 from friction_audit.ingest.reader import ReadOptions, Recording
@@ -320,21 +322,77 @@ def test_bad_files(tmp_path: Path, content: bytes, message: str) -> None:
         read(path)
 
 
-@pytest.mark.parametrize("share", [0.5, 0.9, 0.99])
+ROWS = 9500
+"""A thousand pages: the table has two levels of interior pages, the first of which lies in the middle of the file."""
+
+
+@pytest.fixture(scope="module")
+def long_bag(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Samples]:
+    values = samples(ROWS)
+    return write_rosbag2(tmp_path_factory.mktemp("long") / "bag", STORE, [joint_states(STORE, values)]), values
+
+
+def cut(bag: Path, copy: Path, share: float) -> Path:
+    """Cut the storage file of a copy of a bag off, and return it."""
+    file = storage_file(shutil.copytree(bag, copy))
+    os.truncate(file, int(share * file.stat().st_size))
+    return file
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9, 0.99])
 @pytest.mark.parametrize("alone", [True, False])
-def test_database_that_is_cut_off_is_salvaged(tmp_path: Path, share: float, alone: bool) -> None:
-    values = samples(2000)
-    bag = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)])
-    file = storage_file(bag)
-    content = file.read_bytes()
-    file.write_bytes(content[: int(share * len(content))])
-    recording = read(file if alone else bag)
+def test_database_that_is_cut_off_is_salvaged(
+    tmp_path: Path, long_bag: tuple[Path, Samples], share: float, alone: bool
+) -> None:
+    bag, values = long_bag
+    file = cut(bag, tmp_path / "bag", share)
+    recording = read(file if alone else file.parent)
     saved = len(recording.t)
-    assert 0.9 * share < saved / 2000 <= share + 0.01
+    assert 0.98 * share < saved / ROWS <= share
     assert_read(recording, {name: array[:saved] for name, array in values.items()})
     codes = [finding.code for finding in recording.findings if finding.damaged]
     assert codes[0] == "truncated"
     assert alone or codes[1:] == ["missing_messages"]
+
+
+def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.ingest.reader.WHOLE_BYTES", 0)
+    file = cut(long_bag[0], tmp_path / "bag", 0.5)
+    part = read_log(file, ReadOptions(t_start_s=1.0, t_end_s=2.0))
+    np.testing.assert_array_equal(part.t, read_log(file).take_window(1.0, 2.0).t)
+    assert any(found.damaged for found in part.source.findings)
+
+
+def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(
+    tmp_path: Path, long_bag: tuple[Path, Samples]
+) -> None:
+    bag, values = long_bag
+    file = cut(bag, tmp_path / "bag", 0.5)
+    whole = len(read(file).t)
+    content = bytearray(file.read_bytes())
+    for page, places in ((100, range(4096)), (200, range(8)), (300, range(8, 20)), (400, range(3000, 4096))):
+        for place in places:
+            content[4096 * page + place] ^= 0xFF
+    first = 4096 * 250 + int.from_bytes(content[4096 * 250 + 8 :][:2], "big")
+    content[first + 2 : first + 4] = b"\xff\x7f"  # an id far from its neighbours
+    file.write_bytes(content)
+    recording = read(file)
+    kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+    assert 5 * 8 <= whole - kept.sum() <= 5 * 11
+    assert_read(recording, {name: array[kept] for name, array in values.items()})
+
+
+def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
+    bag = shutil.copytree(long_bag[0], tmp_path / "whole")
+    with sqlite3.connect(storage_file(bag)) as connection:
+        connection.execute("PRAGMA secure_delete = OFF")
+        connection.execute("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000")
+    connection.close()
+    recording = read(cut(bag, tmp_path / "bag", 0.5))
+    kept = np.isin(long_bag[1]["q"][:, 0], recording.channels["q"][:, 0])
+    assert not kept[1000:3000].any()
+    assert 0.98 * ROWS / 2 < len(recording.t) + 2000 <= ROWS / 2
+    assert kept.sum() == len(recording.t)
 
 
 def test_cut_messages_that_go_over_several_pages_are_not_filled_up(tmp_path: Path) -> None:
