@@ -3,6 +3,7 @@
 import argparse
 import contextlib
 import json
+import sys
 import tempfile
 from pathlib import Path
 
@@ -24,7 +25,7 @@ def main() -> None:
         return
     wrong = differences(found, json.loads(ANSWERS.read_text()), relative=1e-9)
     wrong += [f"log of {name}" for name, digest in json.loads(HASHES.read_text()).items() if hashes.get(name) != digest]
-    print("\n".join(wrong) or "all answers are the same")
+    sys.stdout.write("\n".join([*wrong, f"{len(wrong)} differences"]) + "\n")
     parser.exit(1 if wrong else 0)
 
 

@@ -27,8 +27,11 @@ SIMULATED = {
     "backlash": "simulate joint --seed 5 --duration 40 --rate 500 --effect backlash",
     "nothing": "simulate joint --seed 6 --duration 40 --rate 500",
     "arm": "simulate panda --seed 7 --duration 12 --rate 200",
-    **{f"rig-{n}": f"simulate joint --duration 20 --rate 200 --seed {n} --set coulomb_nm=0.{30 if n < 4 else 36}" for n in range(1, 6)},
-}  # fmt: skip
+    **{
+        f"rig-{n}": f"simulate joint --duration 20 --rate 200 --seed {n} --set coulomb_nm=0.{30 if n < 4 else 36}"
+        for n in range(1, 6)
+    },
+}
 """Name -> command that makes a log."""
 
 COMMANDS = {
