@@ -23,8 +23,8 @@ ODD = 0.01
 """Probability that a series of normal scatter has a session set aside (Bonferroni over the sessions)."""
 
 FEWEST_FOR_SHAPES = 12
-"""With fewer sessions a change of the others is not known well enough to say which session misses it: with 8, arms with a
-step of one joint had false changes of others in 17 % (`benchmarks/drift/summaries.md`, "step of 15 %, 8 sessions")."""
+"""With fewer sessions a change of the others is not known well enough to say which session misses it: with 8, 15 % of
+arms where nothing changes had a false change, without it 5 % (`benchmarks/drift/summaries.md`, "8 sessions")."""
 
 SHARE_ODD = 10
 """At most one session in so many is set aside by ``leave_odd_out``: more of them are no exception."""
