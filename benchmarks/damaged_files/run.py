@@ -103,9 +103,15 @@ def main() -> None:
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--output", type=Path)
     parser.add_argument("--table", type=Path)
+    parser.add_argument("--of", type=Path, nargs="+", default=[], help="only make the table, of rows written before")
     chosen = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        found = rows(chosen.first, chosen.count, Path(folder))
+    found: list[dict[str, object]] = []
+    for path in chosen.of:
+        with path.open(newline="") as stream:
+            found += csv.DictReader(stream)
+    if not found:
+        with tempfile.TemporaryDirectory() as folder:
+            found = rows(chosen.first, chosen.count, Path(folder))
     if chosen.output:
         with chosen.output.open("w", newline="") as stream:
             writer = csv.DictWriter(stream, FIELDS)

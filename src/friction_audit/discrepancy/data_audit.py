@@ -153,6 +153,8 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
     explained = 1.0 - float(np.mean(left**2)) / power if power > 0 else 0.0
     delay = float(shift / scale) if scale else float("nan")
     rate = 1 / median_step(interaction.t)
+    differs = "dq and the derivative of q have opposite signs: one column has the wrong sign"
+    differs = "dq differs from the derivative of q by {value:.0%}" if scale > 0 else differs
     return (
         _judged(
             "dq_against_q",
@@ -161,9 +163,7 @@ def _velocity(interaction: Interaction, data: JointData) -> tuple[DataFinding, .
             "only {value:.0%} of dq is the derivative of q: they do not belong together",
             above=False,
         ),
-        _judged(
-            "dq_scale", abs(float(scale) - 1), MOST_SCALE_ERROR, "dq differs from the derivative of q by {value:.0%}"
-        ),
+        _judged("dq_scale", abs(float(scale) - 1), MOST_SCALE_ERROR, differs),
         _judged(
             "dq_delay",
             abs(delay),
