@@ -113,7 +113,7 @@ def _meant(report: DriftReport, limit: Limit) -> Iterator[tuple[str, Coefficient
 def _why(drift: CoefficientDrift, least: float, limit: Limit) -> str:
     where = f"the limit {limit.text} cannot be tested"
     if drift.shape == "temperature":
-        return f"{where}: drift and temperature cannot be told apart; record sessions at like temperature"
+        return f"{where}: drift and temperature cannot be separated; record sessions at like temperature"
     if drift.shape == "too_few" or not isfinite(least):
         count = len(drift.sessions) - len(drift.isolated)
         return f"{where} with {count} comparable session{'' if count == 1 else 's'}; record more"

@@ -68,7 +68,7 @@ def _main(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumst
     if drift.shape == "temperature":
         return (
             f"{name} {went} by {total} while it became {abs(beside.warmer_k):.1f} K "
-            f"{'warmer' if beside.warmer_k >= 0 else 'colder'}: drift and temperature cannot be told apart; "
+            f"{'warmer' if beside.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
             "sessions at like temperature would tell"
         )
     if drift.shape == "none":

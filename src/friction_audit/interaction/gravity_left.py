@@ -117,13 +117,13 @@ def _caution(one: _Left, name: str, gravity: str) -> Caution:
     if not one.by_position:
         message = (
             f"{where}: the torque holds a constant {one.mean_nm:.1f} N m that is not friction; over the "
-            f"{one.range_rad:.2g} rad that the joint moves an offset of the sensor cannot be told from gravity"
+            f"{one.range_rad:.2g} rad that the joint moves an offset of the sensor cannot be separated from gravity"
         )
         return Caution(code="torque_offset", joint=one.column + 1, message=message)
     cause = {
         "model": "; several joints have it, so a payload is probably missing from the model (--payload mass,x,y,z), or "
         "another arm is modelled",
-        "logged": "; several joints have it, so the robot was probably not told of its payload",
+        "logged": "; several joints have it, so the payload was probably not set on the robot",
     }.get(gravity, "; check the gravity that was removed, and its direction")
     message = (
         f"{where}: gravity of at least {one.rms_nm:.1f} N m rms over the {one.range_rad:.2g} rad that the joint moves "

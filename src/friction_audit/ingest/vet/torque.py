@@ -61,7 +61,7 @@ def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
 
 
 def _dead(what: str, joint: int) -> Finding:
-    message = f"{what}; no friction is told from it; check the sensor, or leave the joint out with --joints"
+    message = f"{what}; no friction is estimated from it; check the sensor, or leave the joint out with --joints"
     return Finding(code="torque_dead", message=message, joint=joint + 1)
 
 
