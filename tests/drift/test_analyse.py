@@ -211,7 +211,7 @@ def test_temperature_that_rises_with_time_cannot_be_told_from_drift() -> None:
     warmth = 20.0 + np.arange(20.0)
     found = coulomb(make_sessions(noisy(20, 1) * np.exp(-0.01 * (warmth - 20.0)), temperature=warmth))
     assert (found.drift, found.shape) == (False, "temperature")
-    assert "cannot be told apart" in found.message
+    assert "cannot be separated" in found.message
     assert "while it became 16.0 K warmer" in found.message
 
 
