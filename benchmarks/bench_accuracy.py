@@ -14,11 +14,11 @@ from pathlib import Path
 
 import numpy as np
 
-from friction_audit.audit import AuditSettings, estimate_log
-from friction_audit.cycles.settings import CycleSettings
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.simulate import (
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.preprocessing.settings import CycleSettings
+from friction_audit.simulation import (
     IDEAL_SENSORS,
     PANDA_SENSORS,
     BenchSettings,
@@ -27,9 +27,9 @@ from friction_audit.simulate import (
     Operator,
     simulate,
 )
-from friction_audit.simulate.effects.gravity_error import GravityError
-from friction_audit.simulate.effects.torque_bias import TorqueBias
-from friction_audit.simulate.motion import StopAndGo
+from friction_audit.simulation.effects.gravity_error import GravityError
+from friction_audit.simulation.effects.torque_bias import TorqueBias
+from friction_audit.simulation.motion import StopAndGo
 
 TABLE_SEEDS = 50
 """The figures asked for are medians over this many seeds; the coverage uses all of them."""

@@ -11,15 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.audit import AuditSettings, estimate_log, replay_estimate
-from friction_audit.model import ArmModel, FittedTerm, simple_model
-from friction_audit.replay.rivals import Rival
-from friction_audit.replay.settings import ModelFile, ReplaySettings
-from friction_audit.simulate.bench import BenchSettings, simulate_bench
-from friction_audit.simulate.from_model import with_model
-from friction_audit.simulate.motion import Sinusoid
-from friction_audit.simulate.operator import Operator
-from friction_audit.simulate.settings import PANDA_SENSORS, JointParameters
+from friction_audit.compensation.rivals import Rival
+from friction_audit.compensation.settings import ModelFile, ReplaySettings
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_model
+from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.from_model import with_model
+from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 
 BENCH = BenchSettings(
     joints=(JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07),),

@@ -19,12 +19,12 @@ from time import perf_counter, process_time
 import numpy as np
 from scipy.stats import binomtest
 
-from friction_audit.discrepancy.alternatives import name_effects
-from friction_audit.discrepancy.cross_products import cross_products
-from friction_audit.discrepancy.groups import Group
-from friction_audit.discrepancy.omnibus import independent_clusters, neighbours_remember, omnibus_test
-from friction_audit.discrepancy.search import search
-from tests.discrepancy.synthetic_columns import synthetic_columns
+from friction_audit.diagnosis.alternatives import name_effects
+from friction_audit.diagnosis.cross_products import cross_products
+from friction_audit.diagnosis.groups import Group
+from friction_audit.diagnosis.omnibus import independent_clusters, neighbours_remember, omnibus_test
+from friction_audit.diagnosis.search import search
+from tests.diagnosis.synthetic_columns import synthetic_columns
 
 ALPHA = 0.05
 CYCLES = (12, 20, 30, 60)

@@ -10,13 +10,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.audit import AuditSettings, estimate_log
-from friction_audit.replay.operator_fit import FittedOperator, fit_operator
-from friction_audit.replay.port import port_of
-from friction_audit.simulate.bench import BenchSettings, simulate_bench
-from friction_audit.simulate.motion import Sinusoid
-from friction_audit.simulate.operator import Operator
-from friction_audit.simulate.settings import PANDA_SENSORS, JointParameters
+from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
+from friction_audit.compensation.port import port_of
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 
 BENCH = BenchSettings(
     joints=(JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07),),

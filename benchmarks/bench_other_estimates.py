@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.simulate import IDEAL_SENSORS, PANDA_SENSORS, BenchSettings, JointParameters, simulate
-from friction_audit.simulate.settings import Sensors
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, BenchSettings, JointParameters, simulate
+from friction_audit.simulation.settings import Sensors
 
 JOINT = JointParameters()
 TRUTH = (JOINT.coulomb_nm, JOINT.viscous_nms_per_rad, JOINT.inertia_kg_m2)

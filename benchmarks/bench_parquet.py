@@ -34,11 +34,11 @@ pyarrow.parquet.read_table(sys.argv[1], columns=sys.argv[2:])
 """
 READ = """
 import sys
-from friction_audit.ingest import read_log
+from friction_audit.io.readers import read_log
 read_log(sys.argv[1])
 """
 IMPORTS = """
-import friction_audit.cli, friction_audit.audit, friction_audit.friction.estimate, friction_audit.ingest
+import friction_audit.cli, friction_audit.pipeline, friction_audit.friction.estimate, friction_audit.io.readers
 import pyarrow.parquet
 """
 

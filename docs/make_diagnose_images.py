@@ -12,14 +12,14 @@ from pathlib import Path
 from matplotlib.figure import Figure
 from PIL import Image
 
-from friction_audit.audit import AuditSettings, Diagnosis, diagnose_log
-from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import JointLog
-from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
-from friction_audit.report.figures.style import figure_style
-from friction_audit.simulate import simulate
-from friction_audit.simulate.hide import hide
-from friction_audit.simulate.scenarios import SCENARIOS
+from friction_audit.pipeline import AuditSettings, Diagnosis, diagnose_log
+from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
+from friction_audit.reporting.figures.style import figure_style
+from friction_audit.simulation import simulate
+from friction_audit.simulation.hide import hide
+from friction_audit.simulation.scenarios import SCENARIOS
 
 FOLDER = Path(__file__).parent / "images" / "diagnose"
 SEED, DPI, COLOURS = 3, 220, 96

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.report.figures.style import figure_style
-from friction_audit.simulate import (
+from friction_audit.reporting.figures.style import figure_style
+from friction_audit.simulation import (
     EFFECTS,
     IDEAL_SENSORS,
     ArmSettings,
@@ -30,7 +30,7 @@ from friction_audit.simulate import (
     Simulation,
     simulate,
 )
-from friction_audit.simulate.motion import Commanded, MotionSettings, Sinusoid, SlowSweep, StopAndGo
+from friction_audit.simulation.motion import Commanded, MotionSettings, Sinusoid, SlowSweep, StopAndGo
 
 FOLDER = Path(__file__).parent / "images" / "effects"
 WIDTH_IN, HEIGHT_IN, DPI = 3.4, 2.1, 220

@@ -12,16 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
 
-from friction_audit.audit import AuditSettings, diagnose_log, estimate_log
 from friction_audit.cli import main
-from friction_audit.discrepancy.result import Profile
-from friction_audit.discrepancy.settings import DiagnosisSettings
-from friction_audit.ingest import read_log
-from friction_audit.report.estimate_table import format_coefficient
-from friction_audit.report.figures.diagnose_own_axis import mean_along
-from friction_audit.report.figures.joint_series import joint_series
-from friction_audit.report.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style
-from friction_audit.report.figures.velocity_torque import filtered_curve, filtered_loop
+from friction_audit.diagnosis.result import Profile
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.io.readers import read_log
+from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
+from friction_audit.reporting.figures.diagnose_look import mean_along
+from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style, joint_series
+from friction_audit.reporting.figures.velocity_torque import filtered_curve, filtered_loop
+from friction_audit.reporting.terminal.estimate import format_coefficient
 
 ROOT = Path(__file__).parents[1]
 LOG = ROOT / "sample_logs" / "hand_guided.parquet"

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from friction_audit.discrepancy import diagnose
-from friction_audit.discrepancy.result import Discrepancy
+from friction_audit.diagnosis import diagnose
+from friction_audit.diagnosis.result import Discrepancy
 
 FOUND: dict[str, Discrepancy] = {}
 """What was found, by all that it was found from."""

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction_audit.interaction.interaction import Interaction, TorqueChoice
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Interaction, TorqueChoice
 
 RATE_HZ = 1000.0
 

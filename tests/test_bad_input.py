@@ -11,11 +11,11 @@ import pandas as pd
 import pytest
 
 from friction_audit.cli import main
-from friction_audit.ingest import read
-from friction_audit.ingest.reader import Reader, ReadOptions, Recording
+from friction_audit.io.readers import read
+from friction_audit.io.readers.reader import Reader, ReadOptions, Recording
 from tests import bad_files
 from tests.bad_files import BAGS, FORMS, SPOILED, TABLES
-from tests.ingest.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap
+from tests.io.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap
 
 USAGE, UNREADABLE, NO_ANSWER, DAMAGED = 2, 3, 4, 6
 

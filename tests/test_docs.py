@@ -11,18 +11,18 @@ from typing import Any
 
 import pytest
 
-from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED
 from friction_audit.errors import AnalysisError, InputError, UsageError
-from friction_audit.export import WRITERS
-from friction_audit.ingest import READERS, read_log
-from friction_audit.ingest.foreign_names import ALIASES
-from friction_audit.ingest.time_column import find_time
+from friction_audit.io.readers import READERS, read_log
+from friction_audit.io.readers.channel_names import ALIASES
+from friction_audit.io.readers.time_column import find_time
+from friction_audit.io.writers import WRITERS
 from friction_audit.joint_log import JOINT_CHANNELS
-from friction_audit.report.estimate_document import estimate_document
-from friction_audit.report.figures import FIGURES
-from friction_audit.report.schemas import KINDS, load_schema
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.reporting.figures import FIGURES
+from friction_audit.reporting.json.estimate import estimate_document
+from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 from tests.source_tree import nodes
@@ -156,7 +156,7 @@ def test_every_code_is_documented_and_exists() -> None:
 
 def test_damage_is_marked() -> None:
     marked = {row[0].split("`")[1] for row in cells(DOCS / "formats.md") if row[0].endswith("` *")}
-    source = "".join(path.read_text() for path in sorted((ROOT / "src/friction_audit/ingest").rglob("*.py")))
+    source = "".join(path.read_text() for path in sorted((ROOT / "src/friction_audit/io").rglob("*.py")))
     calls = [node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.Call)]
     damaged = {
         code

@@ -9,10 +9,10 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
-from friction_audit.discrepancy.candidate import Candidate
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.simulate import EFFECTS, SCENARIOS
-from friction_audit.simulate.effects.effect import Effect, Parameter
+from friction_audit.diagnosis.candidate import Candidate
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.simulation import EFFECTS, SCENARIOS
+from friction_audit.simulation.effects.effect import Effect, Parameter
 from tests.documented_commands import ROOT, blocks, commands
 
 DOCS = ROOT / "docs"

@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 from threadpoolctl import threadpool_info, threadpool_limits
 
 from friction_audit.errors import AnalysisError
-from friction_audit.in_copies import in_copies, workers_for
-from friction_audit.own_process import own_process
-from friction_audit.per_joint import WORKERS, one_joint_at_a_time
+from friction_audit.parallel import WORKERS, in_copies, one_joint_at_a_time, own_process, workers_for
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no process is copied there")
 
@@ -170,7 +168,7 @@ def test_only_a_process_that_is_known_all_through_is_copied(monkeypatch: pytest.
 SLEEPING = """
 import os, signal, sys, time
 from pathlib import Path
-from friction_audit.in_copies import in_copies
+from friction_audit.parallel import in_copies
 
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts behind itself ignores it
 folder, seconds = Path(sys.argv[1]), float(sys.argv[2])

@@ -4,7 +4,7 @@ import numpy as np  # noqa: F401 - brings the library whose threads are counted
 import pytest
 from threadpoolctl import threadpool_info, threadpool_limits
 
-from friction_audit.per_joint import one_joint_at_a_time, per_joint
+from friction_audit.parallel import one_joint_at_a_time, per_joint
 
 
 def test_results_come_in_the_order_of_the_joints() -> None:

@@ -11,19 +11,18 @@ from typing import Any
 import pytest
 
 import friction_audit
-from friction_audit.api import options
-from friction_audit.api.calls import replay_settings
-from friction_audit.cycles.settings import CycleSettings
-from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit import api as options
+from friction_audit.api import replay_settings
+from friction_audit.compensation.compensators import EnergyCompensator
+from friction_audit.compensation.settings import ReplaySettings
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import UsageError
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.ingest import ReadOptions
-from friction_audit.interaction.settings import TorqueSettings
+from friction_audit.io.readers import ReadOptions
 from friction_audit.joint_log import JointLog
-from friction_audit.replay.compensators import EnergyCompensator
-from friction_audit.replay.settings import ReplaySettings
-from friction_audit.report.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
-from tests.report.conftest import build_estimate
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
+from tests.reporting.conftest import build_estimate
 from tests.test_docs import DOCS
 
 MOST_NAMES = 10

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import main
-from friction_audit.ingest import read_log
+from friction_audit.io.readers import read_log
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
 pytestmark = pytest.mark.skipif(REAL is None, reason="FRICTION_AUDIT_REAL_LOGS is not set")

@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.audit import AuditSettings, estimate_log
-from friction_audit.export import WRITERS
-from friction_audit.ingest import read_log
+from friction_audit.io.readers import read_log
+from friction_audit.io.writers import WRITERS
+from friction_audit.pipeline import AuditSettings, estimate_log
 
 FOLDER = Path(__file__).parents[1] / "sample_logs"
 TRUTH: dict[str, dict[str, Any]] = json.loads((FOLDER / "truth.json").read_text())

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.errors import UsageError
-from friction_audit.whole_file import whole_file
+from friction_audit.io.files import whole_file
 
 METADATA = "rosbag2_bagfile_information:\n  ros_distro: rosbags\n"
 

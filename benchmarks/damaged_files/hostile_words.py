@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 
 from benchmarks.damaged_files.case import REFUSED, Case, estimate, good
-from friction_audit.model.terms import TERMS
+from friction_audit.effects.terms import TERMS
 
 
 def _config(text: str) -> Callable[[Path], Sequence[str]]:

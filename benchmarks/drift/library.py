@@ -10,13 +10,13 @@ from functools import partial
 
 import numpy as np
 
-from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.drift.session import Conditions, JointSummary
 from friction_audit.drift.summarise import conditions_of, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.simulate import PANDA_SENSORS, BenchSettings, Hidden, JointParameters, Operator, simulate
-from friction_audit.simulate.effects.warm_up import WarmUp
-from friction_audit.simulate.motion import StopAndGo
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.simulation import PANDA_SENSORS, BenchSettings, Hidden, JointParameters, Operator, simulate
+from friction_audit.simulation.effects.warm_up import WarmUp
+from friction_audit.simulation.motion import StopAndGo
 
 DURATION_S = 40.0
 ROOM_C, ROOM_SPREAD_K = 22.0, 3.0

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.model.joint_model import ArmModel, simple_model
-from friction_audit.simulate.effects import EFFECTS
-from friction_audit.simulate.effects.effect import Effect
-from friction_audit.simulate.scenarios import SCENARIOS
-from friction_audit.simulate.settings import PANDA_SENSORS, JointParameters, Sensors
+from friction_audit.effects.joint_model import ArmModel, simple_model
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import Effect
+from friction_audit.simulation.scenarios import SCENARIOS
+from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
 
 SPREAD = 2.0
 """Every number of an effect is drawn from half to twice its usual value."""

@@ -23,13 +23,13 @@ from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_o
 from benchmarks.hidden_effects.run import SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared, scales_for
 from benchmarks.hidden_effects.table import CLEAR, Row, held, sets_of, share, table
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.declared import declare, least_squares
-from friction_audit.discrepancy.ground import Ground, make_ground
-from friction_audit.discrepancy.ranking import BY_CHANCE
-from friction_audit.discrepancy.rows import Rows, make_rows
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.declared import declare, least_squares
+from friction_audit.diagnosis.ground import Ground, make_ground
+from friction_audit.diagnosis.ranking import BY_CHANCE
+from friction_audit.diagnosis.rows import Rows, make_rows
 from friction_audit.joint_log import Float
-from friction_audit.simulate.dispatch import simulate
+from friction_audit.simulation.dispatch import simulate
 
 PRICE = float(chdtri(1, BY_CHANCE / len(CANDIDATES)))
 """Of an effect whose torque is known but for its factor."""

@@ -20,10 +20,10 @@ from benchmarks.hidden_effects.draw import model_of, settings_of
 from benchmarks.hidden_effects.run import case_of, scaled
 from benchmarks.hidden_effects.table import Row, share, table
 from benchmarks.marked_page import write_between
-from friction_audit.audit import AuditSettings, diagnose_log
-from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float
-from friction_audit.simulate.dispatch import simulate
+from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.simulation.dispatch import simulate
 
 PLAIN = 1.5
 """Times what is left without an effect: from there on the gap in motion is the effect's."""

@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 
 from benchmarks.hidden_effects.draw import MOTIONS, ONE_JOINT
-from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.diagnosis.candidates import CANDIDATES
 
 NOT_PAIRED = ("unlogged_compensation", "contact_event")
 """Not to be seen without a declared model; hidden as an event, not as torque."""

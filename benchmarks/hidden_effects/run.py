@@ -22,14 +22,14 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
-from friction_audit.audit import AuditSettings, diagnose_log
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.result import Effect, JointDiscrepancy
-from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.result import Effect, JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
-from friction_audit.simulate.dispatch import simulate
-from friction_audit.simulate.effects import EFFECTS
+from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.effects import EFFECTS
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (

@@ -18,17 +18,17 @@ from scipy.stats import chi2, ncx2
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from benchmarks.hidden_effects.strength import prepared, scales_for
-from friction_audit.discrepancy.alternatives import ALIKE, WRONG_NAME
-from friction_audit.discrepancy.beside import Beside
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.candidates.contact_event import CANDIDATE as CONTACT
-from friction_audit.discrepancy.ground import Ground, make_ground
-from friction_audit.discrepancy.library import Entry, Library, build_library
-from friction_audit.discrepancy.naming import free_numbers
-from friction_audit.discrepancy.refine import refine
-from friction_audit.discrepancy.ripple_scan import with_scanned_orders
+from friction_audit.diagnosis.alternatives import ALIKE, WRONG_NAME
+from friction_audit.diagnosis.beside import Beside
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
+from friction_audit.diagnosis.ground import Ground, make_ground
+from friction_audit.diagnosis.library import Entry, Library, build_library
+from friction_audit.diagnosis.naming import free_numbers
+from friction_audit.diagnosis.refine import refine
+from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.joint_log import Float
-from friction_audit.simulate.dispatch import simulate
+from friction_audit.simulation.dispatch import simulate
 
 POWER = 0.9
 """With which the test must reject a rival."""

@@ -5,20 +5,19 @@ from collections.abc import Sequence
 import numpy as np
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from friction_audit.cycles import segment_cycles
-from friction_audit.cycles.settings import CycleSettings
-from friction_audit.discrepancy.declared import declare, least_squares
-from friction_audit.discrepancy.ground import make_ground
-from friction_audit.discrepancy.joint_data import JointData
-from friction_audit.discrepancy.prepare import prepare
-from friction_audit.discrepancy.rows import make_rows
+from friction_audit.diagnosis.declared import declare, least_squares
+from friction_audit.diagnosis.ground import make_ground
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.prepare import prepare
+from friction_audit.diagnosis.rows import make_rows
+from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError
-from friction_audit.interaction import extract_interaction
-from friction_audit.interaction.settings import TorqueSettings
 from friction_audit.joint_log import JointLog
-from friction_audit.model.joint_model import ArmModel
-from friction_audit.simulate.dispatch import simulate
-from friction_audit.simulate.effects import EFFECTS
+from friction_audit.preprocessing import segment_cycles
+from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.effects import EFFECTS
 
 ROUNDS = 8
 CLOSE = 0.1

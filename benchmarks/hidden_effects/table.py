@@ -14,7 +14,7 @@ from scipy.stats import binomtest
 
 from benchmarks.hidden_effects.outside import OUTSIDE
 from benchmarks.marked_page import write_between
-from friction_audit.discrepancy.candidates import CANDIDATES
+from friction_audit.diagnosis.candidates import CANDIDATES
 
 Row = dict[str, str]
 CLEAR = 0.3

@@ -12,14 +12,14 @@ from importlib import import_module
 __version__ = "0.1.0"
 
 _PLACES = {
-    "read_log": "api.calls",
-    "write_log": "api.calls",
-    "simulate_log": "api.calls",
-    "estimate_log": "api.calls",
-    "replay_log": "api.calls",
-    "diagnose_log": "api.calls",
-    "report_log": "api.calls",
-    "to_frames": "api.frames",
+    "read_log": "api",
+    "write_log": "api",
+    "simulate_log": "api",
+    "estimate_log": "api",
+    "replay_log": "api",
+    "diagnose_log": "api",
+    "report_log": "api",
+    "to_frames": "api",
     "FrictionAuditError": "errors",
 }
 

@@ -1,11 +1,11 @@
-from friction_audit.api.calls import diagnose_log as diagnose_log
-from friction_audit.api.calls import estimate_log as estimate_log
-from friction_audit.api.calls import read_log as read_log
-from friction_audit.api.calls import replay_log as replay_log
-from friction_audit.api.calls import report_log as report_log
-from friction_audit.api.calls import simulate_log as simulate_log
-from friction_audit.api.calls import write_log as write_log
-from friction_audit.api.frames import to_frames as to_frames
+from friction_audit.api import diagnose_log as diagnose_log
+from friction_audit.api import estimate_log as estimate_log
+from friction_audit.api import read_log as read_log
+from friction_audit.api import replay_log as replay_log
+from friction_audit.api import report_log as report_log
+from friction_audit.api import simulate_log as simulate_log
+from friction_audit.api import to_frames as to_frames
+from friction_audit.api import write_log as write_log
 from friction_audit.errors import FrictionAuditError as FrictionAuditError
 
 __version__: str

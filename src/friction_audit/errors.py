@@ -3,6 +3,7 @@
 A message says: where, what was found, what was expected, what to do.
 """
 
+import re
 from traceback import format_exception
 
 
@@ -38,3 +39,30 @@ def bug_sentence(what: str, error: Exception) -> str:
 def traced(error: Exception) -> str:
     """Return the traceback of an error as Python prints it."""
     return "".join(format_exception(error))
+
+
+CONTROL = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]")
+"""Control characters but newline and tab, which a terminal obeys, and marks that turn the direction of writing."""
+FORMULA = tuple("=+-@\t\r\n\uff1d\uff0b\uff0d\uff20")
+"""What a cell begins with that a spreadsheet computes, full-width forms included."""
+
+
+def printable(text: str) -> str:
+    """Return text with control characters marked, and bytes of a file's name that are no letters spelt out."""
+    return CONTROL.sub("\N{REPLACEMENT CHARACTER}", encodable(text))
+
+
+def encodable(text: str) -> str:
+    """Return text that any file can hold: bytes of a name that are no letters are spelt out."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def shortened(text: str, most: int) -> str:
+    """Return text in one line of at most so many characters."""
+    line = " ".join(text[: 4 * most].split())
+    return line if len(line) <= most and len(text) <= 4 * most else f"{line[: most - 3]}..."
+
+
+def csv_text(text: str) -> str:
+    """Return the text of a CSV cell; an apostrophe keeps a spreadsheet from computing it."""
+    return f"'{printable(text)}" if text.startswith(FORMULA) else printable(text)

@@ -10,12 +10,12 @@ import pytest
 from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
+from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.run_batch import BatchResult, catch_up, gather
-from friction_audit.batch.settings import BatchSettings
 from friction_audit.batch.work import Task
-from friction_audit.export import write_log
+from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog
-from friction_audit.simulate import BenchSettings, JointParameters, simulate
+from friction_audit.simulation import BenchSettings, JointParameters, simulate
 
 COULOMB_NM = (0.30, 0.32, 0.34, 0.36)
 SUFFIXES = (".parquet", ".csv", ".npz", ".parquet")

@@ -4,7 +4,7 @@ import os
 import signal
 from pathlib import Path
 
-from friction_audit.batch.recorded import Worked
+from friction_audit.batch.identity import Worked
 from friction_audit.batch.work import Task
 
 

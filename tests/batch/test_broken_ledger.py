@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.ledger_schema import SCHEMA_VERSION
+from friction_audit.batch.ledger_rows import SCHEMA_VERSION
 from tests.batch.conftest import Batch, Inline
 
 BROKEN: dict[str, str] = {

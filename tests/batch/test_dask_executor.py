@@ -14,10 +14,10 @@ from friction_audit.batch import dask_executor
 from friction_audit.batch.dask_executor import DaskExecutor
 from friction_audit.batch.executor import Lost
 from friction_audit.batch.find_logs import find_logs
+from friction_audit.batch.identity import Worked
 from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.recorded import Worked
+from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.run_batch import catch_up, gather
-from friction_audit.batch.settings import BatchSettings
 from friction_audit.batch.work import Task
 from friction_audit.errors import UsageError
 from tests.batch.conftest import Batch

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.export import write_log
+from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog
 
 KILLS = int(os.environ.get("FRICTION_AUDIT_KILLS", "2"))
@@ -29,8 +29,8 @@ from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.local_executor import LocalExecutor
 from friction_audit.batch.run_batch import catch_up, gather
-from friction_audit.batch.run_lock import run_lock
-from friction_audit.batch.settings import BatchSettings
+from friction_audit.batch.run_batch import run_lock
+from friction_audit.batch.manifest import BatchSettings
 
 logs, folder = find_logs([sys.argv[1]], {}), Path(sys.argv[2])
 folder.mkdir(exist_ok=True)

@@ -5,15 +5,15 @@ from pathlib import Path
 
 import pytest
 
+from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.ledger import Ledger, move_aside
-from friction_audit.batch.ledger_schema import SCHEMA_VERSION
-from friction_audit.batch.log_file import LogFile
-from friction_audit.batch.recorded import Fault, Recorded, Worked
-from friction_audit.batch.settings import RESULTS_VERSION, BatchSettings
+from friction_audit.batch.ledger_rows import SCHEMA_VERSION
+from friction_audit.batch.manifest import RESULTS_VERSION, BatchSettings
+from friction_audit.batch.remote import LogFile
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.errors import InputError
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.interaction.settings import TorqueSettings
+from friction_audit.preprocessing.settings import TorqueSettings
 
 SETTINGS = BatchSettings()
 KEY = SETTINGS.key()

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from friction_audit.batch.executor import Lost
+from friction_audit.batch.identity import Worked
 from friction_audit.batch.local_executor import LocalExecutor
-from friction_audit.batch.recorded import Worked
 from friction_audit.batch.work import Task
 
 PATIENCE_S = 60.0

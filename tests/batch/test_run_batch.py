@@ -12,18 +12,18 @@ from threading import Thread
 import numpy as np
 import pytest
 
-from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.batch import run_batch, work
 from friction_audit.batch.find_logs import find_logs
-from friction_audit.batch.settings import BatchSettings
-from friction_audit.discrepancy.settings import DiagnosisSettings
+from friction_audit.batch.manifest import BatchSettings
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
-from friction_audit.export import write_log
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.ingest import SeveralArmsError
-from friction_audit.ingest.fingerprint import sha256_of as hash_file
+from friction_audit.io.readers import SeveralArmsError
+from friction_audit.io.readers.unpack import sha256_of as hash_file
+from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, estimate_log
 from tests.batch.conftest import COULOMB_NM, Batch, Inline
 
 

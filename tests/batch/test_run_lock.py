@@ -1,6 +1,6 @@
 from pathlib import Path
 
-from friction_audit.batch.run_lock import run_lock
+from friction_audit.batch.run_batch import run_lock
 
 
 def test_the_second_run_in_a_folder_knows_of_the_first(tmp_path: Path) -> None:

@@ -2,7 +2,7 @@ from datetime import UTC, datetime
 
 import pytest
 
-from friction_audit.batch.start_time import holds_a_time, parse_time, time_in_name
+from friction_audit.batch.identity import holds_a_time, parse_time, time_in_name
 
 DAY = datetime(2026, 3, 1, tzinfo=UTC).timestamp()
 MOMENT = datetime(2026, 3, 1, 14, 30, 5, tzinfo=UTC).timestamp()

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import main
-from friction_audit.export import write_log
-from friction_audit.report.schemas import load_schema
-from tests.report.conftest import build_estimate
+from friction_audit.io.writers import write_log
+from friction_audit.reporting.schemas import load_schema
+from tests.reporting.conftest import build_estimate
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.discrepancy import diagnose as engine
-from friction_audit.discrepancy.diagnose_joint import Subject, diagnose_joint
-from friction_audit.discrepancy.result import JointDiscrepancy
-from friction_audit.export import write_log
-from friction_audit.report import log_report
+from friction_audit.diagnosis import diagnose as engine
+from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.io.writers import write_log
+from friction_audit.reporting import log_report
 from tests.cli.conftest import Run
-from tests.report.conftest import build_estimate
+from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
 DEAD = {"torque of zeros": ("tau_interaction", 0.0), "frozen torque": ("tau_interaction", 0.37), "no dq": ("dq", 0.0)}

@@ -19,9 +19,9 @@ import pytest
 
 from friction_audit.cli import choices
 from friction_audit.cli.batch_files import RESULTS
-from friction_audit.export import write_log
-from friction_audit.report.figures.batch import BATCH_FIGURES
-from friction_audit.simulate import BenchSettings, simulate
+from friction_audit.io.writers import write_log
+from friction_audit.reporting.figures.batch import BATCH_FIGURES
+from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
 

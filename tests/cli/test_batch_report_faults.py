@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.export import write_log
-from friction_audit.ingest.fingerprint import sha256_of
-from friction_audit.simulate import BenchSettings, simulate
+from friction_audit.io.readers.unpack import sha256_of
+from friction_audit.io.writers import write_log
+from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
 
@@ -130,7 +130,7 @@ def test_a_log_that_is_replaced_while_it_is_read_is_kept_under_its_own_content(
             os.utime(first, ns=(times.st_atime_ns, times.st_mtime_ns))
         return sha256_of(path)
 
-    monkeypatch.setattr("friction_audit.ingest.read.sha256_of", replace_then_hash)
+    monkeypatch.setattr("friction_audit.io.readers.read.sha256_of", replace_then_hash)
     found = run("batch-report", first, "-q", "--json").document()["sessions"][0]
     assert replaced
     expected = levels[second]["joints"][0]["coulomb_nm"]

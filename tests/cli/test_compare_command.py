@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
-from friction_audit.compare import METHODS, SCENES, draw
+from friction_audit.compensation.comparison import METHODS, SCENES
+from friction_audit.compensation.comparison import experiment as draw
 from tests.cli.conftest import Run
 
 NO_MARGINS = ("--margin-seeds", "0", "-q")

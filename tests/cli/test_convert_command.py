@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.export.writers import WRITERS
-from friction_audit.ingest import read_log
+from friction_audit.io.readers import read_log
+from friction_audit.io.writers.write_log import WRITERS
 from tests.cli.conftest import Run
 
 LOG = Path(__file__).parents[2] / "sample_logs" / "formats" / "csv.csv"

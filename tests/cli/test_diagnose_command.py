@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 
 from friction_audit.cli import choices
-from friction_audit.discrepancy import data_audit
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.export import write_log
-from friction_audit.model.model_file import load_model
-from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+from friction_audit.diagnosis import data_audit
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.effects.model_file import load_model
+from friction_audit.io.writers import write_log
+from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
 from tests.cli.conftest import Run
-from tests.report.conftest import build_estimate
+from tests.reporting.conftest import build_estimate
 
 FEW = ("--candidates", "stribeck,torque_ripple")
 WRITTEN = {"diagnose.json", "model.toml", *(f"{name}.png" for name in choices.DIAGNOSIS_FIGURES)}

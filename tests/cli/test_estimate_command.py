@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
-from tests.report.conftest import COULOMB, VISCOUS
+from tests.reporting.conftest import COULOMB, VISCOUS
 
 WRITTEN = {"estimate.json", "history.csv", "velocity-torque.png", "energy.png", "coefficients.png", "signals.png"}
 

@@ -6,11 +6,11 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from friction_audit import in_copies
+from friction_audit import parallel as in_copies
 from friction_audit.cli.console import Voice
 from friction_audit.cli.figure_files import FigureFile, draw_files
 from friction_audit.errors import AnalysisError, UsageError
-from friction_audit.report.figures.style import figure_style
+from friction_audit.reporting.figures.style import figure_style
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="no process is copied there")
 FORMATS = ("png", "svg", "pdf")

@@ -3,7 +3,7 @@ from pathlib import Path
 import pytest
 
 from tests.cli.conftest import Run
-from tests.ingest.synthetic_recordings import tidy_frame
+from tests.io.synthetic_recordings import tidy_frame
 
 
 def test_one_bad_file_does_not_sink_the_others(run: Run, logs: Path) -> None:
@@ -53,8 +53,8 @@ def test_nothing_readable(run: Run, logs: Path) -> None:
 
 def test_of_a_log_beyond_memory_the_beginning_is_shown(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
-    monkeypatch.setattr("friction_audit.ingest.reader._memory", lambda: whole["samples"] * 8)
-    monkeypatch.setattr("friction_audit.ingest.reader.WHOLE_BYTES", 0)
+    monkeypatch.setattr("friction_audit.io.readers.reader._memory", lambda: whole["samples"] * 8)
+    monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
     monkeypatch.setattr("friction_audit.cli.info._FIRST_S", 10.0)
     answer = run("info", logs / "moved1.csv", "--json")
     assert answer.code == 0, answer.err

@@ -7,14 +7,14 @@ import sys
 import pytest
 
 from friction_audit.cli import choices
-from friction_audit.cycles import settings as cycles
-from friction_audit.export import WRITERS
 from friction_audit.friction import settings as friction
-from friction_audit.interaction import settings as torque
-from friction_audit.report import figures
-from friction_audit.report.figures import save
-from friction_audit.simulate.effects import EFFECTS
-from friction_audit.simulate.scenarios import SCENARIOS
+from friction_audit.io.writers import WRITERS
+from friction_audit.preprocessing import settings as cycles
+from friction_audit.preprocessing import settings as torque
+from friction_audit.reporting import figures
+from friction_audit.reporting.figures import style as save
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.scenarios import SCENARIOS
 
 HEAVY = (
     "numpy",

@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 from friction_audit.errors import AnalysisError
-from friction_audit.export import write_log
-from friction_audit.ingest import read_log
-from friction_audit.report.figures.names import joint_title
+from friction_audit.io.readers import read_log
+from friction_audit.io.writers import write_log
+from friction_audit.reporting.figures.style import joint_title
 from tests.cli.conftest import Run
 
 OBEYED = "\x1b[31m\x1b]0;title\x07\x1b[2J\x08\r\x9b31m\x7f\u202egnp\u2066\u061c\u200f"
@@ -96,7 +96,7 @@ def test_no_name_commands_a_page(run: Run, logs: Path, tmp_path: Path, monkeypat
     def no_answer(*_: object) -> None:
         raise AnalysisError("no candidate")
 
-    monkeypatch.setattr("friction_audit.report.log_report.diagnose_estimate", no_answer)
+    monkeypatch.setattr("friction_audit.reporting.log_report.diagnose_estimate", no_answer)
     assert run("report", log, "-o", "page", "--format", "markdown", "-q").code == 0
     (page,) = (tmp_path / "page").iterdir()
     assert obeyed(page.read_text(encoding="utf-8")) == set()

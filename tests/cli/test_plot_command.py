@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
+from friction_audit.reporting.figures import FIGURES, REPLAY_FIGURES
 from tests.cli.conftest import Run
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.errors import AnalysisError
-from friction_audit.report import log_report
+from friction_audit.reporting import log_report
 from tests.cli.conftest import Run
 
 NAMES = ("moved1.report.html", "moved1.report.json", "moved1.report.md")

@@ -13,18 +13,17 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from friction_audit.export import WRITERS, Writer
-from friction_audit.ingest import read_log
-from friction_audit.ingest.fingerprint import files_of, sha256_of
-from friction_audit.report.schemas import load_schema
-from friction_audit.simulate import Simulation, dispatch, simulate
-from friction_audit.simulate.assign import paths
-from friction_audit.simulate.bench import Progress
-from friction_audit.simulate.dispatch import AnySettings
-from friction_audit.simulate.effects import EFFECTS
-from friction_audit.simulate.scenario import Scenario
-from friction_audit.simulate.scenarios import SCENARIOS
-from friction_audit.simulate.settings import IDEAL_SENSORS
+from friction_audit.io.readers import read_log
+from friction_audit.io.readers.unpack import files_of, sha256_of
+from friction_audit.io.writers import WRITERS, Writer
+from friction_audit.reporting.schemas import load_schema
+from friction_audit.simulation import Simulation, dispatch, simulate
+from friction_audit.simulation.assign import paths
+from friction_audit.simulation.bench import Progress
+from friction_audit.simulation.dispatch import AnySettings
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.scenarios import SCENARIOS, Scenario
+from friction_audit.simulation.settings import IDEAL_SENSORS
 from tests.cli.conftest import Run
 
 ONE = next(scenario for scenario in SCENARIOS if len(scenario.settings.joints) == 1).name
@@ -175,7 +174,7 @@ def fail(kind: type[BaseException]) -> Any:
 
 
 @pytest.mark.parametrize(
-    "step", ["friction_audit.simulate.dispatch.simulate", "friction_audit.report.truth_document.truth_document"]
+    "step", ["friction_audit.simulation.dispatch.simulate", "friction_audit.reporting.json.simulate.truth_document"]
 )
 def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(step, fail(KeyboardInterrupt))
@@ -186,7 +185,7 @@ def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, mon
 def test_a_log_whose_truth_cannot_be_written_is_not_left_alone(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("friction_audit.report.truth_document.truth_document", fail(OSError))
+    monkeypatch.setattr("friction_audit.reporting.json.simulate.truth_document", fail(OSError))
     answer = run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT)
     assert answer.code == 2
     assert "run.json: cannot be written: " in answer.err

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.ingest import read_log
-from friction_audit.model import ArmModel, FittedTerm, JointModel, Motion, save_model, simple_model
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
+from friction_audit.effects.model_file import save_model
+from friction_audit.effects.term import Motion
+from friction_audit.io.readers import read_log
 from tests.cli.conftest import Run
 
 STRIBECK = FittedTerm("stribeck", (0.15, 0.1, 2.0))

@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.cli.values import parse_joints, parse_mapping, parse_numbers
+from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.errors import UsageError
 
 

@@ -9,9 +9,9 @@ from markdown_it import MarkdownIt
 from typer.main import get_command
 
 from friction_audit.cli.app import app
-from friction_audit.discrepancy.candidates import CANDIDATES
-from friction_audit.discrepancy.result import VERDICTS
-from friction_audit.report.log_words import WORDS
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.result import VERDICTS
+from friction_audit.reporting.log_words import WORDS
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT
 
@@ -88,7 +88,7 @@ def test_every_fault_of_the_data_is_explained() -> None:
     explained = set(
         re.findall(r"^\| `(\w+)` \|", (DOCS / "verdicts.md").read_text().partition("| check |")[2], re.MULTILINE)
     )
-    source = ast.parse((ROOT / "src/friction_audit/discrepancy/data_audit.py").read_text())
+    source = ast.parse((ROOT / "src/friction_audit/diagnosis/data_audit.py").read_text())
     judged = [node for node in ast.walk(source) if isinstance(node, ast.Call) and ast.unparse(node.func) == "_judged"]
     faults = {ast.literal_eval(call.args[0]) for call in judged if not any(key.arg == "bad" for key in call.keywords)}
     assert explained == faults

@@ -2,9 +2,8 @@ from dataclasses import replace
 
 import pytest
 
-from friction_audit.drift.comparable import choose_comparable
-from friction_audit.drift.order import natural, put_in_order
-from friction_audit.drift.session import Conditions, Session
+from friction_audit.drift.covariates import choose_comparable
+from friction_audit.drift.session import Conditions, Session, natural, put_in_order
 from tests.drift.made_sessions import FIRST_S, HAND, make_joint, make_session
 
 

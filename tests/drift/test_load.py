@@ -5,7 +5,7 @@ import sys
 
 CODE = """
 import sys
-from friction_audit.drift.load import load
+from friction_audit.drift.analyse import load
 load()
 before = set(sys.modules)
 from friction_audit.drift.analyse import analyse_drift

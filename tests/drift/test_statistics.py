@@ -4,17 +4,14 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_points import Search, find_steps, holm, segmentation
+from friction_audit.drift.change_points import Search, find_isolated, find_steps, holm, segmentation
+from friction_audit.drift.control_chart import noncentrality
+from friction_audit.drift.covariates import without_temperature
 from friction_audit.drift.family import score, statistic_of, step_down
-from friction_audit.drift.fit import fit_model
-from friction_audit.drift.isolated import find_isolated
 from friction_audit.drift.memory import INDEPENDENT, find_memory, leftover, persistence
-from friction_audit.drift.model import tell_apart
-from friction_audit.drift.scatter import residual_scatter, steps_scatter
-from friction_audit.drift.series import Series, make_series
-from friction_audit.drift.shapes import make_directions, step_places, studentise
-from friction_audit.drift.smallest_drift import noncentrality
-from friction_audit.drift.temperature import without_temperature
+from friction_audit.drift.regression import fit_model, tell_apart
+from friction_audit.drift.session import Series, make_series
+from friction_audit.drift.shapes import make_directions, residual_scatter, step_places, steps_scatter, studentise
 from friction_audit.drift.words import percent
 from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy

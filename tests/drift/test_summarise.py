@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.audit import AuditSettings, Estimate, estimate_log
 from friction_audit.drift.session import JointSummary
 from friction_audit.drift.summarise import BINS, bin_torque, conditions_of, summarise_joints
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.simulate import BenchSettings, simulate
-from tests.report.conftest import COULOMB, VISCOUS, build_estimate
+from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
+from friction_audit.simulation import BenchSettings, simulate
+from tests.reporting.conftest import COULOMB, VISCOUS, build_estimate
 
 
 def estimated(joints: int) -> Estimate:

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.export import WRITERS, Writer, choose_writer, write_log
-from friction_audit.ingest import read_log
+from friction_audit.io.readers import read_log
+from friction_audit.io.writers import WRITERS, Writer, choose_writer, write_log
 from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog, Source
 
 NAMES = [writer.name for writer in WRITERS]
@@ -145,7 +145,7 @@ def test_any_number_survives(name: str, number: float, tmp_path_factory: pytest.
 
 def test_writers_are_listed_without_their_libraries() -> None:
     heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
-    code = f"import sys, friction_audit.export; print([name for name in {heavy} if name in sys.modules])"
+    code = f"import sys, friction_audit.io.writers; print([name for name in {heavy} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 

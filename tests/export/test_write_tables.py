@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 
-from friction_audit.export.write_tables import to_frame, write_table_csv, write_table_parquet
-from friction_audit.tidy_table import JointRows, TidyTable
+from friction_audit.io.tidy_table import JointRows, TidyTable
+from friction_audit.io.writers.tables import to_frame, write_table_csv, write_table_parquet
 
 NAMES = ('a,"b"\n', "knee \udce9")
 

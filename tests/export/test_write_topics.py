@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from mcap.reader import make_reader
 
-from friction_audit.export.tables import UNKNOWN_START_NS, stamps_ns
-from friction_audit.export.write_topics import Span, span_of, topic_of, write_topics
+from friction_audit.io.tidy_table import JointRows, TidyTable
+from friction_audit.io.writers.tables import UNKNOWN_START_NS, stamps_ns
+from friction_audit.io.writers.topics import Span, span_of, topic_of, write_topics
 from friction_audit.joint_log import JointLog, Source
-from friction_audit.tidy_table import JointRows, TidyTable
 
 START_S = 1_700_000_000.25
 

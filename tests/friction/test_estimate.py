@@ -4,13 +4,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.cycles import segment_cycles
-from friction_audit.cycles.settings import CycleSettings
 from friction_audit.errors import UsageError
 from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing import segment_cycles
+from friction_audit.preprocessing.settings import CycleSettings
 from tests.synthetic_interaction import interaction, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5

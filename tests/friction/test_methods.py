@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.cycles import segment_cycles
-from friction_audit.cycles.settings import CycleSettings
 from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing import segment_cycles
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.settings import CycleSettings
 from tests.synthetic_interaction import interaction, strokes
 
 COULOMB, VISCOUS, INERTIA = 0.3, 0.1, 0.2

@@ -4,13 +4,12 @@ import numpy as np
 import pytest
 from statsmodels.robust.robust_linear_model import RLM
 
-from friction_audit.audit import AuditSettings, estimate_log
 from friction_audit.friction.history import TorqueRegression
-from friction_audit.friction.huber import huber_weights
-from friction_audit.friction.instruments import block_length, instruments_at, reach
 from friction_audit.friction.torque_regression import regress_torque
+from friction_audit.friction.weighted import block_length, huber_weights, instruments_at, reach
 from friction_audit.joint_log import Float
-from friction_audit.simulate import BenchSettings, simulate
+from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.simulation import BenchSettings, simulate
 from tests.synthetic_interaction import RATE_HZ, interaction, strokes
 
 TRUTH = np.array([0.2, 0.05, 0.1])

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.cli import main
-from friction_audit.simulate import SCENARIOS
+from friction_audit.simulation import SCENARIOS
 
 ROOT = Path(__file__).resolve().parents[2]
 SAMPLES = ROOT / "sample_logs"

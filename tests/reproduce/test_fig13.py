@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import pytest
 
-from friction_audit.compare import METHODS, SCENES, Comparison, compare
-from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, compared
-from friction_audit.reproduce.compared import ORDER, is_ranked, rows_of, steps_down
+from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
+from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction
+from friction_audit.reproduce import course as compared
+from friction_audit.reproduce.course import ORDER, is_ranked, rows_of, steps_down
 from friction_audit.reproduce.fig13 import KEPT
 
 SEEDS = 2

@@ -2,7 +2,7 @@
 
 import pytest
 
-from friction_audit.simulate.paper_scenarios import NMS_PER_RAD_OF_NS_PER_MM
+from friction_audit.simulation.scenarios import NMS_PER_RAD_OF_NS_PER_MM
 from tests.reproduce.conftest import Check, simulated
 
 

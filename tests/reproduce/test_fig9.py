@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.report.paper_figures.course import Course
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.fig9 import last_period, off_ellipse, plateau_nm
-from friction_audit.simulate import simulate
-from friction_audit.simulate.paper_scenarios import PAPER_SCENARIOS
+from friction_audit.simulation import simulate
+from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from tests.reproduce.conftest import Check
 
 

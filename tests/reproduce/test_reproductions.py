@@ -3,8 +3,8 @@
 import pytest
 
 from friction_audit.reproduce import REPRODUCTIONS, Reproduction, simulate_figures
-from friction_audit.reproduce.words import relative
-from friction_audit.simulate import SCENARIOS
+from friction_audit.reproduce.reproduction import relative
+from friction_audit.simulation import SCENARIOS
 from tests.reproduce.conftest import simulated
 
 COMPARED = ("13", "14")

@@ -1,13 +1,123 @@
-"""Which arm a session is of, and when it was: by manifest, by the log itself, by names; never mixed silently."""
+"""Recorded and Fault: what came of one arm of one log, from its content alone; names and places come later."""
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from datetime import UTC, datetime
 
-from friction_audit.batch.log_file import LogFile, ManifestRow
-from friction_audit.batch.recorded import Recorded
-from friction_audit.batch.start_time import holds_a_time, time_in_name
-from friction_audit.drift.order import natural, put_in_order
-from friction_audit.drift.session import Session
+from friction_audit.batch.remote import LogFile, ManifestRow
+from friction_audit.drift.session import Session, natural, put_in_order
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Recorded:
+    """One arm of a log, estimated.
+
+    Attributes:
+        session: Its summary. ``robot`` is what the log itself calls the arm, empty if nothing; ``start_s`` is that of
+            the log's clock; nothing of a manifest is in it.
+        topic: What ``--topic`` would have to say to read this arm of several; empty where the log holds one.
+        kind: ``"panda"``, ``"fr3"`` or ``"unknown"``.
+        named_by_serial: True if the log's name for the arm is a serial number, which no other arm has.
+    """
+
+    session: Session
+    topic: str
+    kind: str
+    named_by_serial: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Fault:
+    """One arm of a log, or the whole of it, that no summary could be made of.
+
+    Attributes:
+        message: Why, as people are told beside the name of the log.
+        topic: Which arm, as in ``Recorded``.
+        lasting: True if the log itself is to blame: the same log with the same settings will fail again.
+        detail: Where in the program it happened, if the program is to blame.
+    """
+
+    message: str
+    topic: str = ""
+    lasting: bool = True
+    detail: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Worked:
+    """What came of a log.
+
+    Attributes:
+        sha256: Hash of its content; empty where it could not be read at all.
+        recorded: Its arms.
+        faults: Arms without a summary.
+    """
+
+    sha256: str
+    recorded: tuple[Recorded, ...] = ()
+    faults: tuple[Fault, ...] = ()
+
+
+_DATE = r"(?P<year>(?:19|20)\d\d)(?P<s>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=s)(?P<day>0[1-9]|[12]\d|3[01])"
+_CLOCK = r"(?P<hour>[01]\d|2[0-3])(?P<c>[-_.:]?)(?P<minute>[0-5]\d)(?:(?P=c)(?P<second>[0-5]\d)(?:[.,](?P<part>\d+))?)?"
+_ZONE = r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
+_MOMENT = re.compile(rf"(?<!\d){_DATE}(?:[T _.-]+{_CLOCK}{_ZONE})?(?!\d)", re.IGNORECASE)
+_EPOCH = re.compile(r"(?<!\d)(1\d{9})(?:(\d{3}|\d{6}|\d{9})|\.(\d+))?(?!\d)")
+"""Seconds since 1970, from 2001 to 2033, as they are or in thousandths, millionths or billionths."""
+
+_DATE_ONLY = re.compile(rf"(?<!\d){_DATE}(?!\d)")
+
+
+def parse_time(text: str) -> float | None:
+    """Return the Unix time of a cell: a date, a date and time (UTC if no zone is stated), or seconds; else None."""
+    whole = _MOMENT.fullmatch(text)
+    if whole is not None:
+        return _unix_time(whole)
+    seconds = re.fullmatch(r"\d{9,}(?:\.\d+)?", text)
+    if seconds is None:
+        return None
+    named = _EPOCH.fullmatch(text)
+    return float(text) if named is None else _seconds(named)
+
+
+def time_in_name(names: Iterable[str]) -> float | None:
+    """Return the Unix time in the first of the names that holds one. [s]
+
+    A name without a zone is taken as UTC: what counts is the order and the distance of sessions.
+    """
+    for name in names:
+        moment = _MOMENT.search(name)
+        if moment is not None and (found := _unix_time(moment)) is not None:
+            return found
+        epoch = _EPOCH.search(name)
+        if epoch is not None:
+            return _seconds(epoch)
+    return None
+
+
+def holds_a_time(name: str) -> bool:
+    """Return True if a name holds a date or a time: such a folder names a day, not a robot."""
+    return _DATE_ONLY.search(name) is not None or _EPOCH.search(name) is not None
+
+
+def _seconds(found: re.Match[str]) -> float:
+    whole, finer, decimals = found.groups()
+    if finer:
+        return int(whole) + int(finer) / 10.0 ** len(finer)
+    return float(f"{whole}.{decimals or 0}")
+
+
+def _unix_time(found: re.Match[str]) -> float | None:
+    date = f"{found['year']}-{found['month']}-{found['day']}"
+    clock = f"{found['hour'] or '00'}:{found['minute'] or '00'}:{found['second'] or '00'}"
+    zone = (found["zone"] or "+00:00").upper().replace("Z", "+00:00")
+    try:
+        moment = datetime.fromisoformat(f"{date}T{clock}{zone}").astimezone(UTC)
+    except ValueError:  # 30 February
+        return None
+    return moment.timestamp() + float(f"0.{found['part'] or 0}")
+
 
 NOTHING_SAID = ManifestRow(path="")
 UNKNOWN = "unknown"

@@ -13,10 +13,10 @@ from types import TracebackType
 from typing import Self
 
 from friction_audit.batch import ledger_rows as rows
-from friction_audit.batch.ledger_schema import APPLICATION_ID, SCHEMA_VERSION, TABLES
-from friction_audit.batch.log_file import LogFile, as_text
-from friction_audit.batch.recorded import Fault, Recorded, Worked
-from friction_audit.batch.settings import BatchSettings
+from friction_audit.batch.identity import Fault, Recorded, Worked
+from friction_audit.batch.ledger_rows import APPLICATION_ID, SCHEMA_VERSION, TABLES
+from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.remote import LogFile, as_text
 from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
 

@@ -1,16 +1,27 @@
 """A manifest, a CSV table that says of every log what the log itself does not -> rows by the place of their log."""
 
 import csv
+import hashlib
 import io
+import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from friction_audit.batch.log_file import ManifestRow
-from friction_audit.batch.start_time import parse_time
+from friction_audit.batch.identity import parse_time
+from friction_audit.batch.remote import ManifestRow
 from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions
+from friction_audit.io.readers.unpack import sha256_of
+from friction_audit.pipeline import AuditSettings
+
+if TYPE_CHECKING:
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+
 
 COLUMNS = ("path", "start", "robot", "temperature", "payload", "note")
 """Columns that are read; ``path`` has to be there. Others may be there, and are left alone."""
@@ -105,3 +116,36 @@ def _row(values: Mapping[str, str]) -> ManifestRow:
         payload=values.get("payload", ""),
         note=values.get("note", ""),
     )
+
+
+RESULTS_VERSION = 11
+"""Raised with every change of the program after which the same log gives other numbers: ledgers then compute anew."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatchSettings:
+    """What is done with each log of a batch.
+
+    Attributes:
+        audit: The chain.
+        reading: How logs are read.
+        diagnosis: What is asked of a diagnosis, or None for none.
+    """
+
+    audit: AuditSettings = field(default_factory=AuditSettings)
+    reading: ReadOptions = field(default_factory=ReadOptions)
+    diagnosis: "DiagnosisSettings | None" = None
+
+    def text(self) -> str:
+        """Return all that the numbers depend on beside the log, as JSON in a fixed order."""
+        every = {"results": RESULTS_VERSION, **asdict(self)}
+        return json.dumps(every, sort_keys=True, default=_as_text)
+
+    def key(self) -> str:
+        """Return the fingerprint of the settings."""
+        return hashlib.sha256(self.text().encode()).hexdigest()[:16]
+
+
+def _as_text(value: Any) -> str:  # noqa: ANN401 - what JSON does not know
+    """Return a file by what it holds: an arm's URDF may be written anew under its name."""
+    return f"sha256 {sha256_of(value)}" if isinstance(value, Path) else str(value)

@@ -1,25 +1,52 @@
-"""The whole way of a batch: what is known is taken from the ledger, what is new goes to the workers, each log once."""
+"""Sessions of several arms -> their drift, arms side by side."""
 
+import fcntl
 import hashlib
+import os
 import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
 from friction_audit.batch.executor import Executor, Lost
-from friction_audit.batch.identity import identify, name_of
+from friction_audit.batch.identity import Fault, Recorded, Worked, identify, name_of, time_in_name
 from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.log_file import LogFile
-from friction_audit.batch.recorded import Fault, Recorded, Worked
-from friction_audit.batch.settings import BatchSettings
-from friction_audit.batch.start_time import time_in_name
+from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.remote import LogFile
 from friction_audit.batch.work import Task, task_of, work_on
+from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
+from friction_audit.drift.report import ArmDrift, DriftReport
 from friction_audit.drift.session import Session
-from friction_audit.ingest.fingerprint import sha256_of
+from friction_audit.drift.settings import DriftSettings
+from friction_audit.errors import AnalysisError
+from friction_audit.io.readers.unpack import sha256_of
+
+
+def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:
+    """Find what changed between the sessions of each arm.
+
+    Args:
+        sessions: Of any arms, in any order.
+        settings: How drift is looked for.
+        executor: What runs the work; a single arm is analysed here, where its sessions are.
+
+    Raises:
+        AnalysisError: If nobody finishes an arm.
+    """
+    arms = arms_of(sessions)
+    if len(arms) == 1:
+        return analyse_drift(sessions, settings)
+    found: dict[str, ArmDrift] = {}
+    for arm, drift in executor.run(partial(analyse_arm, settings=settings), arms):
+        if isinstance(drift, Lost):
+            raise AnalysisError(f"{arm[0].robot}: its drift cannot be analysed: {drift.message}")
+        found[drift.robot] = drift
+    return DriftReport(arms=tuple(found[robot] for robot in sorted(found)))
+
 
 ENDS_BYTES = 65536
 """At each end of a file: there are the start of a recording and the index or notes of most formats."""
@@ -283,3 +310,23 @@ def _name_sessions(
     """Write names and starts beside the numbers, for whoever reads the ledger."""
     topics = {name_of(log, one.topic): one.topic for log, one in pairs}
     ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)
+
+
+@contextmanager
+def run_lock(folder: Path) -> Iterator[bool]:
+    """Yield True if this is the only run in a folder, which has to be there; where nobody can tell, True."""
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        yield _lock(handle)
+    finally:
+        os.close(handle)
+
+
+def _lock(handle: int) -> bool:
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return True
+    return True

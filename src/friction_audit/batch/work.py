@@ -12,19 +12,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from friction_audit.audit import Estimate, diagnose_estimate, estimate_log
-from friction_audit.batch.log_file import LogFile, as_text
-from friction_audit.batch.recorded import Fault, Recorded, Worked
-from friction_audit.batch.remote import fetched
-from friction_audit.batch.settings import BatchSettings
+from friction_audit.batch.identity import Fault, Recorded, Worked
+from friction_audit.batch.manifest import BatchSettings
+from friction_audit.batch.remote import LogFile, as_text, fetched
 from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
-from friction_audit.ingest import SeveralArmsError, arm_told_by, read_log
-from friction_audit.ingest.fingerprint import Stamp, sha256_of, stamp_of
-from friction_audit.per_joint import one_joint_at_a_time
+from friction_audit.io.readers import SeveralArmsError, arm_told_by, read_log
+from friction_audit.io.readers.unpack import Stamp, sha256_of, stamp_of
+from friction_audit.parallel import one_joint_at_a_time
+from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
 
 if TYPE_CHECKING:
-    from friction_audit.discrepancy.result import Discrepancy
+    from friction_audit.diagnosis.result import Discrepancy
 
 
 READINGS = 2

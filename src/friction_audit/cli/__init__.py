@@ -10,9 +10,8 @@ from contextlib import nullcontext
 
 from friction_audit.cli.app import app
 from friction_audit.cli.console import discard, open_streams, remark
-from friction_audit.errors import FrictionAuditError, InputError, UsageError
-from friction_audit.own_process import own_process
-from friction_audit.printable import shortened
+from friction_audit.errors import FrictionAuditError, InputError, UsageError, shortened
+from friction_audit.parallel import own_process
 
 __all__ = ["app", "main"]
 

@@ -19,8 +19,7 @@ from friction_audit.cli import (
     simulate,
 )
 from friction_audit.cli.console import say
-from friction_audit.cli.grouped_help import GroupedCommand
-from friction_audit.cli.option_groups import with_option_groups
+from friction_audit.cli.grouped_help import GroupedCommand, with_option_groups
 
 if TYPE_CHECKING:
     from types import ModuleType

@@ -16,11 +16,11 @@ from friction_audit.errors import AnalysisError, UsageError
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor
     from friction_audit.batch.ledger import Ledger
+    from friction_audit.batch.manifest import BatchSettings
     from friction_audit.batch.run_batch import Standing
-    from friction_audit.batch.settings import BatchSettings
     from friction_audit.drift.report import ArmDrift
-    from friction_audit.report.batch_summary import BatchSummary
-    from friction_audit.report.html.parts import Figure
+    from friction_audit.reporting.batch_summary import BatchSummary
+    from friction_audit.reporting.html.page import Figure
 
 DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
 RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)
@@ -115,9 +115,9 @@ def write_results(
     voice: Voice,
 ) -> Told:
     """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
-    from friction_audit.report.batch_table import batch_table
-    from friction_audit.report.html.batch_page import write_page
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.html.batch_page import write_page
+    from friction_audit.reporting.terminal.batch import batch_table
 
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as beside, voice.step("draw the figures"):
@@ -135,10 +135,10 @@ def write_results(
 
 def _write_tables(summary: "BatchSummary", folder: Path) -> None:
     """Write the document and the tables of all sessions."""
-    from friction_audit.export.write_columns import write_columns
-    from friction_audit.report.batch_document import write_batch_document
-    from friction_audit.report.session_table import COLUMNS, session_columns, write_session_csv
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.io.writers.tables import write_columns
+    from friction_audit.reporting.json.batch import write_batch_document
+    from friction_audit.reporting.terminal.batch import COLUMNS, session_columns, write_session_csv
 
     with whole_file(folder / DOCUMENT, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
         file.writelines(write_batch_document(summary))
@@ -186,8 +186,8 @@ def _draw(
         AnalysisError: If a figure is not finished by anybody.
     """
     from friction_audit.batch.executor import Lost
-    from friction_audit.report.batch_drawings import draw, drawings_of
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.batch_drawings import draw, drawings_of
 
     names, pictures = [], {}
     for drawing, drawn in executor.run(draw, drawings_of(summary.arms, _prefixes(summary.arms), formats)):

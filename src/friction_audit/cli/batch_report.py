@@ -13,24 +13,23 @@ import typer
 from friction_audit import __version__
 from friction_audit.cli import chain
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
-from friction_audit.cli.command_line import command_line
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.config import command_line, dump_config
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
-from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
     from friction_audit.batch.executor import Executor
     from friction_audit.batch.ledger import Ledger
     from friction_audit.batch.local_executor import LocalExecutor
-    from friction_audit.batch.log_file import LogFile
+    from friction_audit.batch.manifest import BatchSettings
+    from friction_audit.batch.remote import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
-    from friction_audit.batch.settings import BatchSettings
-    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
-    from friction_audit.report.batch_summary import BatchSummary
+    from friction_audit.reporting.batch_summary import BatchSummary
 
 SESSIONS, DRIFT, RUNNING = "Sessions", "Drift", "Running"
 
@@ -45,11 +44,11 @@ INTERRUPTED = 130
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
 """Parameters that change nothing in the numbers; what a file of values held is written out."""
 FOR_RESULTS = (
-    "friction_audit.export.write_columns",
-    "friction_audit.report.batch_document",
-    "friction_audit.report.batch_table",
-    "friction_audit.report.html.batch_page",
-    "friction_audit.report.session_table",
+    "friction_audit.io.writers.tables",
+    "friction_audit.reporting.json.batch",
+    "friction_audit.reporting.terminal.batch",
+    "friction_audit.reporting.html.batch_page",
+    "friction_audit.reporting.terminal.batch",
     "jinja2",
     "pyarrow.parquet",
 )
@@ -165,7 +164,7 @@ def command(
     if shared.general.dump_config:
         say(dump_config(context), nl=False)
         return
-    from friction_audit.batch.log_file import as_text
+    from friction_audit.batch.remote import as_text
 
     voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
     output, settings = shared.output, _settings(sessions, shared)
@@ -191,7 +190,7 @@ def command(
 
 
 def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
-    from friction_audit.batch.settings import BatchSettings
+    from friction_audit.batch.manifest import BatchSettings
 
     diagnosis = _diagnosis_settings() if sessions.diagnose else None
     return BatchSettings(
@@ -200,7 +199,7 @@ def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings"
 
 
 def _diagnosis_settings() -> "DiagnosisSettings":
-    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.diagnosis.settings import DiagnosisSettings
 
     return DiagnosisSettings()
 
@@ -235,8 +234,8 @@ def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFil
 def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tuple[Ledger, bool]]":
     """Open the ledger of a folder; yield it, and whether nobody else works in the folder."""
     from friction_audit.batch.ledger import Ledger, move_aside
-    from friction_audit.batch.log_file import LEDGER
-    from friction_audit.batch.run_lock import run_lock
+    from friction_audit.batch.remote import LEDGER
+    from friction_audit.batch.run_batch import run_lock
 
     path = folder / LEDGER
     chain.check_outputs([path], overwrite=True)
@@ -302,7 +301,7 @@ def _catch_up(
 
 def _load() -> None:
     """Import what is needed once all logs are read."""
-    from friction_audit.drift.load import load
+    from friction_audit.drift.analyse import load
 
     load()
     for name in FOR_RESULTS:
@@ -316,7 +315,7 @@ def _require_an_answer(result: "BatchResult") -> None:
         InputError: With what is wrong with the logs.
         AnalysisError: With the reasons of the joints.
     """
-    from friction_audit.report.reasons import reason_lines
+    from friction_audit.reporting.terminal.plain import reason_lines
 
     if not result.sessions:
         lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
@@ -341,11 +340,10 @@ def _summarise(
     processes: "LocalExecutor",
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
-    from friction_audit.batch.drift_of_arms import drift_of_arms
-    from friction_audit.batch.run_batch import gather
+    from friction_audit.batch.run_batch import drift_of_arms, gather
     from friction_audit.drift.fail_on import cannot_tell, exceeded
-    from friction_audit.report.batch_summary import BatchSummary, FailedLog
-    from friction_audit.report.document import to_json
+    from friction_audit.reporting.batch_summary import BatchSummary, FailedLog
+    from friction_audit.reporting.json.document import to_json
 
     result = gather(standing, settings, ledger)
     _require_an_answer(result)

@@ -7,18 +7,22 @@ from contextlib import contextmanager
 from dataclasses import asdict
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from friction_audit.cli.choices import parse_joints, parse_mapping, parse_numbers
 from friction_audit.cli.console import DAMAGED, Voice, remark
+from friction_audit.cli.options import AuditOptions, CycleOptions, ReadingOptions, SelectionOptions, TorqueOptions
 from friction_audit.errors import AnalysisError, UsageError
-from friction_audit.whole_file import check_place, keep_input
+from friction_audit.io.files import check_place, keep_input
 
 if TYPE_CHECKING:
-    from friction_audit.audit import AuditSettings, Estimate
-    from friction_audit.ingest import ReadOptions
+    from friction_audit.io.readers import ReadOptions
     from friction_audit.joint_log import JointLog
+    from friction_audit.pipeline import AuditSettings, Estimate
+    from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+
 
 BUG = 1
 """Exit code: part of the result is missing because of a bug."""
@@ -37,7 +41,7 @@ def loading(*modules: str) -> Iterator[None]:
 
 def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
     """Read a log and, if asked to, say how its columns were understood."""
-    from friction_audit.ingest import read_log
+    from friction_audit.io.readers import read_log
 
     with voice.step(f"read {path}"):
         log = read_log(path, options)
@@ -49,7 +53,7 @@ def read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
 
 def estimate(log: "JointLog", settings: "AuditSettings", voice: Voice) -> "Estimate":
     """Run the chain on a log."""
-    from friction_audit.audit import estimate_log
+    from friction_audit.pipeline import estimate_log
 
     with voice.step("estimate friction"):
         return estimate_log(log, settings)
@@ -62,7 +66,7 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
 
 def warn_about(result: "Estimate", voice: Voice) -> None:
     """Say the warnings of a result that its table does not show."""
-    from friction_audit.report.notices import estimate_notices, notice_lines
+    from friction_audit.reporting.terminal.plain import estimate_notices, notice_lines
 
     voice.warn(notice_lines(notice for notice in estimate_notices(result) if notice.code != TABLED))
 
@@ -73,7 +77,7 @@ def require_an_estimate(result: "Estimate") -> None:
     Raises:
         AnalysisError: With the reason of each joint.
     """
-    from friction_audit.report.reasons import reason_lines
+    from friction_audit.reporting.terminal.plain import reason_lines
 
     if all(joint.reason for joint in result.friction.joints):
         lines = "".join(f"\n  {line}" for line in reason_lines(result.friction.joints))
@@ -132,3 +136,73 @@ def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = 
         if not ground.is_dir() or not os.access(ground, os.W_OK):
             why = "read-only, or no permission" if ground.is_dir() else f"{ground} is a file"
             raise UsageError(f"{place}: cannot be written to ({why}); choose another place")
+
+
+def read_options(reading: ReadingOptions, selection: SelectionOptions) -> "ReadOptions":
+    """Return how the log is read, and which part of it."""
+    from friction_audit.io.readers import ReadOptions
+
+    return ReadOptions(
+        topic=reading.topic,
+        mapping=parse_mapping(reading.mapping),
+        robot=None if reading.robot in ("auto", "none") else reading.robot,
+        time_scale=reading.time_scale,
+        allow_short=reading.allow_short,
+        t_start_s=selection.t_start,
+        t_end_s=selection.t_end,
+    )
+
+
+def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
+    """Return how the interaction torque is made."""
+    from friction_audit.preprocessing.settings import TorqueSettings
+
+    payload, gravity = torque.payload, ("x", "y", "z")
+    numbers: Any = None if payload is None else parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
+    vector: Any = parse_numbers("--gravity-vector", torque.gravity_vector, gravity)
+    return TorqueSettings(
+        torque=torque.torque,
+        gravity=torque.gravity,
+        inertia=torque.inertia,
+        drive=torque.drive,
+        robot=robot,
+        urdf=torque.urdf,
+        payload=numbers,
+        gravity_vector=vector,
+        model_rate_hz=torque.model_rate,
+    )
+
+
+def cycle_settings(cycles: CycleOptions) -> "CycleSettings":
+    """Return how cycles are found."""
+    from friction_audit.preprocessing.settings import CycleSettings
+
+    names = ("INIT", "TERM")
+    speeds: dict[str, Any] = {"thresholds": "auto"}
+    if cycles.thresholds != "auto":
+        begin, end = parse_numbers("--thresholds", cycles.thresholds, names)
+        speeds = {"initiation_rad_s": begin, "termination_rad_s": end}
+    hand_begin, hand_end = parse_numbers("--hand-thresholds", cycles.hand_thresholds, names)
+    return CycleSettings(
+        cycles_from=cycles.cycles_from,
+        hand_initiation_m_s=hand_begin,
+        hand_termination_m_s=hand_end,
+        minimum_path_rad=cycles.min_path,
+        **speeds,
+    )
+
+
+def audit_settings(options: AuditOptions) -> "AuditSettings":
+    """Return the settings of the whole chain."""
+    from friction_audit.friction.settings import FrictionSettings
+    from friction_audit.pipeline import AuditSettings
+
+    selection, estimate = options.selection, options.estimate
+    return AuditSettings(
+        joints=parse_joints(selection.joints),
+        t_start_s=selection.t_start,
+        t_stop_s=selection.t_end,
+        torque=torque_settings(options.torque, options.reading.robot),
+        cycles=cycle_settings(options.cycles),
+        friction=FrictionSettings(estimator=estimate.estimator, model=estimate.model, window=estimate.window),
+    )

@@ -14,8 +14,8 @@ from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
 if TYPE_CHECKING:
-    from friction_audit.compare import Comparison
-    from friction_audit.compare.scene import Scene
+    from friction_audit.compensation.comparison import Comparison
+    from friction_audit.compensation.comparison.scene import Scene
 
 COMPARISON = "Comparison"
 
@@ -127,10 +127,10 @@ def command(
 
 def _scene(options: ComparisonOptions) -> "Scene":
     """Return what the methods are tried on, changed as asked for."""
-    from friction_audit.compare import SCENES
-    from friction_audit.simulate.assign import assign_texts
-    from friction_audit.simulate.hide import hide
-    from friction_audit.simulate.settings import IDEAL_SENSORS
+    from friction_audit.compensation.comparison import SCENES
+    from friction_audit.simulation.assign import assign_texts
+    from friction_audit.simulation.hide import hide
+    from friction_audit.simulation.settings import IDEAL_SENSORS
 
     (scene,) = (one for one in SCENES if one.name == options.arm)
     settings: Any = scene.settings
@@ -146,8 +146,8 @@ def _scene(options: ComparisonOptions) -> "Scene":
 
 
 def _compare(scene: "Scene", options: ComparisonOptions, voice: Voice) -> "Comparison":
-    from friction_audit.compare import METHODS, compare
-    from friction_audit.compare.methods import NONE
+    from friction_audit.compensation.comparison import METHODS, compare
+    from friction_audit.compensation.comparison.methods import NONE
 
     chosen = [method for method in METHODS if method.name in (NONE, *options.methods)]
     with voice.progress("compare") as progress:
@@ -158,7 +158,7 @@ def _draw(
     result: "Comparison", paths: dict[str, list[Path]], voice: Voice, *, overwrite: bool
 ) -> list[tuple[str, str]]:
     """Write the figures that there are; return their names and paths."""
-    from friction_audit.compare.draw import draw
+    from friction_audit.compensation.comparison.experiment import draw
 
     with voice.step("draw"):
         figures = draw(result)
@@ -168,10 +168,10 @@ def _draw(
 
 
 def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:
-    from friction_audit.compare.told import tell_curves, tell_rows
-    from friction_audit.report.compare_document import compare_document
-    from friction_audit.report.compare_table import compare_table
-    from friction_audit.report.document import write_document
+    from friction_audit.compensation.comparison.result import tell_curves, tell_rows
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.simulate import compare_document
+    from friction_audit.reporting.terminal.compare import compare_table
 
     rows = tell_rows(result)
     if json:
@@ -184,7 +184,7 @@ def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]
 
 
 def _tell_scene(result: "Comparison", scene: "Scene") -> dict[str, object]:
-    from friction_audit.simulate.hide import hidden_effects, settings_in_sight
+    from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
     return {
         "arm": result.scene,

@@ -1,14 +1,42 @@
-"""``--config`` and ``--dump-config``: options from and to TOML."""
+"""The command that was given, for a result that says how it is made again."""
 
 import json
+import shlex
+from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from friction_audit.cli.choices import near_misses
-from friction_audit.printable import printable, shortened
-from friction_audit.toml_file import read_toml
+from friction_audit.errors import printable, shortened
+from friction_audit.io.files import read_toml
+
+
+def command_line(context: typer.Context, *, leave_out: Collection[str]) -> str:
+    """Return the command that was given, as it is typed.
+
+    Args:
+        context: Of the command.
+        leave_out: Names of parameters that only concern how it was watched.
+    """
+    words: list[str] = []
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        source = context.get_parameter_source(name)
+        if name not in leave_out and source is not None and source.name != "DEFAULT":
+            option = max(parameter.opts, key=len) if parameter.param_type_name == "option" else ""
+            words += _words(option, context.params[name])
+    return shlex.join(["friction-audit", str(context.command.name), *words])
+
+
+def _words(option: str, value: object) -> list[str]:
+    """Return an option, or an argument if it has no name, as it is typed."""
+    if isinstance(value, bool):
+        return [option] if value else []
+    values = value if isinstance(value, list | tuple) else [value]
+    return [word for item in values for word in ([option, str(item)] if option else [str(item)])]
+
 
 NOT_IN_FILES = ("config", "dump_config", "help")
 MOST_NAMED, LONGEST_KEY = 5, 40

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, TextIO
 
 import typer
 
-from friction_audit.errors import UsageError
-from friction_audit.printable import printable
+from friction_audit.errors import UsageError, printable
 
 if TYPE_CHECKING:
     from rich.console import ConsoleOptions, RenderableType

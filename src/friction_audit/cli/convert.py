@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli.chain import read_options
+from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
-from friction_audit.cli.settings import read_options
-from friction_audit.cli.values import parse_joints
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.export import Writer
+    from friction_audit.io.writers import Writer
     from friction_audit.joint_log import JointLog
 
 EXAMPLES = """Examples:
@@ -29,7 +29,7 @@ DIRECTORY = "(folder)"
 def _list_dialects(wanted: bool) -> None:
     """Print the dialects, as a table for people and for ``cut``."""
     if wanted:
-        from friction_audit.export import WRITERS
+        from friction_audit.io.writers import WRITERS
 
         width = max(len(writer.name) for writer in WRITERS)
         for writer in WRITERS:
@@ -89,13 +89,13 @@ def _take(log: "JointLog", joints: tuple[int, ...] | None) -> "JointLog":
 
 
 def _choose_writer(out: Path, dialect: str | None) -> "Writer":
-    from friction_audit.export import choose_writer
+    from friction_audit.io.writers import choose_writer
 
     return choose_writer(out, dialect)
 
 
 def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.export import write_log
+    from friction_audit.io.writers import write_log
 
     with voice.step(f"write {out}"):
         write_log(log, out, dialect=writer.name, overwrite=overwrite)
@@ -103,8 +103,7 @@ def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwr
 
 def _report(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, json: bool) -> None:
     """Say what was written and what the format has no place for."""
-    from friction_audit.report.convert_document import convert_document
-    from friction_audit.report.document import write_document
+    from friction_audit.reporting.json.document import convert_document, write_document
 
     document = convert_document(log, str(out), writer.name, left_out=writer.left_out(log))
     if json:

@@ -8,19 +8,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
-from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import AuditSettings, Diagnosis
-    from friction_audit.discrepancy.settings import DiagnosisSettings
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.effects.joint_model import ArmModel
     from friction_audit.joint_log import JointLog
-    from friction_audit.model.joint_model import ArmModel
+    from friction_audit.pipeline import AuditSettings, Diagnosis
 
 DIAGNOSIS = "Diagnosis"
 
@@ -109,7 +109,7 @@ def command(
         files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
     with voice.stages(2 + (len(choices.DIAGNOSIS_FIGURES) if folder else 0) + len(export)) as told:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, reading, told)
         _check_model(options.model, settings.model, recorded)
         found = _diagnose(recorded, audit, settings, told)
@@ -128,14 +128,14 @@ def command(
 
 
 def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSettings", voice: Voice) -> "Diagnosis":
-    from friction_audit.audit import diagnose_log
+    from friction_audit.pipeline import diagnose_log
 
     with voice.step("diagnose"):
         return diagnose_log(log, audit, settings)
 
 
 def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.report.tables import diagnose_tables
+    from friction_audit.reporting.tables import diagnose_tables
 
     write_exports(plan, diagnose_tables(found), recorded, voice, overwrite=overwrite)
 
@@ -147,8 +147,8 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
         InputError: If the file of a model is none.
         UsageError: If a value cannot be used.
     """
-    from friction_audit.discrepancy.settings import DiagnosisSettings
-    from friction_audit.model.model_file import load_model
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.effects.model_file import load_model
 
     return DiagnosisSettings(
         candidates=tuple(options.candidates) or None,
@@ -172,7 +172,7 @@ def _check_model(path: Path | None, model: "ArmModel | None", log: "JointLog") -
 
 
 def _warn(found: "Diagnosis", voice: Voice) -> None:
-    from friction_audit.report.notices import diagnose_notices, notice_lines
+    from friction_audit.reporting.terminal.plain import diagnose_notices, notice_lines
 
     voice.warn(notice_lines(diagnose_notices(found)))
 
@@ -183,7 +183,7 @@ def _require_an_answer(found: "Diagnosis") -> None:
     Raises:
         AnalysisError: With what is said of each joint.
     """
-    from friction_audit.discrepancy.result import UNANSWERED
+    from friction_audit.diagnosis.result import UNANSWERED
 
     joints = found.discrepancy.joints
     if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
@@ -197,16 +197,16 @@ def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
 
 
 def _document(found: "Diagnosis", reading: dict[str, object]) -> str:
-    from friction_audit.report.diagnose_document import diagnose_document
-    from friction_audit.report.document import write_document
+    from friction_audit.reporting.json.diagnose import diagnose_document
+    from friction_audit.reporting.json.document import write_document
 
     return write_document(diagnose_document(found, reading))
 
 
 def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.discrepancy.grown_model import grow_models
-    from friction_audit.model.model_file import save_model
-    from friction_audit.whole_file import whole_file
+    from friction_audit.diagnosis.grown_model import grow_models
+    from friction_audit.effects.model_file import save_model
+    from friction_audit.io.files import whole_file
 
     with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
         draft.write_text(document, encoding="utf-8")
@@ -216,7 +216,7 @@ def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, ove
 
 
 def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+    from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
 
     kinds = {kind.name: partial(kind.draw, found) for kind in DIAGNOSIS_FIGURES}
     numbers = [joint.joint for joint in found.discrepancy.joints]
@@ -228,6 +228,6 @@ def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> N
     if json:
         say(document, nl=False)
     else:
-        from friction_audit.report.diagnose_table import diagnose_table
+        from friction_audit.reporting.terminal.diagnose import diagnose_table
 
         print_rich(diagnose_table(found, verbose=verbose))

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
-from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Estimate
     from friction_audit.joint_log import JointLog
+    from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
@@ -75,15 +75,15 @@ def command(
 
 
 def _document(result: "Estimate", reading: dict[str, object]) -> str:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.estimate_document import estimate_document
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.estimate import estimate_document
 
     return write_document(estimate_document(result, reading))
 
 
 def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *, overwrite: bool) -> None:
-    from friction_audit.report.history_table import history_csv
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.tables.of_estimate import history_csv
 
     for name, text in ((DOCUMENT, _document(result, reading)), (HISTORY, history_csv(result))):
         with whole_file(folder / name, overwrite=overwrite) as draft:
@@ -91,7 +91,7 @@ def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *
 
 
 def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.report.tables import estimate_tables
+    from friction_audit.reporting.tables import estimate_tables
 
     write_exports(plan, estimate_tables(result), recorded, voice, overwrite=overwrite)
 
@@ -100,6 +100,6 @@ def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> Non
     if json:
         say(_document(result, reading), nl=False)
     else:
-        from friction_audit.report.estimate_table import estimate_table
+        from friction_audit.reporting.terminal.estimate import estimate_table
 
         print_rich(estimate_table(result))

@@ -9,8 +9,8 @@ from friction_audit.cli.console import Voice
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
+    from friction_audit.io.tidy_table import TidyTable
     from friction_audit.joint_log import JointLog
-    from friction_audit.tidy_table import TidyTable
 
 MCAP = "mcap"
 
@@ -75,9 +75,9 @@ def write_exports(
         voice: Told what is written.
         overwrite: If True, files that exist are replaced.
     """
-    from friction_audit.export.write_tables import write_table_csv, write_table_parquet
-    from friction_audit.export.write_topics import span_of, write_topics
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.io.writers.tables import write_table_csv, write_table_parquet
+    from friction_audit.io.writers.topics import span_of, write_topics
 
     writers = {"csv": write_table_csv, "parquet": write_table_parquet}
     for kind in plan.kinds:

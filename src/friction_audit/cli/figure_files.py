@@ -11,7 +11,7 @@ from friction_audit.cli.console import Voice
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from friction_audit.audit import Estimate
+    from friction_audit.pipeline import Estimate
 
 
 class FigureFile(NamedTuple):
@@ -40,7 +40,7 @@ def write_figures(
     voice: Voice,
 ) -> list[FigureFile]:
     """Draw the kinds, all joints on a sheet and, if asked for, each joint alone; return the files."""
-    from friction_audit.report.figures import FIGURES, REPLAY_FIGURES
+    from friction_audit.reporting.figures import FIGURES, REPLAY_FIGURES
 
     chosen: dict[str, Callable[[int | None], Figure]] = {
         kind.name: partial(kind.draw, result) for kind in (*FIGURES, *REPLAY_FIGURES) if kind.name in kinds
@@ -59,9 +59,9 @@ def _of_a_diagnosis(
     """Return what draws the kinds on what the declared model misses; diagnosed once, with the default settings."""
     if not set(kinds) & set(choices.DIAGNOSIS_FIGURES):
         return {}
-    from friction_audit.audit import diagnose_estimate
-    from friction_audit.discrepancy.settings import DiagnosisSettings
-    from friction_audit.report.figures.diagnose import DIAGNOSIS_FIGURES
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.pipeline import diagnose_estimate
+    from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
 
     with voice.step("diagnose"):
         found = diagnose_estimate(result, DiagnosisSettings())
@@ -91,8 +91,8 @@ def draw_files(
         voice: Told what is drawn.
         unit: Of the torque.
     """
-    from friction_audit.in_copies import in_copies, workers_for
-    from friction_audit.report.figures.save import load_matplotlib
+    from friction_audit.parallel import in_copies, workers_for
+    from friction_audit.reporting.figures.style import load_matplotlib
 
     # A sheet of one joint is that joint's figure.
     sheet = numbers[0] if len(numbers) == 1 else None
@@ -121,8 +121,8 @@ def _content(
     number: int,
 ) -> list[bytes]:
     """Draw one of the figures: what its files hold."""
-    from friction_audit.report.figures.save import figure_bytes
-    from friction_audit.report.units import label_in_unit
+    from friction_audit.reporting.figures.style import figure_bytes
+    from friction_audit.reporting.units import label_in_unit
 
     kind, _, joint = figures[number]
     figure = label_in_unit(kinds[kind](joint), unit)
@@ -130,7 +130,7 @@ def _content(
 
 
 def _write(contents: Sequence[bytes], paths: Sequence[Path], *, overwrite: bool) -> None:
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
 
     for content, path in zip(contents, paths, strict=True):
         with whole_file(path, overwrite=overwrite) as draft:
@@ -139,8 +139,8 @@ def _write(contents: Sequence[bytes], paths: Sequence[Path], *, overwrite: bool)
 
 def save_everywhere(figure: "Figure", paths: Sequence[Path], *, overwrite: bool) -> None:
     """Write a figure to several files, in the formats that their suffixes name."""
-    from friction_audit.report.figures import save_figure
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.figures import save_figure
 
     for path in paths:
         with whole_file(path, overwrite=overwrite) as draft:

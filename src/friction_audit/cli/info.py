@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain
+from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
+from friction_audit.cli.choices import parse_joints
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import DAMAGED, Voice, print_rich, remark, say
 from friction_audit.cli.options import (
@@ -17,17 +19,14 @@ from friction_audit.cli.options import (
     SelectionOptions,
     TorqueOptions,
 )
-from friction_audit.cli.settings import cycle_settings, read_options, torque_settings
-from friction_audit.cli.values import parse_joints
 from friction_audit.errors import FrictionAuditError
 
 if TYPE_CHECKING:
-    from friction_audit.cycles.settings import CycleSettings
-    from friction_audit.ingest import ReadOptions
-    from friction_audit.interaction.settings import TorqueSettings
+    from friction_audit.io.readers import ReadOptions
     from friction_audit.joint_log import JointLog
-    from friction_audit.report.info_document import InfoEntry, TopicSummary
-    from friction_audit.report.log_summary import LogSummary
+    from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+    from friction_audit.reporting.json.estimate import InfoEntry, TopicSummary
+    from friction_audit.reporting.log_summary import LogSummary
 
 _FIRST_S = 600.0
 """What is looked at of a log that does not fit into memory. [s]"""
@@ -77,7 +76,7 @@ def _entry(
     path: Path, options: "ReadOptions", view: _View, voice: Voice, failures: list[FrictionAuditError]
 ) -> "InfoEntry":
     """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
-    from friction_audit.report.info_document import InfoEntry
+    from friction_audit.reporting.json.estimate import InfoEntry
 
     topics: tuple[TopicSummary, ...] = ()
     try:
@@ -91,7 +90,7 @@ def _entry(
 
 def _read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
     """Read a log, or the beginning of one that does not fit into memory."""
-    from friction_audit.ingest.reader import TooLargeError
+    from friction_audit.io.readers.reader import TooLargeError
     from friction_audit.joint_log import Finding
 
     try:
@@ -108,8 +107,8 @@ def _read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
 
 
 def _topics(path: Path) -> "tuple[TopicSummary, ...]":
-    from friction_audit.ingest import list_topics
-    from friction_audit.report.info_document import TopicSummary
+    from friction_audit.io.readers import list_topics
+    from friction_audit.reporting.json.estimate import TopicSummary
 
     _, topics = list_topics(path)
     return tuple(TopicSummary(name=t.name, type=t.type, messages=t.messages, readable=t.readable) for t in topics)
@@ -117,9 +116,9 @@ def _topics(path: Path) -> "tuple[TopicSummary, ...]":
 
 def _summary(log: "JointLog", view: _View) -> "LogSummary":
     """Go as far along the chain as the log allows."""
-    from friction_audit.cycles import segment_cycles
-    from friction_audit.interaction import extract_interaction
-    from friction_audit.report.log_summary import summarize_log
+    from friction_audit.preprocessing import segment_cycles
+    from friction_audit.preprocessing.interaction_torque import extract_interaction
+    from friction_audit.reporting.log_summary import summarize_log
 
     try:
         hand = view.cycles.cycles_from == "hand"
@@ -130,9 +129,9 @@ def _summary(log: "JointLog", view: _View) -> "LogSummary":
 
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.info_document import info_document
-    from friction_audit.report.info_table import info_table
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.estimate import info_document
+    from friction_audit.reporting.terminal.estimate import info_table
 
     if json:
         say(write_document(info_document(entries)), nl=False)

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFolder, ImageFormats, LogPath
-from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Estimate
+    from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit plot run.mcap
@@ -59,8 +59,7 @@ def command(
 
 
 def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[str, object]) -> None:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.plot_document import plot_document
+    from friction_audit.reporting.json.document import plot_document, write_document
 
     figures = [(file.kind, file.joint, str(file.path)) for file in files]
     say(write_document(plot_document(result, figures, reading)), nl=False)

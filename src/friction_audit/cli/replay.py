@@ -7,19 +7,19 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
+from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
-from friction_audit.cli.settings import audit_settings, read_options
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Estimate, LogReplay
+    from friction_audit.compensation.settings import ModelFile, ReplaySettings
     from friction_audit.joint_log import JointLog
-    from friction_audit.replay.settings import ModelFile, ReplaySettings
+    from friction_audit.pipeline import Estimate, LogReplay
 
 EXAMPLES = """Examples:
   friction-audit replay run.mcap
@@ -63,7 +63,7 @@ def command(
         files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
     with voice.stages(3 + (len(choices.REPLAY_FIGURES) if folder else 0) + len(export)) as told:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.replay.same_motion"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactuals"):
             recorded = chain.read(log, reading, told)
         _check_model(settings.joint_model, recorded)
         found = _replay(chain.estimate(recorded, audit, told), settings, told)
@@ -82,14 +82,14 @@ def command(
 
 
 def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "LogReplay":
-    from friction_audit.audit import replay_estimate
+    from friction_audit.pipeline import replay_estimate
 
     with voice.step("replay"):
         return replay_estimate(estimate, settings)
 
 
 def _export(found: "LogReplay", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.report.tables import replay_tables
+    from friction_audit.reporting.tables import replay_tables
 
     write_exports(plan, replay_tables(found), recorded, voice, overwrite=overwrite)
 
@@ -108,7 +108,7 @@ def _check_model(given: "ModelFile | None", log: "JointLog") -> None:
 
 
 def _warn(found: "LogReplay", voice: Voice) -> None:
-    from friction_audit.report.notices import notice_lines, replay_notices
+    from friction_audit.reporting.terminal.plain import notice_lines, replay_notices
 
     voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code != TABLED))
 
@@ -139,7 +139,7 @@ def _require_a_joint(found: "LogReplay") -> None:
     Raises:
         AnalysisError: With the reason of each joint.
     """
-    from friction_audit.report.reasons import reason_lines
+    from friction_audit.reporting.terminal.plain import reason_lines
 
     if all(joint.reason for joint in found.replay.joints):
         lines = "".join(f"\n  {line}" for line in reason_lines(found.replay.joints))
@@ -147,15 +147,15 @@ def _require_a_joint(found: "LogReplay") -> None:
 
 
 def _document(found: "LogReplay", reading: dict[str, object]) -> str:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.replay_document import replay_document
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.replay import replay_document
 
     return write_document(replay_document(found, reading))
 
 
 def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) -> None:
-    from friction_audit.report.replay_history import replay_csv
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.tables.of_replay import replay_csv
 
     for name, text in ((DOCUMENT, document), (HISTORY, replay_csv(found))):
         with whole_file(folder / name, overwrite=overwrite) as draft:
@@ -163,8 +163,7 @@ def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) 
 
 
 def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bool, voice: Voice) -> None:
-    from friction_audit.report.figures.replay import draw_log_replay
-    from friction_audit.report.figures.replay_velocity_torque import draw_log_replay_velocity_torque
+    from friction_audit.reporting.figures.replay import draw_log_replay, draw_log_replay_velocity_torque
 
     draws = (partial(draw_log_replay, found), partial(draw_log_replay_velocity_torque, found))
     kinds = dict(zip(choices.REPLAY_FIGURES, draws, strict=True))
@@ -177,6 +176,6 @@ def _print(found: "LogReplay", document: str, *, json: bool) -> None:
     if json:
         say(document, nl=False)
     else:
-        from friction_audit.report.replay_table import replay_table
+        from friction_audit.reporting.terminal.replay import replay_table
 
         print_rich(replay_table(found))

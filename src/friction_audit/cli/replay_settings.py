@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import choices
+from friction_audit.cli.choices import parse_numbers
 from friction_audit.cli.options import CycleOptions
-from friction_audit.cli.values import parse_numbers
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.replay.compensators import Coefficients, EnergyCompensator
-    from friction_audit.replay.rivals import Rival
-    from friction_audit.replay.settings import ModelFile, OperatorImpedance, ReplaySettings
+    from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
+    from friction_audit.compensation.rivals import Rival
+    from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
 
 REPLAY = "Replay"
 
@@ -179,7 +179,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
         UsageError: If a value cannot be used.
         InputError: If the file of a model is none.
     """
-    from friction_audit.replay.settings import ReplaySettings
+    from friction_audit.compensation.settings import ReplaySettings
 
     return ReplaySettings(
         assume=options.assume,
@@ -193,7 +193,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
 
 
 def _rival(options: ReplayOptions) -> "Rival | None":
-    from friction_audit.replay.rivals import Rival
+    from friction_audit.compensation.rivals import Rival
 
     if options.compensator == "energy":
         return None
@@ -207,22 +207,22 @@ def _rival(options: ReplayOptions) -> "Rival | None":
 
 
 def _joint_model(path: Path) -> "ModelFile":
-    from friction_audit.model.model_file import load_model
-    from friction_audit.replay.settings import ModelFile
+    from friction_audit.compensation.settings import ModelFile
+    from friction_audit.effects.model_file import load_model
 
     return ModelFile(path=str(path), model=load_model(path))
 
 
 def _operator(text: str) -> "OperatorImpedance":
-    from friction_audit.replay.settings import OperatorImpedance
+    from friction_audit.compensation.settings import OperatorImpedance
 
     numbers = parse_numbers("--operator", text, ("MASS", "DAMPING", "STIFFNESS"))
     return OperatorImpedance(inertia_kg_m2=numbers[0], damping_nms_per_rad=numbers[1], stiffness_nm_per_rad=numbers[2])
 
 
 def _compensator(options: ReplayOptions, cycles: CycleOptions) -> "EnergyCompensator":
-    from friction_audit.replay.compensators import EnergyCompensator
-    from friction_audit.replay.settings import DEFAULT_MODEL, energy_compensator
+    from friction_audit.compensation.compensators import EnergyCompensator
+    from friction_audit.compensation.settings import DEFAULT_MODEL, energy_compensator
 
     default = EnergyCompensator()
     forced = None if options.fixed is None else parse_coefficients(options.fixed)
@@ -247,7 +247,7 @@ def parse_coefficients(text: str) -> "Coefficients":
     Raises:
         UsageError: If the text is anything else.
     """
-    from friction_audit.replay.compensators import Coefficients
+    from friction_audit.compensation.compensators import Coefficients
 
     values: dict[str, float] = {}
     for part in text.split(","):

@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from friction_audit.cli import chain, choices
-from friction_audit.cli.command_line import command_line
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.chain import audit_settings, read_options
+from friction_audit.cli.config import command_line, dump_config
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.export_files import ExportPlan, write_exports
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
-from friction_audit.cli.settings import audit_settings, read_options
 
 if TYPE_CHECKING:
-    from friction_audit.audit import Estimate
     from friction_audit.joint_log import JointLog
-    from friction_audit.report.log_report import LogReport
+    from friction_audit.pipeline import Estimate
+    from friction_audit.reporting.log_report import LogReport
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap
@@ -74,7 +73,7 @@ def command(
     outputs = *files.values(), *plan.files(choices.REPORT_TABLES)
     chain.check_outputs(outputs, overwrite=output.overwrite, log=log)
     with voice.stages(PARTS + len(files) + len(plan.kinds)) as told:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.discrepancy.diagnose"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, options, told)
         estimate = chain.estimate(recorded, settings, told)
         if not output.json:
@@ -93,8 +92,8 @@ def command(
 def _report(
     estimate: "Estimate", cycles: CycleOptions, reading: dict[str, object], command: str, voice: Voice
 ) -> "LogReport":
-    from friction_audit.discrepancy.settings import DiagnosisSettings
-    from friction_audit.report.log_report import report_estimate
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+    from friction_audit.reporting.log_report import report_estimate
 
     settings = replay_settings(ReplayOptions(), cycles)
     return report_estimate(estimate, settings, DiagnosisSettings(), reading=reading, command=command, step=voice.step)
@@ -103,7 +102,7 @@ def _report(
 def _export(
     report: "LogReport", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool
 ) -> list[Path]:
-    from friction_audit.report.tables import report_tables
+    from friction_audit.reporting.tables import report_tables
 
     return write_exports(plan, report_tables(report), recorded, voice, overwrite=overwrite)
 
@@ -122,15 +121,15 @@ def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: b
 
 def _stem(log: Path) -> str:
     """Return what the files of a report begin with: the name of the log without its ending."""
-    from friction_audit.report.log_report import name_of_log
+    from friction_audit.reporting.log_report import name_of_log
 
     name = name_of_log(log)
     return name if log.is_dir() else Path(name).stem
 
 
 def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.report.report_bytes import REPORT_FORMATS
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.report_bytes import REPORT_FORMATS
 
     for name, path in files.items():
         _, write = REPORT_FORMATS[name]
@@ -139,8 +138,8 @@ def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwri
 
 
 def _document(report: "LogReport") -> str:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.log_document import log_document
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.report import log_document
 
     return write_document(log_document(report))
 
@@ -150,7 +149,7 @@ def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
     if json:
         say(_document(report), nl=False)
         return
-    from friction_audit.report.log_words import lead_sentence
+    from friction_audit.reporting.log_words import lead_sentence
 
     say(lead_sentence(report))
     for path in paths:

@@ -85,9 +85,9 @@ def _reproduce(
 
 
 def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:
-    from friction_audit.report.claim_table import claim_table
-    from friction_audit.report.document import write_document
-    from friction_audit.report.reproduce_document import reproduce_document
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.simulate import reproduce_document
+    from friction_audit.reporting.terminal.compare import claim_table
 
     rows = [asdict(claim) for claim in claims]
     if json:

@@ -15,10 +15,10 @@ from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
 from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.export import Writer
+    from friction_audit.io.writers import Writer
     from friction_audit.joint_log import JointLog
-    from friction_audit.report.simulate_document import SimulatedLog
-    from friction_audit.simulate.scenario import Scenario
+    from friction_audit.reporting.json.simulate import SimulatedLog
+    from friction_audit.simulation.scenarios import Scenario
 
 SIMULATION = "Simulation"
 
@@ -175,7 +175,7 @@ class _Run:
     seed: int
 
     def simulate(self, path: Path, voice: Voice) -> "JointLog":
-        from friction_audit.simulate.dispatch import simulate
+        from friction_audit.simulation.dispatch import simulate
 
         with voice.progress(f"simulate {self.scenario.name}") as progress:
             return simulate(self.scenario.settings, self.seed, path=str(path), progress=progress).log
@@ -184,9 +184,9 @@ class _Run:
         self, log: "JointLog", path: Path, writer: "Writer", truth: Path | None, voice: Voice, *, overwrite: bool
     ) -> "SimulatedLog":
         """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
-        from friction_audit.export.write_log import check_fit
-        from friction_audit.ingest.fingerprint import sha256_of
-        from friction_audit.whole_file import whole_file
+        from friction_audit.io.files import whole_file
+        from friction_audit.io.readers.unpack import sha256_of
+        from friction_audit.io.writers.write_log import check_fit
 
         with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:
             check_fit(log, writer)
@@ -197,8 +197,8 @@ class _Run:
         return simulated
 
     def _tell(self, sha256: str) -> "SimulatedLog":
-        from friction_audit.report.simulate_document import SimulatedLog
-        from friction_audit.simulate.hide import hidden_effects, settings_in_sight
+        from friction_audit.reporting.json.simulate import SimulatedLog
+        from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
         settings = self.scenario.settings
         effects = [asdict(effect) for effect in hidden_effects(settings)]
@@ -206,7 +206,7 @@ class _Run:
 
 
 def _find_scenario(name: str | None) -> "Scenario":
-    from friction_audit.simulate.scenarios import SCENARIOS
+    from friction_audit.simulation.scenarios import SCENARIOS
 
     names = [scenario.name for scenario in SCENARIOS]
     if name is None:
@@ -223,7 +223,7 @@ def _choose_output(
     out: Path | None, dialect: str | None, truth: Path | None, *, overwrite: bool
 ) -> "tuple[Path, Writer]":
     """Refuse outputs that could not be written, before anything long is done."""
-    from friction_audit.export import choose_writer
+    from friction_audit.io.writers import choose_writer
 
     if out is None:
         raise UsageError("--output: missing; expected the file of the log, e.g. --output run.parquet")
@@ -245,9 +245,9 @@ def _check_truth(truth: Path, out: Path) -> None:
 
 def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa: ANN401 - of any scenario
     """Return the scenario's settings, changed as asked for."""
-    from friction_audit.simulate.assign import assign_texts
-    from friction_audit.simulate.hide import hide
-    from friction_audit.simulate.settings import IDEAL_SENSORS
+    from friction_audit.simulation.assign import assign_texts
+    from friction_audit.simulation.hide import hide
+    from friction_audit.simulation.settings import IDEAL_SENSORS
 
     numbers = {"duration_s": options.duration, "rate_hz": options.rate}
     asked = {name: value for name, value in numbers.items() if value is not None}
@@ -272,8 +272,8 @@ def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scen
         InputError: If the file is none.
         UsageError: If the scenario cannot take its joints.
     """
-    from friction_audit.model.model_file import load_model
-    from friction_audit.simulate.from_model import with_model
+    from friction_audit.effects.model_file import load_model
+    from friction_audit.simulation.from_model import with_model
 
     model = load_model(path)
     try:
@@ -283,9 +283,9 @@ def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scen
 
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:
-    from friction_audit.report.document import write_document
-    from friction_audit.report.truth_document import truth_document
-    from friction_audit.whole_file import whole_file
+    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.simulate import truth_document
 
     with whole_file(truth, overwrite=overwrite) as draft:
         draft.write_text(write_document(truth_document(simulated)), encoding="utf-8")
@@ -302,8 +302,8 @@ def _report(
     json: bool,
 ) -> None:
     """Say what was written and what the format has no place for."""
-    from friction_audit.report.document import write_document
-    from friction_audit.report.simulate_document import simulate_document
+    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.json.simulate import simulate_document
 
     document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
     if json:

@@ -4,16 +4,16 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from friction_audit.simulate.assign import Setting
-    from friction_audit.simulate.effects.effect import Effect
-    from friction_audit.simulate.scenario import Scenario
+    from friction_audit.simulation.assign import Setting
+    from friction_audit.simulation.effects.effect import Effect
+    from friction_audit.simulation.scenarios import Scenario
 
 SEVERAL_JOINTS = "; takes several joints"
 
 
 def scenario_lines() -> list[str]:
     """Return a line per scenario: name, joints, what it is."""
-    from friction_audit.simulate.scenarios import SCENARIOS
+    from friction_audit.simulation.scenarios import SCENARIOS
 
     width = max(len(scenario.name) for scenario in SCENARIOS)
     return [f"{scenario.name:<{width}}  {_about(scenario)}" for scenario in SCENARIOS]
@@ -21,7 +21,7 @@ def scenario_lines() -> list[str]:
 
 def setting_lines(scenario: "Scenario") -> list[str]:
     """Return what a scenario is, and a line per setting with its value, as ``--set`` takes them."""
-    from friction_audit.simulate.assign import paths
+    from friction_audit.simulation.assign import paths
 
     values = {path: _value(value) for path, value in paths(scenario.settings).items()}
     width = max(map(len, values))
@@ -30,7 +30,7 @@ def setting_lines(scenario: "Scenario") -> list[str]:
 
 def effect_lines() -> list[str]:
     """Return the effects by family: each with its parameters, their usual values and their meaning."""
-    from friction_audit.simulate.effects import EFFECTS
+    from friction_audit.simulation.effects import EFFECTS
 
     families = dict.fromkeys(effect.family for effect in EFFECTS)
     return [
@@ -41,7 +41,7 @@ def effect_lines() -> list[str]:
 
 
 def _value(value: "Setting") -> str:
-    from friction_audit.simulate.assign import Kind, write_value
+    from friction_audit.simulation.assign import Kind, write_value
 
     others = f"  (or {', '.join(value.others)})" if isinstance(value, Kind) and value.others else ""
     return write_value(value) + others

@@ -1,20 +1,24 @@
 """Sessions -> DriftReport: arm by arm, joint by joint."""
 
 from collections.abc import Sequence
+from importlib import import_module
 
-from friction_audit.drift.comparable import choose_comparable
+from friction_audit.drift.change_points import find_isolated, leave_odd_out
+from friction_audit.drift.covariates import (
+    LikeTemperature,
+    choose_comparable,
+    counts,
+    use_temperature,
+    without_temperature,
+)
 from friction_audit.drift.describe import Verdict, describe_series, too_few
 from friction_audit.drift.family import FamilyTest, judge_family
-from friction_audit.drift.isolated import find_isolated, leave_odd_out
-from friction_audit.drift.order import Order, put_in_order
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
-from friction_audit.drift.series import COEFFICIENTS, Series, make_series
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.drift.shapes import base_shapes, make_directions
-from friction_audit.drift.temperature import LikeTemperature, counts, use_temperature, without_temperature
 from friction_audit.drift.words import describe_arm, describe_joint
-from friction_audit.joint_numbers import write_joint_numbers
+from friction_audit.joint_log import write_joint_numbers
 
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
@@ -163,3 +167,19 @@ def by_joint(
         message = describe_joint(number, own)
         joints.append(JointDrift(joint=number, name=names[number], coefficients=own, drift=drifts, message=message))
     return tuple(joints)
+
+
+HEAVY = (
+    "scipy.optimize",
+    "scipy.signal",
+    "scipy.stats",
+    "statsmodels.robust.robust_linear_model",
+    "statsmodels.stats.multitest",
+    "friction_audit.drift.analyse",
+)
+
+
+def load() -> None:
+    """Import it."""
+    for name in HEAVY:
+        import_module(name)

@@ -6,18 +6,29 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.drift.change_points import Search, Step, find_steps
-from friction_audit.drift.control_chart import make_chart
-from friction_audit.drift.fit import Fit, fit_model, is_near_zero, to_change, to_level, to_relative
+from friction_audit.drift.control_chart import make_chart, smallest_change
+from friction_audit.drift.covariates import TOGETHER, shared, without_temperature
 from friction_audit.drift.memory import Memory
-from friction_audit.drift.model import Model, criterion, ends_model, ramp_model, steps_model, tell_apart
+from friction_audit.drift.regression import (
+    Fit,
+    Model,
+    change_within,
+    criterion,
+    ends_model,
+    find_trend,
+    fit_model,
+    is_near_zero,
+    ramp_model,
+    steps_model,
+    tell_apart,
+    temperature_slope,
+    to_change,
+    to_level,
+    to_relative,
+)
 from friction_audit.drift.report import ChangePoint, CoefficientDrift
-from friction_audit.drift.series import NORMAL_95, Series
-from friction_audit.drift.session import Session
+from friction_audit.drift.session import NORMAL_95, Series, Session
 from friction_audit.drift.settings import DriftSettings
-from friction_audit.drift.smallest_drift import smallest_change
-from friction_audit.drift.temperature import TOGETHER, shared, without_temperature
-from friction_audit.drift.trend import find_trend, temperature_slope
-from friction_audit.drift.within import change_within
 from friction_audit.drift.words import Circumstances, describe, describe_too_few
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.drift.scatter import MAD_TO_SD
-from friction_audit.drift.shapes import Directions, studentise
+from friction_audit.drift.shapes import MAD_TO_SD, Directions, studentise
 from friction_audit.joint_log import Float
 
 LEARNED = 1000

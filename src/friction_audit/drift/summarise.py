@@ -5,17 +5,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.cycles.energy_cycles import KEPT, EnergyCycles
 from friction_audit.drift.session import Conditions, JointSummary, SpeedCurve
-from friction_audit.friction.equations import set_up
 from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
+from friction_audit.friction.paper import set_up
 from friction_audit.friction.settings import FEWEST_CYCLES
 from friction_audit.friction.weighted import Fit, fit_windows
-from friction_audit.interaction.interaction import Interaction
 from friction_audit.joint_log import Float, JointLog
+from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
+from friction_audit.preprocessing.interaction import Interaction
 
 if TYPE_CHECKING:
-    from friction_audit.discrepancy.result import Discrepancy
+    from friction_audit.diagnosis.result import Discrepancy
 
 COULOMB, VISCOUS = "coulomb_nm", "viscous_nms_per_rad"
 COEFFICIENTS = (COULOMB, VISCOUS)

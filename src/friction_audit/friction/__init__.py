@@ -3,10 +3,10 @@
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from friction_audit.cycles.energy_cycles import EnergyCycles
     from friction_audit.friction.history import FrictionHistory
     from friction_audit.friction.settings import FrictionSettings
-    from friction_audit.interaction.interaction import Interaction
+    from friction_audit.preprocessing.energy_cycles import EnergyCycles
+    from friction_audit.preprocessing.interaction import Interaction
 
 
 def estimate_friction(

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.interaction.interaction import Caution
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -18,16 +18,22 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.cycles.velocity import filter_velocity
-from friction_audit.friction.equations import Equations
 from friction_audit.friction.history import TorqueRegression
-from friction_audit.friction.huber import huber_weights
-from friction_audit.friction.instruments import block_length, instruments_at, reach
+from friction_audit.friction.paper import Equations
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Fit, conditioning, fit_windows
-from friction_audit.interaction.interaction import Interaction
+from friction_audit.friction.weighted import (
+    Fit,
+    block_length,
+    conditioning,
+    fit_windows,
+    huber_weights,
+    instruments_at,
+    reach,
+)
 from friction_audit.joint_log import Float, median_step
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.velocity import filter_velocity
 
 CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0

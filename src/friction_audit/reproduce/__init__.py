@@ -1,6 +1,5 @@
 """The paper's simulated figures: simulated, drawn, and each of their claims held against a number."""
 
-from friction_audit.reproduce.claim import Claim
 from friction_audit.reproduce.fig3 import FIGURE_3
 from friction_audit.reproduce.fig6 import FIGURE_6
 from friction_audit.reproduce.fig7 import FIGURE_7
@@ -11,7 +10,7 @@ from friction_audit.reproduce.fig11 import FIGURE_11
 from friction_audit.reproduce.fig12 import FIGURE_12
 from friction_audit.reproduce.fig13 import FIGURE_13
 from friction_audit.reproduce.fig14 import FIGURE_14
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations
 from friction_audit.reproduce.run import simulate_figures
 
 REPRODUCTIONS: tuple[Reproduction, ...] = (

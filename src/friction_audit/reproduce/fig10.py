@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.report.paper_figures.course import Course
-from friction_audit.reproduce.claim import Claim
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.many import each, share, spread
-from friction_audit.reproduce.reproduction import MANY, Reproduction, Simulations
+from friction_audit.reproduce.reproduction import MANY, Claim, Reproduction, Simulations, each, share, spread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -68,7 +66,7 @@ def _band(claim: str, leaves: Float, note: str, last_s: float) -> Claim:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw velocity and torque, the net energy and the coefficients."""
-    from friction_audit.report.paper_figures.experiment import draw_compensated
+    from friction_audit.reporting.figures.paper_arm import draw_compensated
 
     return draw_compensated(make_course(simulations["fig10"][0]))
 

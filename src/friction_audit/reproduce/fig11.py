@@ -4,13 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.report.paper_figures.course import Course
-from friction_audit.reproduce.claim import Claim
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.fig8 import peak_nm
 from friction_audit.reproduce.fig10 import SECOND
-from friction_audit.reproduce.many import share, spread
-from friction_audit.reproduce.reproduction import MANY, Reproduction, Simulations
+from friction_audit.reproduce.reproduction import MANY, Claim, Reproduction, Simulations, share, spread
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -77,7 +75,7 @@ def against_nm(course: Course) -> float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw the curve from the end of the second cycle on."""
-    from friction_audit.report.paper_figures.experiment import draw_compensated_loop
+    from friction_audit.reporting.figures.paper_arm import draw_compensated_loop
 
     without, with_ = make_course(simulations["fig8"][0]), compensated(make_course(simulations["fig10"][0]))
     return draw_compensated_loop(with_, without)

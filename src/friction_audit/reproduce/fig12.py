@@ -6,12 +6,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.reproduce.claim import Claim
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.fig10 import BAND
-from friction_audit.reproduce.many import each, share, spread
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.simulate import Simulation
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, each, share, spread
+from friction_audit.simulation import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -126,7 +124,7 @@ def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw signals, energies and coefficients, a row for every joint."""
-    from friction_audit.report.paper_figures.whole_arm import draw_whole_arm
+    from friction_audit.reporting.figures.paper_arm import draw_whole_arm
 
     arm = simulations["fig12"][0]
     return draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])

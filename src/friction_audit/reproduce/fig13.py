@@ -2,9 +2,8 @@
 
 from typing import TYPE_CHECKING
 
-from friction_audit.compare import Comparison
-from friction_audit.reproduce.claim import Claim
-from friction_audit.reproduce.compared import (
+from friction_audit.compensation.comparison import Comparison
+from friction_audit.reproduce.course import (
     MOST_SEEDS,
     NOTE,
     ROLES,
@@ -16,7 +15,7 @@ from friction_audit.reproduce.compared import (
     rows_of,
     steps_down,
 )
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -5,11 +5,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.report.paper_figures.course import Course
-from friction_audit.reproduce.claim import Claim
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.reproduce.words import relative
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, relative
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -73,7 +71,7 @@ def minima(energy: Float, dissipated: Float) -> tuple[int, float]:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw the three energies."""
-    from friction_audit.report.paper_figures.exchange import draw_exchange
+    from friction_audit.reporting.figures.paper import draw_exchange
 
     return draw_exchange(*_energies(simulations))
 

@@ -4,11 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.report.paper_figures.course import Course
-from friction_audit.reproduce.claim import Claim
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.reproduce.words import relative
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, relative
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -65,7 +63,7 @@ def _error(course: Course, cycle: int, truth: float) -> float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw the net energy above the coefficient."""
-    from friction_audit.report.paper_figures.adaptation import draw_adaptation
+    from friction_audit.reporting.figures.paper import draw_adaptation
 
     (simulation,) = simulations["fig6"]
     settings, truth = simulation.truth.settings, simulation.truth.motion

@@ -4,12 +4,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.reproduce.claim import Claim
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.reproduce.words import relative
-from friction_audit.simulate.clock import CONTROL_RATE_HZ
-from friction_audit.simulate.simulation import Simulation
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, relative
+from friction_audit.simulation.clock import CONTROL_RATE_HZ
+from friction_audit.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,7 +102,7 @@ def _returns(guarded: Simulation) -> tuple[Claim, ...]:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw the energies without and with the controller, and its damping."""
-    from friction_audit.report.paper_figures.overcompensation import draw_overcompensation
+    from friction_audit.reporting.figures.paper import draw_overcompensation
 
     (bare,), (guarded,) = simulations["fig7-unprotected"], simulations["fig7"]
     return draw_overcompensation(make_course(bare), make_course(guarded))

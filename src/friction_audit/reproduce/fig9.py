@@ -4,13 +4,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from friction_audit.report.paper_figures.course import Course
-from friction_audit.reproduce.claim import Claim
+from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.reproduce.words import relative
-from friction_audit.simulate.clock import CONTROL_RATE_HZ
-from friction_audit.simulate.simulation import Simulation
+from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, relative
+from friction_audit.simulation.clock import CONTROL_RATE_HZ
+from friction_audit.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -116,7 +114,7 @@ def one_tick_of_silence(simulation: Simulation) -> float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw both curves."""
-    from friction_audit.report.paper_figures.plateaus import draw_plateaus
+    from friction_audit.reporting.figures.paper import draw_plateaus
 
     (raw,), (aided,) = simulations["fig9-friction"], simulations["fig9-compensated"]
     return draw_plateaus(last_period(raw), last_period(aided))

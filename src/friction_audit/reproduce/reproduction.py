@@ -1,14 +1,58 @@
-"""What it takes to reproduce a figure."""
+"""What the paper says, and what we got."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from friction_audit.reproduce.claim import Claim
-from friction_audit.simulate.simulation import Simulation
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Claim:
+    """A claim of the paper as a number.
+
+    Attributes:
+        figure: Figure of the paper.
+        claim: The claim in a sentence.
+        paper: What the paper says or shows, in its units.
+        ours: What we got, in words and with its unit.
+        value: The number that decides.
+        holds: Whether it holds.
+        note: What a reader should know about it, or nothing.
+    """
+
+    figure: str
+    claim: str
+    paper: str
+    ours: str
+    value: float
+    holds: bool
+    note: str = ""
+
+
+def each(simulations: Sequence[Simulation], measure: Callable[[Simulation], float]) -> Float:
+    """Return one number per simulation, shape (seeds,)."""
+    return np.array([measure(simulation) for simulation in simulations])
+
+
+def spread(values: Float, unit: str, *, worst: Callable[[Float], float] = np.max) -> str:
+    """Return median and worst in words; of one seed only that."""
+    if len(values) == 1:
+        return f"{values[0]:.3f} {unit}".rstrip()
+    return f"median {np.median(values):.3f}, worst {worst(values):.3f} {unit}".rstrip()
+
+
+def share(holds: "NDArray[np.bool_]") -> str:
+    """Return in how many seeds something holds, in words."""
+    return f"{int(holds.sum())} of {len(holds)} seeds"
+
 
 Simulations = Mapping[str, tuple[Simulation, ...]]
 """By name of the scenario, one simulation per seed."""
@@ -36,3 +80,15 @@ class Reproduction:
     most_seeds: int
     check: Callable[[Simulations], tuple[Claim, ...]]
     draw: "Callable[[Simulations], Figure]"
+
+
+SMALLEST_PERCENT = 0.001
+"""Below this, nobody needs the digits."""
+
+
+def relative(share: float) -> str:
+    """Return the size of a share as a percentage with two digits: 1.2e-4 -> ``0.012 %``."""
+    percent = 100.0 * abs(share)
+    if percent < SMALLEST_PERCENT:
+        return f"less than {SMALLEST_PERCENT:g} %"
+    return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"

@@ -3,8 +3,8 @@
 from collections.abc import Callable, Sequence
 
 from friction_audit.reproduce.reproduction import Reproduction, Simulations
-from friction_audit.simulate import Scenario, Simulation, simulate
-from friction_audit.simulate.paper_scenarios import PAPER_SCENARIOS
+from friction_audit.simulation import Scenario, Simulation, simulate
+from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 
 Progress = Callable[[float], None]
 """Told the share that is done, 0 to 1."""

@@ -1,0 +1,330 @@
+"""The names at the top of the package, behind which everything else may move."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict, Unpack
+
+from friction_audit import pipeline as audit
+from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.rivals import Rival
+from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, energy_compensator
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_model import ArmModel
+from friction_audit.errors import UsageError
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.io import readers as ingest
+from friction_audit.io import writers as export
+from friction_audit.io.files import whole_file
+from friction_audit.io.tidy_table import TidyTable
+from friction_audit.io.writers.tables import to_frame
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogReplay
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.reporting.log_report import LogReport, report_estimate
+from friction_audit.reporting.tables import diagnose_tables, estimate_tables, replay_tables, report_tables
+from friction_audit.simulation import SCENARIOS, Simulation, simulate
+from friction_audit.simulation.hide import hide
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class ReadingOptions(TypedDict, total=False):
+    """How a log is read: the fields of ``ingest.ReadOptions``."""
+
+    topic: str | None
+    mapping: Mapping[str, str]
+    robot: str | None
+    time_scale: float
+    allow_short: bool
+    t_start_s: float | None
+    t_end_s: float | None
+
+
+class EstimateOptions(TypedDict, total=False):
+    """How friction is estimated: the fields of the settings of torque, cycles and estimate, and the part of the log."""
+
+    joints: Sequence[int] | None
+    t_start_s: float | None
+    t_stop_s: float | None
+    torque: str
+    gravity: str
+    inertia: str
+    drive: str
+    robot: str
+    urdf: Path | None
+    payload: tuple[float, float, float, float] | None
+    gravity_vector: tuple[float, float, float]
+    model_rate_hz: float
+    thresholds: str
+    initiation_rad_s: float
+    termination_rad_s: float
+    cutoff_hz: float
+    cycles_from: str
+    hand_initiation_m_s: float
+    hand_termination_m_s: float
+    minimum_path_rad: float
+    maximum_gap_s: float
+    closure_rad: float
+    estimator: str
+    model: str
+    window: int | None
+    compare: bool
+
+
+class ReplayOptions(TypedDict, total=False):
+    """How a log is replayed: the fields of ``replay.settings.ReplaySettings``."""
+
+    assume: str
+    compensator: Compensator
+    rival: Rival | None
+    joint_model: ModelFile | None
+    operator: OperatorImpedance | None
+    max_torque_nm: float | None
+    max_torque_rate_nm_s: float | None
+
+
+class DiagnosisOptions(TypedDict, total=False):
+    """What is asked of a diagnosis: the fields of ``discrepancy.settings.DiagnosisSettings``."""
+
+    candidates: tuple[str, ...] | None
+    alpha: float
+    seed: int
+    model: ArmModel | None
+
+
+SELECTION = ("joints", "t_start_s", "t_stop_s")
+"""Options that are settings of the chain itself."""
+
+
+def audit_settings(options: EstimateOptions) -> AuditSettings:
+    """Return the settings of the chain.
+
+    Raises:
+        UsageError: If there is no such option, or a value cannot be used.
+    """
+    given: dict[str, Any] = dict(options)
+    check_names("estimate_log", given, EstimateOptions)
+    joints = given.get("joints")
+    chosen = {name: given[name] for name in SELECTION if name in given}
+    return AuditSettings(
+        **chosen | {"joints": None if joints is None else tuple(joints)},
+        torque=TorqueSettings(**_own(given, TorqueSettings)),
+        cycles=CycleSettings(**_own(given, CycleSettings)),
+        friction=FrictionSettings(**_own(given, FrictionSettings)),
+    )
+
+
+def check_names(call: str, given: Mapping[str, Any], known: type) -> None:
+    """Refuse options that a call does not know.
+
+    Raises:
+        UsageError: If there are some; the message names the near ones.
+    """
+    from difflib import get_close_matches
+
+    names = tuple(known.__annotations__)
+    for name in given:
+        if name not in names:
+            near = get_close_matches(name, names, n=2)
+            hint = f"; did you mean {' or '.join(near)}?" if near else ""
+            raise UsageError(f"{call}: no option {name}; expected some of {', '.join(names)}{hint}")
+
+
+def _own(given: Mapping[str, Any], settings: Any) -> dict[str, Any]:  # noqa: ANN401 - a dataclass
+    from dataclasses import fields
+
+    return {f.name: given[f.name] for f in fields(settings) if f.name in given}
+
+
+def read_log(path: str | Path, **options: Unpack[ReadingOptions]) -> JointLog:
+    """Read a recorded joint log, whatever its format, and vet it.
+
+    Args:
+        path: A file, or the directory of a ROS 2 bag.
+        options: How it is read: ``topic``, ``mapping`` of channels to names in the file, ``robot``, ``time_scale``,
+            ``allow_short``, and the part from ``t_start_s`` to ``t_end_s``.
+
+    Returns:
+        The log, in SI units; what was noticed about it is in ``log.source.findings``.
+
+    Raises:
+        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    """
+    check_names("read_log", options, ReadingOptions)
+    return ingest.read_log(path, ingest.ReadOptions(**options))
+
+
+def write_log(log: JointLog, path: str | Path, *, dialect: str | None = None, overwrite: bool = False) -> None:
+    """Write a log whole or not at all, in the format that the ending of the name or the dialect says.
+
+    Args:
+        log: The log.
+        path: Where to; a directory for ROS 2 bags.
+        dialect: One of ``friction-audit convert --list-dialects``, or None for the first one of the ending.
+        overwrite: Replace what is there.
+
+    Raises:
+        UsageError: If the dialect is unknown or cannot hold the log, or something is there.
+    """
+    export.write_log(log, Path(path), dialect=dialect, overwrite=overwrite)
+
+
+def simulate_log(scenario: str, *, seed: int = 0, effects: Sequence[str] = (), **changes: object) -> Simulation:
+    """Simulate a recording whose friction and hidden effects are known.
+
+    Args:
+        scenario: One of ``friction-audit simulate --list``, e.g. ``"panda-joint"``.
+        seed: Seed of everything that is drawn; the same gives the same log to the bit.
+        effects: Hidden effects as on the command line, e.g. ``"stribeck:excess_nm=0.1@1"``.
+        changes: Settings of the scenario, e.g. ``duration_s=60.0``.
+
+    Returns:
+        ``log``, and in ``truth`` what the log does not say.
+
+    Raises:
+        UsageError: If there is no such scenario, setting or effect, or a value cannot be used.
+    """
+    named: dict[str, Any] = {one.name: one.settings for one in SCENARIOS}
+    if scenario not in named:
+        raise UsageError(f"{scenario}: no such scenario; expected one of {', '.join(named)}")
+    check_names("simulate_log", changes, type(named[scenario]))
+    # One effect alone is a sequence of letters to Python.
+    hidden = (effects,) if isinstance(effects, str) else effects
+    return simulate(hide(replace(named[scenario], **changes), hidden), seed, path=scenario)
+
+
+def estimate_log(log: JointLog, **options: Unpack[EstimateOptions]) -> Estimate:
+    """Estimate the friction of the joints of a log over time, with its uncertainty.
+
+    Args:
+        log: The log.
+        options: ``joints`` by number from 1, ``t_start_s`` and ``t_stop_s``, and the settings of the torque (``drive``,
+            ``gravity``, ``payload``, ...), the cycles (``thresholds``, ``cycles_from``, ...) and the estimate
+            (``estimator``, ``model``, ``window``).
+
+    Returns:
+        The result of every step: ``interaction``, ``cycles``, ``friction``. A joint without an estimate is no error:
+        its coefficients are NaN and ``reason`` says why.
+
+    Raises:
+        UsageError: If an option is unknown or contradicts the log, or it is no log.
+        InputError: If the log lacks a channel that the options ask for.
+    """
+    if not isinstance(log, JointLog):
+        raise UsageError(
+            f"{type(log).__name__}: expected a log, as read_log returns it; read a file with read_log first"
+        )
+    return audit.estimate_log(log, audit_settings(options))
+
+
+def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> LogReplay:
+    """Run a friction compensator with a passivity controller on a log, as a controller would have.
+
+    Args:
+        log: A log, or what ``estimate_log`` made of it.
+        options: ``assume``, ``compensator``, ``rival``, ``joint_model``, ``operator``, ``max_torque_nm``,
+            ``max_torque_rate_nm_s``.
+
+    Raises:
+        UsageError: If an option is unknown, or options contradict each other or the log.
+        AnalysisError: If the log cannot be replayed.
+    """
+    check_names("replay_log", options, ReplayOptions)
+    estimate = _estimated(log)
+    return audit.replay_estimate(estimate, replay_settings(estimate, options))
+
+
+def diagnose_log(log: JointLog | Estimate, **options: Unpack[DiagnosisOptions]) -> Diagnosis:
+    """Find what the model of each joint misses, name it, and measure how far the gap closes.
+
+    Args:
+        log: A log, or what ``estimate_log`` made of it.
+        options: ``candidates``, ``alpha``, ``seed``, ``model``.
+
+    Raises:
+        UsageError: If an option is unknown or cannot be used.
+        AnalysisError: If the log cannot be diagnosed.
+    """
+    check_names("diagnose_log", options, DiagnosisOptions)
+    return audit.diagnose_estimate(_estimated(log), DiagnosisSettings(**options))
+
+
+def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, overwrite: bool = False) -> LogReport:
+    """Put together all that a log says: friction, compensator, what the model misses.
+
+    Args:
+        log: A log, or what ``estimate_log`` made of it.
+        path: Where to write it, or None; the ending says how: ``.html``, ``.pdf``, ``.md`` or ``.json``.
+        overwrite: Replace what is there.
+
+    Returns:
+        The parts; one that the log gives no answer to is None, and ``unanswered`` says why.
+
+    Raises:
+        UsageError: If the ending is none of these, or something is there.
+    """
+    from friction_audit.reporting.report_bytes import REPORT_FORMATS
+
+    if path is None:
+        return _reported(log)
+    writers, ending = dict(REPORT_FORMATS.values()), Path(path).suffix
+    if ending.lower() not in writers:
+        raise UsageError(f"{path}: ending {ending or 'missing'}: expected one of {', '.join(writers)}")
+    # What cannot be written is refused before anything long is done.
+    with whole_file(Path(path), overwrite=overwrite) as draft:
+        report = _reported(log)
+        draft.write_bytes(writers[ending.lower()](report))
+    return report
+
+
+def _reported(log: JointLog | Estimate) -> LogReport:
+    estimate = _estimated(log)
+    return report_estimate(estimate, replay_settings(estimate, {}), DiagnosisSettings())
+
+
+def replay_settings(estimate: Estimate, options: ReplayOptions) -> ReplaySettings:
+    """Return how an estimate is replayed: where the hand ends cycles, the compensator counts those that it does."""
+    cycles = estimate.settings.cycles
+    if "compensator" not in options and cycles.cycles_from == "hand":
+        options = {**options, "compensator": energy_compensator(minimum_path_rad=cycles.minimum_path_rad)}
+    return ReplaySettings(**options)
+
+
+def _estimated(log: JointLog | Estimate) -> Estimate:
+    return log if isinstance(log, Estimate) else estimate_log(log)
+
+
+def to_frames(result: Estimate | LogReplay | Diagnosis | LogReport) -> "dict[str, pd.DataFrame]":
+    """Return the tables of a result by name, with units in the names of their columns.
+
+    They are those that ``--export csv`` and ``--export parquet`` write: of an estimate ``coefficients``,
+    ``coefficient_history``, ``cycles`` and ``interaction``; of a replay ``replay_joints``, ``replay_cycles`` and
+    ``replay_signals``; of a diagnosis ``verdicts``, ``effects``, ``effect_parameters``, ``gap_ladder``,
+    ``residual_profiles``, ``residual`` and ``simulated_motion``; of a report all of them.
+
+    Args:
+        result: What ``estimate_log``, ``replay_log``, ``diagnose_log`` or ``report_log`` returned.
+
+    Raises:
+        UsageError: If it is none of these.
+    """
+    return {table.name: to_frame(table) for table in _tables(result)}
+
+
+def _tables(result: Estimate | LogReplay | Diagnosis | LogReport) -> tuple[TidyTable, ...]:
+    match result:
+        case Estimate():
+            return estimate_tables(result)
+        case LogReplay():
+            return replay_tables(result)
+        case Diagnosis():
+            return diagnose_tables(result)
+        case LogReport():
+            return report_tables(result)
+        case _:
+            raise UsageError(
+                f"to_frames: {type(result).__name__}: expected the result of estimate_log, replay_log, diagnose_log or "
+                "report_log; call one of them first"
+            )

@@ -1,0 +1,322 @@
+"""Comparison -> figures."""
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from dataclasses import replace
+from math import ceil, isinf
+from multiprocessing import get_context
+from os import cpu_count
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from friction_audit.compensation.comparison.margin import amplified, find_margins
+from friction_audit.compensation.comparison.methods import (
+    BEST,
+    METHODS,
+    NONE,
+    OTHER,
+    PAPER,
+    TUNED_BY_HAND,
+    Method,
+    Sweep,
+    Tuning,
+)
+from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row, tell_curves, tell_rows
+from friction_audit.compensation.comparison.scene import Scene
+from friction_audit.compensation.comparison.trial import (
+    Course,
+    Outcome,
+    Reference,
+    find_loss,
+    find_reference,
+    make_course,
+    measure,
+)
+from friction_audit.simulation.dispatch import simulate
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from friction_audit.reporting.figures.compare import TrialCourse
+
+
+FIGURES = ("energy", "velocity-torque", "sweep", "summary")
+"""Names of the figures; the first two are the paper's Figs 13 and 14."""
+
+
+def draw(comparison: Comparison) -> "dict[str, Figure]":
+    """Return the figures by name; those that have nothing to show are left out."""
+    from friction_audit.reporting.figures.compare import draw_energies, draw_loops, draw_summary, draw_sweeps
+
+    shown = [row for row in comparison.rows if row.role == PAPER]
+    joint = _most_loaded(shown[0])
+    courses = [_show(row, joint) for row in shown]
+    figures = {"energy": draw_energies(courses), "velocity-torque": draw_loops(courses, joint + 1)}
+    if comparison.curves:
+        none = comparison.row(NONE, PAPER)
+        slope = none.interval(lambda outcome: outcome.energy_slope_w).value if none is not None else float("nan")
+        figures["sweep"] = draw_sweeps(tell_curves(comparison), slope)
+    figures["summary"] = draw_summary(tell_rows(comparison))
+    return figures
+
+
+def _most_loaded(row: Row) -> int:
+    """Return the column of the joint that takes most torque to move."""
+    return int(np.argmax((row.course.interaction_nm**2).mean(axis=0)))
+
+
+def _show(row: Row, joint: int) -> "TrialCourse":
+    from friction_audit.reporting.figures.compare import TrialCourse
+
+    course = row.course
+    return TrialCourse(
+        method=row.method,
+        label=row.label,
+        t=course.t,
+        dq=course.dq[:, joint],
+        interaction_nm=course.interaction_nm[:, joint],
+        energy_j=course.energy_j,
+        from_s=course.from_s,
+        lost=bool(np.isfinite(course.lost_s)),
+    )
+
+
+Progress = Callable[[float], None]
+"""Told the share that is done, 0 to 1."""
+
+FIRST_TUNING_SEED = 10_000
+"""The sweeps are made for other persons than those that are reported."""
+
+MARGIN_TRIALS = 6
+"""Simulations that a stability margin takes, about."""
+
+
+class _Trial(NamedTuple):
+    """Everything that a trial takes, without what only this process knows."""
+
+    settings: Any
+    seed: int
+    reference: Reference
+    drawn: bool
+
+
+class Candidate(NamedTuple):
+    """A row to be; what its fields mean is told there."""
+
+    method: Method
+    tuning: Tuning
+    role: str
+    tuning_losses: int | None = None
+
+
+def compare(
+    scene: Scene, seeds: int, methods: Sequence[Method] = METHODS, progress: Progress | None = None
+) -> Comparison:
+    """Try all methods on the same operator, arm, noise and seeds.
+
+    Args:
+        scene: Who moves what.
+        seeds: Number of persons that are reported; their seeds are 0, 1, 2 and so on.
+        methods: The methods.
+        progress: Told how far it is.
+
+    Raises:
+        AnalysisError: If the trials are too short.
+    """
+    with _pool(scene) as pool:
+        return _Experiment(scene, seeds, tuple(methods), pool, progress).run()
+
+
+@contextmanager
+def _pool(scene: Scene) -> Iterator[Executor]:
+    """Yield workers: threads where compiled loops give the interpreter away, else processes."""
+    workers = cpu_count() or 1
+    if scene.needs_processes:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as processes:
+            yield processes
+    else:
+        with ThreadPoolExecutor(workers, thread_name_prefix="trial") as threads:
+            yield threads
+
+
+class _Experiment:
+    """One comparison under way."""
+
+    def __init__(
+        self, scene: Scene, seeds: int, methods: tuple[Method, ...], pool: Executor, progress: Progress | None
+    ) -> None:
+        self.scene, self.methods, self.pool, self.progress = scene, methods, pool, progress
+        self.seeds = tuple(range(seeds))
+        self.tuning_seeds = tuple(FIRST_TUNING_SEED + n for n in range(scene.plan.tuning_seeds))
+        self.margin_seeds = self.seeds[: scene.plan.margin_seeds]
+        self._done, self._all = 0, self._count()
+
+    def _count(self) -> int:
+        """Return the number of trials, about."""
+        values = sum(len(self._values(sweep)) for _, sweep in self._sweeps())
+        others = sum(len(method.others) for method in self.methods) if self.scene.plan.with_others else 0
+        rows = sum(2 if method.sweeps else 1 for method in self.methods) + others
+        references = len(self.seeds) + len(self.tuning_seeds)
+        margins = MARGIN_TRIALS * len(self.margin_seeds)
+        return references + values * len(self.tuning_seeds) + rows * (len(self.seeds) + margins)
+
+    def _values(self, sweep: Sweep) -> tuple[float, ...]:
+        return sweep.values[:: ceil(len(sweep.values) / self.scene.plan.most_values)]
+
+    def _sweeps(self) -> list[tuple[Method, Sweep]]:
+        return [(method, sweep) for method in self.methods for sweep in method.sweeps[: self.scene.plan.sweeps]]
+
+    def run(self) -> Comparison:
+        """Sweep, choose, try."""
+        references = self._references((*self.seeds, *self.tuning_seeds))
+        curves = self._sweep(references)
+        candidates = [one for method in self.methods for one in self._candidates(method, curves)]
+        return Comparison(
+            scene=self.scene.name,
+            title=self.scene.title,
+            duration_s=self.scene.settings.duration_s,
+            seeds=self.seeds,
+            tuning_seeds=self.tuning_seeds,
+            margin_seeds=self.margin_seeds,
+            rows=self._try(candidates, references),
+            curves=curves,
+        )
+
+    def _map(self, work: Callable[[Any], Any], jobs: Iterable[Any]) -> list[Any]:
+        """Work jobs off, in their order, and tell how far it is."""
+        results = []
+        for result in self.pool.map(work, list(jobs)):
+            results.append(result)
+            self._done += 1
+            if self.progress is not None:
+                self.progress(min(self._done / self._all, 1.0))
+        return results
+
+    def _references(self, seeds: Sequence[int]) -> dict[int, Reference]:
+        settings = self.scene.compensated(_nothing())
+        found = self._map(_refer, [(settings, seed) for seed in seeds])
+        return dict(zip(seeds, found, strict=True))
+
+    def _sweep(self, references: dict[int, Reference]) -> tuple[Curve, ...]:
+        """Make the sweeps of all methods, all trials in one heap."""
+        sweeps = self._sweeps()
+        tunings = [sweep.at(value) for _, sweep in sweeps for value in self._values(sweep)]
+        heaps = iter(self._trials(tunings, self.tuning_seeds, references))
+        curves = []
+        for method, sweep in sweeps:
+            values = self._values(sweep)
+            points = tuple(Point(value=value, tuning=sweep.at(value), outcomes=next(heaps)[0]) for value in values)
+            curves.append(
+                Curve(method=method.name, label=method.label, name=sweep.name, axis=sweep.axis, points=points)
+            )
+        return tuple(curves)
+
+    def _trials(
+        self, tunings: Sequence[Tuning], seeds: Sequence[int], references: dict[int, Reference], *, drawn: bool = False
+    ) -> list[tuple[tuple[Outcome, ...], Course | None]]:
+        """Return the outcomes of every tuning, one per seed, and the course of the first if it is to be drawn."""
+        settings = [self.scene.compensated(tuning) for tuning in tunings]
+        jobs = [_Trial(one, seed, references[seed], drawn and seed == seeds[0]) for one in settings for seed in seeds]
+        done = self._map(_work, jobs)
+        heaps = [done[first : first + len(seeds)] for first in range(0, len(done), len(seeds))]
+        return [(tuple(outcome for outcome, _ in heap), heap[0][1]) for heap in heaps]
+
+    def _candidates(self, method: Method, curves: Sequence[Curve]) -> Iterator[Candidate]:
+        """Yield the tunings of a method that are reported."""
+        mine = [curve for curve in curves if curve.method == method.name]
+        chosen = [choose_papers(method, mine)]
+        if mine:
+            chosen.append(choose_best(method, mine))
+        yield from chosen
+        if self.scene.plan.with_others:
+            # A further tuning that is the best one has its row already.
+            told = {one.tuning.name for one in chosen}
+            yield from (Candidate(method, tuning, OTHER) for tuning in method.others if tuning.name not in told)
+
+    def _try(self, candidates: Sequence[Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
+        tried = self._trials([one.tuning for one in candidates], self.seeds, references, drawn=True)
+        margins = self._margins([one.tuning for one in candidates], references)
+        return tuple(
+            Row(
+                method=one.method.name,
+                label=one.method.label,
+                tuning=one.tuning,
+                role=one.role,
+                tuning_losses=one.tuning_losses,
+                outcomes=outcomes,
+                margins=of_persons,
+                course=_drawn(course),
+            )
+            for one, (outcomes, course), of_persons in zip(candidates, tried, margins, strict=True)
+        )
+
+    def _margins(self, tunings: Sequence[Tuning], references: dict[int, Reference]) -> list[tuple[float, ...]]:
+        """Return the stability margins of every tuning, one per seed."""
+        seeds, settings = self.margin_seeds, self.scene.settings
+        shorter = replace(settings, duration_s=self.scene.plan.margin_share * settings.duration_s)
+        short = replace(self.scene, settings=shorter)
+        searches = [(tuning, seed) for tuning in tunings for seed in seeds]
+
+        def hold(asked: Sequence[tuple[int, float]]) -> list[bool]:
+            jobs = []
+            for number, factor in asked:
+                tuning, seed = searches[number]
+                bolder = short.compensated(amplified(tuning, factor))
+                jobs.append(_Trial(bolder, seed, references[seed], drawn=False))
+            return self._map(_holds, jobs)
+
+        margins = find_margins(len(searches), hold)
+        return [tuple(margins[n * len(seeds) : (n + 1) * len(seeds)]) for n in range(len(tunings))]
+
+
+def _refer(job: tuple[Any, int]) -> Reference:
+    settings, seed = job
+    return find_reference(simulate(settings, seed))
+
+
+def _work(trial: _Trial) -> tuple[Outcome, Course | None]:
+    simulation = simulate(trial.settings, trial.seed)
+    course = make_course(simulation, trial.reference) if trial.drawn else None
+    return measure(simulation, trial.reference), course
+
+
+def _holds(trial: _Trial) -> bool:
+    return isinf(find_loss(simulate(trial.settings, trial.seed), trial.reference))
+
+
+def _drawn(course: Course | None) -> Course:
+    if course is None:
+        raise AssertionError("the first seed of what is reported is drawn")
+    return course
+
+
+def _nothing() -> Tuning:
+    """Return the tuning of what everything is held against."""
+    (tuning,) = (method.paper for method in METHODS if method.name == NONE and isinstance(method.paper, Tuning))
+    return tuning
+
+
+def choose_papers(method: Method, curves: Sequence[Curve]) -> Candidate:
+    """Return the paper's kind of tuning; by hand from half of the most careful setting if not even that one holds."""
+    if isinstance(method.paper, Tuning):
+        return Candidate(method, method.paper, PAPER)
+    by_hand = method.paper
+    (sweep,) = (sweep for sweep in method.sweeps if sweep.name == by_hand.sweep)
+    (curve,) = (curve for curve in curves if curve.name == by_hand.sweep)
+    boldest, careful = curve.boldest_stable, curve.points[0]
+    tuning = sweep.at(by_hand.back * (careful.value if boldest is None else boldest))
+    told = replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
+    return Candidate(method, told, PAPER, careful.losses if boldest is None else 0)
+
+
+def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:
+    """Return the tuning of all sweeps whose energy slope is closest to zero; of equals, the first.
+
+    Only tunings with which no person of the sweeps lost the loop count; where there is none, those with which fewest
+    did, and the row says so.
+    """
+    points = [point for curve in curves for point in curve.points]
+    best = min(points, key=lambda point: (point.losses, point.off_w))
+    return Candidate(method, best.tuning, BEST, best.losses)

@@ -1,0 +1,326 @@
+"""What a compensation method is, what it may be told, and what is varied to find out how much that matters."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from friction_audit.compensation.compensators import (
+    Compensator,
+    DisturbanceObserver,
+    EnergyCompensator,
+    FixedCompensation,
+    Guard,
+    LugreCompensation,
+    SigmoidCompensation,
+    TorqueRegulation,
+)
+from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from friction_audit.compensation.limits import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
+from friction_audit.simulation.settings import JointParameters
+
+PAPER, BEST, OTHER = "paper", "best", "other"
+"""Roles of a tuning: the paper's kind, the best stable one of the sweeps, or one beside."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Joint:
+    """What a method may be told about a joint.
+
+    Attributes:
+        column: Which joint of the arm, counted from 0.
+        parameters: Motor and friction, as they truly are.
+        max_torque_nm: What the joint can give. [N m]
+        max_torque_rate_nm_s: How fast it can change. [N m/s]
+    """
+
+    column: int
+    parameters: JointParameters
+    max_torque_nm: float
+    max_torque_rate_nm_s: float
+
+
+def panda_joint(column: int, parameters: JointParameters) -> Joint:
+    """Return a joint with the limits of that joint of a Panda."""
+    return Joint(
+        column=column,
+        parameters=parameters,
+        max_torque_nm=PANDA_TORQUE_NM[column],
+        max_torque_rate_nm_s=PANDA_TORQUE_RATE_NM_S,
+    )
+
+
+Make = Callable[[Joint], Compensator]
+"""Joint -> compensator."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Tuning:
+    """One way to set a method up.
+
+    Attributes:
+        name: Short name.
+        meaning: What it means, in words.
+        make: Joint -> compensator.
+    """
+
+    name: str
+    meaning: str
+    make: Make
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Sweep:
+    """One setting of a method, varied.
+
+    Attributes:
+        name: What all of its tunings share.
+        axis: Name of the setting with its unit.
+        values: From careful to bold.
+        at: Value -> tuning.
+    """
+
+    name: str
+    axis: str
+    values: tuple[float, ...]
+    at: Callable[[float], Tuning]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ByHand:
+    """Tuned as on a robot: bolder until it rings or diverges, then back.
+
+    Attributes:
+        sweep: Name of the sweep that is followed.
+        back: The boldest stable value, times this.
+    """
+
+    sweep: str
+    back: float = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Method:
+    """A way to compensate friction.
+
+    Attributes:
+        name: As in options and documents.
+        label: As in tables and figures.
+        paper: The paper's kind of tuning, or how it is found.
+        others: Further tunings that are reported.
+        sweeps: What is varied; the best stable tuning of all sweeps is reported.
+    """
+
+    name: str
+    label: str
+    paper: Tuning | ByHand
+    others: tuple[Tuning, ...] = ()
+    sweeps: tuple[Sweep, ...] = ()
+
+
+NONE = "none"
+"""The method that everything is held against."""
+
+TOP_SPEED_RAD_S = 1.5
+"""Up to this speed the sigmoid is fitted to the true friction."""
+
+SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)
+"""Friction of a model, over the true one."""
+
+WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)
+"""Cycles per estimate."""
+
+GENTLE_NMS_PER_RAD = 1.0
+"""Damping of the passivity controller that an elastic joint bears without a knock."""
+
+OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
+
+INERTIA_RATIOS = (0.8, 1.0, 1.2, 0.5, 1.5)
+"""Motor inertia as assumed, over the true one; the first is the paper's kind, which knows it only about."""
+
+SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
+"""Desired motor inertia B_theta over the true one."""
+
+TUNED_BY_HAND = "gain raised until it rings, then halved"
+
+
+def _guard(joint: Joint) -> Guard:
+    return Guard(max_torque_nm=joint.max_torque_nm, max_torque_rate_nm_s=joint.max_torque_rate_nm_s)
+
+
+def _idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
+    """Return a compensator that does nothing, but counts the cycles."""
+    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+
+def _oracle(joint: Joint) -> Compensator:
+    true = joint.parameters
+    return FixedCompensation(coulomb_nm=true.coulomb_nm, viscous_nms_per_rad=true.viscous_nms_per_rad)
+
+
+def _published(joint: Joint) -> SigmoidCompensation:
+    law = PUBLISHED[joint.column]
+    return SigmoidCompensation(
+        height_nm=law.height_nm,
+        steepness_s_per_rad=law.steepness_s_per_rad,
+        shift_rad_s=law.shift_rad_s,
+        guard=_guard(joint),
+    )
+
+
+def _sigmoid(scale: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        true = joint.parameters
+        law = fit_sigmoid(scale * true.coulomb_nm, scale * true.viscous_nms_per_rad, top_speed_rad_s=TOP_SPEED_RAD_S)
+        return SigmoidCompensation(
+            height_nm=law.height_nm, steepness_s_per_rad=law.steepness_s_per_rad, guard=_guard(joint)
+        )
+
+    return _modelled(scale, make)
+
+
+def _lugre(scale: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        true = joint.parameters
+        return _bristles(joint, scale * true.coulomb_nm, scale * true.viscous_nms_per_rad)
+
+    return _modelled(scale, make)
+
+
+def _bristles(joint: Joint, coulomb_nm: float, viscous_nms_per_rad: float) -> LugreCompensation:
+    return LugreCompensation(
+        coulomb_nm=coulomb_nm,
+        breakaway_nm=coulomb_nm,
+        viscous_nms_per_rad=viscous_nms_per_rad,
+        guard=_guard(joint),
+    )
+
+
+def _lugre_of_another_arm(joint: Joint) -> Compensator:
+    return _bristles(joint, sum(PUBLISHED[joint.column].plateaus_nm) / 2, 0.0)
+
+
+def _modelled(scale: float, make: Make) -> Tuning:
+    name = "right" if scale == 1.0 else f"{100 * (scale - 1):+.0f} %"
+    meaning = "the true friction" if scale == 1.0 else f"friction {scale:g} times the true one"
+    return Tuning(name=name, meaning=meaning, make=make)
+
+
+def _observer(inertia_ratio: float, gain_per_s: float) -> Tuning:
+    def make(joint: Joint) -> Compensator:
+        return DisturbanceObserver(
+            inertia_kg_m2=inertia_ratio * joint.parameters.inertia_kg_m2,
+            observer_gain_per_s=gain_per_s,
+            guard=_guard(joint),
+        )
+
+    return Tuning(
+        name=f"{inertia_ratio:g} B, {gain_per_s:.3g} 1/s",
+        meaning=f"motor inertia {inertia_ratio:g} times the true one, observer gain {gain_per_s:.3g} 1/s",
+        make=make,
+    )
+
+
+def _observer_sweep(ratio: float) -> Sweep:
+    return Sweep(
+        name=f"{ratio:g} B",
+        axis="observer gain [1/s]",
+        values=OBSERVER_GAINS_PER_S,
+        at=lambda gain_per_s: _observer(ratio, gain_per_s),
+    )
+
+
+def _regulation(gain: float) -> Tuning:
+    """Return a torque regulation by its torque gain B / B_theta - 1."""
+
+    def make(joint: Joint) -> Compensator:
+        inertia = joint.parameters.inertia_kg_m2
+        return TorqueRegulation(
+            inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia / (1.0 + gain), guard=_guard(joint)
+        )
+
+    ratio = 1.0 / (1.0 + gain)
+    return Tuning(
+        name=f"B_theta = {ratio:.2g} B", meaning=f"desired motor inertia {ratio:.2g} times the true one", make=make
+    )
+
+
+def _energy(window: float, max_damping_nms_per_rad: float | None = None) -> Tuning:
+    """Return the proposed method; the damping of its passivity controller is bounded as usual, or as told."""
+
+    def make(joint: Joint) -> Compensator:
+        usual = EnergyCompensator(
+            model="combined",
+            window=int(window),
+            max_torque_nm=joint.max_torque_nm,
+            max_torque_rate_nm_s=joint.max_torque_rate_nm_s,
+        )
+        if max_damping_nms_per_rad is None:
+            return usual
+        return replace(usual, max_damping_nms_per_rad=max_damping_nms_per_rad)
+
+    name, meaning = f"k = {window:g}", f"estimated from {window:g} cycles"
+    if max_damping_nms_per_rad is not None:
+        name += ", gentle"
+        meaning += f", passivity controller of at most {max_damping_nms_per_rad:g} N m s/rad"
+    return Tuning(name=name, meaning=meaning, make=make)
+
+
+def _gentle_energy(window: float) -> Tuning:
+    return _energy(window, GENTLE_NMS_PER_RAD)
+
+
+METHODS: tuple[Method, ...] = (
+    Method(
+        name=NONE,
+        label="none",
+        paper=Tuning(name="none", meaning="no compensation", make=_idle),
+    ),
+    Method(
+        name="sigmoid",
+        label="model-based",
+        paper=Tuning(name="another arm", meaning="as published for another Panda", make=_published),
+        others=(_sigmoid(1.0), _sigmoid(0.8), _sigmoid(1.2)),
+        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_sigmoid),),
+    ),
+    Method(
+        name="lugre",
+        label="LuGre",
+        paper=Tuning(name="another arm", meaning="plateaus as published for another Panda", make=_lugre_of_another_arm),
+        others=(_lugre(1.0), _lugre(0.8), _lugre(1.2)),
+        sweeps=(Sweep(name="scaled", axis="modelled over true friction", values=SCALES, at=_lugre),),
+    ),
+    Method(
+        name="disturbance_observer",
+        label="disturbance observer",
+        paper=ByHand(sweep="0.8 B"),
+        sweeps=tuple(map(_observer_sweep, INERTIA_RATIOS)),
+    ),
+    Method(
+        name="torque_regulation",
+        label="torque regulation",
+        paper=ByHand(sweep="B_theta"),
+        sweeps=(
+            Sweep(
+                name="B_theta",
+                axis="torque gain $B / B_\\theta - 1$",
+                values=tuple(1.0 / ratio - 1.0 for ratio in SHAPED_RATIOS),
+                at=_regulation,
+            ),
+        ),
+    ),
+    Method(
+        name="energy",
+        label="proposed (energy)",
+        paper=_energy(2.0),
+        others=(_energy(4.0), _gentle_energy(2.0)),
+        sweeps=(
+            Sweep(name="gentle", axis="cycles per estimate $k$", values=WINDOWS, at=_gentle_energy),
+            Sweep(name="as published", axis="cycles per estimate $k$", values=WINDOWS, at=_energy),
+        ),
+    ),
+    Method(
+        name="oracle",
+        label="oracle",
+        paper=Tuning(name="true friction", meaning="told the true Coulomb and viscous friction", make=_oracle),
+    ),
+)
+"""In the order of the paper's figures, the oracle last."""

@@ -1,0 +1,270 @@
+"""Mean or median of a measure over seeds, and how well it is known."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from math import inf, isfinite
+from operator import attrgetter
+from typing import NamedTuple
+
+import numpy as np
+
+from friction_audit.compensation.comparison.methods import Tuning
+from friction_audit.compensation.comparison.trial import Course, Outcome
+
+CONFIDENCE = 0.95
+
+
+class Interval(NamedTuple):
+    """A mean or median and the bounds of its confidence interval; NaN where there are too few values."""
+
+    value: float
+    low: float
+    high: float
+
+
+def mean_interval(values: Sequence[float]) -> Interval:
+    """Return the mean of independent values and its 95 % interval (Student's t)."""
+    from scipy.stats import t
+
+    known = np.array([value for value in values if np.isfinite(value)])
+    if not len(known):
+        return Interval(np.nan, np.nan, np.nan)
+    mean = float(known.mean())
+    if len(known) == 1:
+        return Interval(mean, np.nan, np.nan)
+    half = float(t.ppf(0.5 + CONFIDENCE / 2, len(known) - 1) * known.std(ddof=1) / np.sqrt(len(known)))
+    return Interval(mean, mean - half, mean + half)
+
+
+def median_interval(values: Sequence[float]) -> Interval:
+    """Return the median of independent values, the lower of the middle two, and its 95 % interval.
+
+    The bounds are order statistics, so that values may be infinite; six values are the fewest that have them.
+    """
+    from scipy.stats import binom
+
+    ranked = sorted(values)
+    if not ranked:
+        return Interval(np.nan, np.nan, np.nan)
+    rank = int(binom.ppf((1 - CONFIDENCE) / 2, len(ranked), 0.5))
+    low, high = (ranked[rank - 1], ranked[-rank]) if rank else (np.nan, np.nan)
+    return Interval(ranked[(len(ranked) - 1) // 2], low, high)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Point:
+    """One value of a sweep, tried by the persons who are not reported.
+
+    Attributes:
+        value: The value.
+        tuning: The tuning that it makes.
+        outcomes: One per seed.
+    """
+
+    value: float
+    tuning: Tuning
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def stable(self) -> bool:
+        """True if no seed lost the loop."""
+        return self.losses == 0
+
+    @property
+    def losses(self) -> int:
+        """Number of seeds that lost the loop."""
+        return sum(not outcome.stable for outcome in self.outcomes)
+
+    @property
+    def energy_slope_w(self) -> Interval:
+        """Slope of the net energy, over the seeds in which the loop held. [W]"""
+        return mean_interval([outcome.energy_slope_w for outcome in self.outcomes if outcome.stable])
+
+    @property
+    def rms_torque_nm(self) -> Interval:
+        """Rms interaction torque, over the seeds in which the loop held. [N m]"""
+        return mean_interval([outcome.rms_torque_nm for outcome in self.outcomes if outcome.stable])
+
+    @property
+    def off_w(self) -> float:
+        """Mean distance of the slope from zero over the seeds in which the loop held, infinite if in none. [W]"""
+        slopes = [abs(outcome.energy_slope_w) for outcome in self.outcomes if outcome.stable]
+        return sum(slopes) / len(slopes) if slopes else inf
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Curve:
+    """A sweep that was made.
+
+    Attributes:
+        method: Name of the method.
+        label: Its label.
+        name: Name of the sweep.
+        axis: What was varied.
+        points: From careful to bold.
+    """
+
+    method: str
+    label: str
+    name: str
+    axis: str
+    points: tuple[Point, ...]
+
+    @property
+    def boldest_stable(self) -> float | None:
+        """The last value before the first at which the loop was lost; None if it is lost at once."""
+        stable: float | None = None
+        for point in self.points:
+            if not point.stable:
+                break
+            stable = point.value
+        return stable
+
+    @property
+    def limited(self) -> bool:
+        """True if the loop was lost at some value."""
+        return not all(point.stable for point in self.points)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Row:
+    """A method with a tuning, tried by all persons.
+
+    Attributes:
+        method: Name of the method.
+        label: Its label.
+        tuning: The tuning.
+        role: ``"paper"``, ``"best"`` or ``"other"``.
+        tuning_losses: With how many of the persons of the sweeps the loop was lost at the setting that the tuning was
+            chosen by; None if it was not chosen from a sweep.
+        outcomes: One per seed.
+        margins: Factor by which the gain may grow, see ``margin``, one per seed for which it was looked for; infinite
+            if more than anybody asks for, 0 if the loop is lost as it is.
+        course: What figures show of the first seed.
+    """
+
+    method: str
+    label: str
+    tuning: Tuning
+    role: str
+    tuning_losses: int | None
+    outcomes: tuple[Outcome, ...]
+    margins: tuple[float, ...]
+    course: Course
+
+    def interval(self, measure: Callable[[Outcome], float]) -> Interval:
+        """Return mean and interval of a measure over the seeds in which the loop held."""
+        return mean_interval([measure(outcome) for outcome in self.outcomes if outcome.stable])
+
+    @property
+    def margin(self) -> Interval:
+        """Median of the stability margins; NaN if none was looked for."""
+        return median_interval(self.margins)
+
+    @property
+    def stable_share(self) -> float:
+        """Share of the seeds in which the loop held."""
+        return sum(outcome.stable for outcome in self.outcomes) / len(self.outcomes)
+
+    @property
+    def lost_s(self) -> tuple[float, ...]:
+        """When the loop was lost, of the seeds in which it was. [s]"""
+        return tuple(outcome.lost_s for outcome in self.outcomes if isfinite(outcome.lost_s))
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Comparison:
+    """All methods side by side.
+
+    Attributes:
+        scene: Name of what they were tried on.
+        title: The same in words.
+        duration_s: Length of a trial. [s]
+        seeds: Seeds that are reported.
+        tuning_seeds: Seeds of the sweeps.
+        margin_seeds: Seeds for which stability margins were looked for.
+        rows: Methods and tunings, in the order of the methods.
+        curves: The sweeps.
+    """
+
+    scene: str
+    title: str
+    duration_s: float
+    seeds: tuple[int, ...]
+    tuning_seeds: tuple[int, ...]
+    margin_seeds: tuple[int, ...]
+    rows: tuple[Row, ...]
+    curves: tuple[Curve, ...]
+
+    def row(self, method: str, role: str) -> Row | None:
+        """Return the row of a method and a role; a method without sweep is at its best as it is."""
+        mine = [row for row in self.rows if row.method == method]
+        return next((row for row in mine if row.role == role), mine[0] if len(mine) == 1 else None)
+
+
+MEASURES = (
+    "energy_slope_w",
+    "peak_torque_nm",
+    "rms_torque_nm",
+    "vibration_nm",
+    "standstill_rad_s",
+    "chatter_nm",
+    "coulomb_left",
+    "viscous_left",
+    "inertia_left",
+)
+"""Fields of an outcome that are told with their interval."""
+
+Told = dict[str, object]
+
+
+def tell_rows(comparison: Comparison) -> list[Told]:
+    """Return every method and tuning with its measures."""
+    return [_tell_row(row) for row in comparison.rows]
+
+
+def tell_curves(comparison: Comparison) -> list[Told]:
+    """Return every sweep with its points."""
+    return [_tell_curve(curve) for curve in comparison.curves]
+
+
+def _tell_row(row: Row) -> Told:
+    return {
+        "method": row.method,
+        "label": row.label,
+        "tuning": row.tuning.name,
+        "meaning": row.tuning.meaning,
+        "role": row.role,
+        "tuning_losses": row.tuning_losses,
+        **{name: _tell_interval(row.interval(attrgetter(name))) for name in MEASURES},
+        "stable_share": row.stable_share,
+        "lost_s": list(row.lost_s),
+        "stability_margin": _tell_interval(row.margin),
+        "stability_margins": list(row.margins),
+    }
+
+
+def _tell_curve(curve: Curve) -> Told:
+    return {
+        "method": curve.method,
+        "label": curve.label,
+        "sweep": curve.name,
+        "axis": curve.axis,
+        "boldest_stable": curve.boldest_stable,
+        "points": [_tell_point(point) for point in curve.points],
+    }
+
+
+def _tell_point(point: Point) -> Told:
+    return {
+        "value": point.value,
+        "tuning": point.tuning.name,
+        "stable": point.stable,
+        "stable_share": 1.0 - point.losses / len(point.outcomes),
+        "energy_slope_w": _tell_interval(point.energy_slope_w),
+        "rms_torque_nm": _tell_interval(point.rms_torque_nm),
+    }
+
+
+def _tell_interval(interval: Interval) -> Told:
+    return {"value": interval.value, "ci95": [interval.low, interval.high]}

@@ -1,0 +1,226 @@
+"""One method, one tuning, one seed -> what a person would have noticed."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.clock import CONTROL_RATE_HZ
+from friction_audit.simulation.simulation import Motion, Simulation
+
+VIBRATION_S = 0.1
+"""What is faster than a moving average over this time is no motion of a person. [s]"""
+
+RINGING_SHARE = 0.5
+"""Share of a second."""
+
+MOVING_RAD_S = 0.05
+"""Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]"""
+
+REST_S = 0.3
+SETTLED_S = 0.1
+"""The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest."""
+
+SECOND = 1
+"""Row of the second cycle."""
+
+FEWEST = 4
+"""Cycles that it takes to see a slope after the second."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Reference:
+    """What all trials of a seed are held against: the trial without compensation.
+
+    Attributes:
+        ends: Ticks at which its cycles end, shape (m,).
+        resting: Ticks at which its joints are about to have rested for long, shape (n + 1, j).
+        rms_torque_nm: Its rms interaction torque after the second cycle, shape (j,). [N m]
+    """
+
+    ends: NDArray[np.intp]
+    resting: NDArray[np.bool_]
+    rms_torque_nm: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Course:
+    """What figures show of a trial; n samples, j joints.
+
+    Attributes:
+        t: Time, shape (n,). [s]
+        dq: Velocity, shape (n, j). [rad/s]
+        interaction_nm: Interaction torque, shape (n, j). [N m]
+        energy_j: Net energy that the person has put in, of all joints, shape (n,). [J]
+        from_s: End of the second cycle. [s]
+        lost_s: When the loop was lost, or infinity. [s]
+    """
+
+    t: Float
+    dq: Float
+    interaction_nm: Float
+    energy_j: Float
+    from_s: float
+    lost_s: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Outcome:
+    """Measures of a trial, all but the slope after the second cycle; of an arm, sums or the worst of its joints.
+
+    Attributes:
+        stable: False if the loop diverged or rang.
+        lost_s: When it did, or infinity. [s]
+        energy_slope_w: Slope of the net energy at the ends of the cycles, from the second on; all joints. [W]
+        peak_torque_nm: Largest interaction torque of any joint. [N m]
+        rms_torque_nm: Root of the mean square of the interaction torque, summed over joints. [N m]
+        vibration_nm: The same of its part that is faster than a person moves. [N m]
+        standstill_rad_s: Rms speed where the joint would have rested without compensation. [rad/s]
+        chatter_nm: Rms change of the compensator's torque from tick to tick there. [N m]
+        coulomb_left: Coulomb friction that the person feels, over the joint's; mean of the joints.
+        viscous_left: Likewise viscous friction.
+        inertia_left: Likewise the motor's inertia.
+    """
+
+    stable: bool
+    lost_s: float
+    energy_slope_w: float
+    peak_torque_nm: float
+    rms_torque_nm: float
+    vibration_nm: float
+    standstill_rad_s: float
+    chatter_nm: float
+    coulomb_left: float
+    viscous_left: float
+    inertia_left: float
+
+
+def find_reference(simulation: Simulation) -> Reference:
+    """Return what the trials of a seed are held against.
+
+    Args:
+        simulation: Of the seed, with a compensator that does nothing but count cycles.
+
+    Raises:
+        AnalysisError: If there are too few cycles for a slope after the second.
+    """
+    motion, cycle = simulation.truth.motion, simulation.truth.compensators["cycle"][:, 0]
+    ends = np.flatnonzero(np.diff(cycle)) + 1
+    if len(ends) < FEWEST:
+        raise AnalysisError(
+            f"compare: seed {simulation.truth.seed}: {len(ends)} cycles in {motion.t[-1]:g} s, expected at least "
+            f"{FEWEST}; choose a longer --duration"
+        )
+    at_rest = motion.inner_dq == 0.0
+    columns = [_settled(column) for column in at_rest.T]
+    torque = motion.interaction_nm[ends[SECOND] :]
+    return Reference(ends=ends, resting=np.stack(columns, axis=1), rms_torque_nm=_rms(torque))
+
+
+def _settled(at_rest: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where a long rest is about to end, shape (n,)."""
+    edges = np.diff(np.concatenate([[0], at_rest.view(np.int8), [0]]))
+    marks = np.zeros(len(at_rest), dtype=np.bool_)
+    for start, stop in zip(np.flatnonzero(edges == 1), np.flatnonzero(edges == -1), strict=True):
+        if stop - start >= REST_S * CONTROL_RATE_HZ:
+            marks[stop - int(SETTLED_S * CONTROL_RATE_HZ) : stop] = True
+    return marks
+
+
+def measure(simulation: Simulation, reference: Reference) -> Outcome:
+    """Return the measures of a trial."""
+    motion, after = simulation.truth.motion, reference.ends[SECOND]
+    torque = motion.interaction_nm
+    lost = find_loss(simulation, reference)
+    vibration = _rms(vibration_nm(torque)[after:])
+    felt = np.array([feel(motion, joint, after) for joint in range(torque.shape[1])])
+    true = [(one.inertia_kg_m2, one.coulomb_nm, one.viscous_nms_per_rad) for one in simulation.truth.settings.joints]
+    inertia, coulomb, viscous = np.mean(felt / np.array(true), axis=0)
+    resting = reference.resting
+    changes = np.diff(motion.compensation_nm + motion.passivity_nm, axis=0, prepend=0.0)
+    return Outcome(
+        stable=bool(np.isinf(lost)),
+        lost_s=lost,
+        energy_slope_w=energy_slope_w(net_energy_j(motion), motion.t, reference),
+        peak_torque_nm=float(np.abs(torque[after:]).max()),
+        rms_torque_nm=float(np.hypot.reduce(_rms(torque[after:]))),
+        vibration_nm=float(np.hypot.reduce(vibration)),
+        standstill_rad_s=_rms_of(motion.inner_dq[resting]),
+        chatter_nm=_rms_of(changes[resting]),
+        coulomb_left=float(coulomb),
+        viscous_left=float(viscous),
+        inertia_left=float(inertia),
+    )
+
+
+def net_energy_j(motion: Motion) -> Float:
+    """Return the energy that the person has put into all joints, shape (n + 1,). [J]"""
+    power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
+    steps = 0.5 * (power[1:] + power[:-1]) * np.diff(motion.t)
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+def energy_slope_w(energy_j: Float, t: Float, reference: Reference) -> float:
+    """Return the slope of the net energy from the second cycle on, read where cycles end: nothing moves then. [W]"""
+    ends = reference.ends[SECOND:]
+    return float(np.polyfit(t[ends], energy_j[ends], 1)[0])
+
+
+def vibration_nm(torque_nm: Float) -> Float:
+    """Return the part of a torque that is faster than a person moves, shape (n, j) as given. [N m]"""
+    from scipy.ndimage import uniform_filter1d
+
+    return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
+
+
+def feel(motion: Motion, joint: int, after: int) -> Float:
+    """Return inertia, Coulomb and viscous friction that the interaction torque of a moving joint shows, shape (3,)."""
+    dq = motion.inner_dq[after:, joint]
+    rows = np.abs(dq) > MOVING_RAD_S
+    dq, ddq, torque = dq[rows], motion.inner_ddq[after:, joint][rows], motion.interaction_nm[after:, joint][rows]
+    columns = np.stack([ddq, np.sign(dq), dq, np.ones_like(dq)], axis=1)
+    return np.asarray(np.linalg.lstsq(columns, torque, rcond=None)[0][:3])
+
+
+def find_loss(simulation: Simulation, reference: Reference) -> float:
+    """Return when a loop was lost, or infinity. [s]
+
+    It is lost when its compensator gives up, or when it rings: when for half of a second the interaction torque of a
+    joint vibrates by more than the rms effort that the joint takes without any compensation. For a sinusoid that is an
+    rms of just that; a single knock, however hard, is no ringing.
+    """
+    motion, second = simulation.truth.motion, int(CONTROL_RATE_HZ)
+    unstable = simulation.truth.compensators["unstable"].any(axis=1)
+    loud = np.abs(vibration_nm(motion.interaction_nm)) > reference.rms_torque_nm
+    counts = np.cumsum(loud, axis=0, dtype=np.float64)
+    before = np.zeros_like(counts)
+    before[second:] = counts[:-second]
+    rings = (counts - before > RINGING_SHARE * second).any(axis=1)
+    lost = np.flatnonzero(unstable | rings)
+    return float(motion.t[lost[0]]) if len(lost) else np.inf
+
+
+def make_course(simulation: Simulation, reference: Reference) -> Course:
+    """Return what figures show of a trial, up to where it was lost."""
+    motion, lost = simulation.truth.motion, find_loss(simulation, reference)
+    shown = motion.t <= lost
+    return Course(
+        t=motion.t[shown],
+        dq=motion.dq[shown],
+        interaction_nm=motion.interaction_nm[shown],
+        energy_j=net_energy_j(motion)[shown],
+        from_s=float(motion.t[reference.ends[SECOND]]),
+        lost_s=lost,
+    )
+
+
+def _rms(values: Float) -> Float:
+    """Return the root of the mean square along the first axis."""
+    return np.asarray(np.sqrt(np.mean(values**2, axis=0)))
+
+
+def _rms_of(values: Float) -> float:
+    """Return the root of the mean square of all values, NaN of none."""
+    return float(np.sqrt(np.mean(values**2))) if values.size else float("nan")

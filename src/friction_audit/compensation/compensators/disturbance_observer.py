@@ -1,0 +1,118 @@
+"""Friction observer from the motor's dynamics: what the motor's motion does not explain is friction.
+
+L. Le Tien, A. Albu-Schaeffer, A. De Luca, G. Hirzinger: Friction observer and compensation for control of robots with
+joint torque measurement, IEEE/RSJ International Conference on Intelligent Robots and Systems, 2008.
+"""
+
+import math
+from dataclasses import dataclass, field
+from math import inf
+from typing import Any
+
+from friction_audit.compensation.compensators.law import (
+    DISTURBANCE_OBSERVER,
+    CompensatorKind,
+    Guard,
+    numbers_of,
+    require_finite,
+    require_not_negative,
+    require_positive,
+    soft_sign,
+)
+from friction_audit.compiled import compiled
+from friction_audit.errors import UsageError
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DisturbanceObserver:
+    """u = gain times the observed friction, whose rate is L (F_m + u - B ddq - observed friction).
+
+    Without a dead-band a joint that sticks is pushed free by nothing but noise and bias, which the observer adds up;
+    it then hunts. In the dead-band it is therefore silent, and observes on.
+
+    Attributes:
+        inertia_kg_m2: Motor inertia B as assumed. [kg m^2]
+        observer_gain_per_s: L, bandwidth of the observer. [1/s]
+        compensation_gain: Share of the observed friction that is compensated.
+        dead_band_rad_s: Speed up to which it is silent. [rad/s]
+        ramp_rad_s: Range of speed over which it then rises to all of it; dead-band and ramp 0: always all of it, as
+            published. [rad/s]
+        guard: Passivity controller and limits.
+
+    Raises:
+        UsageError: If a number is out of range.
+    """
+
+    inertia_kg_m2: float
+    observer_gain_per_s: float
+    compensation_gain: float = 1.0
+    dead_band_rad_s: float = 0.01
+    ramp_rad_s: float = 0.03
+    guard: Guard = field(default_factory=Guard)
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        require_finite("disturbance observer", self, *(GROUP.names or ()))
+        require_positive("disturbance observer", self, "observer_gain_per_s")
+        require_not_negative("disturbance observer", self, "inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")
+        if not 0 < self.compensation_gain <= 1:
+            raise UsageError(
+                f"disturbance observer: compensation_gain {self.compensation_gain:g}: expected a share above 0, up to 1"
+            )
+
+
+GROUP = numbers_of(DisturbanceObserver)
+
+
+def stability_limit(
+    settings: DisturbanceObserver, *, inertia_kg_m2: float, outer_inertia_kg_m2: float, period_s: float
+) -> float:
+    """Return the largest observer gain L in a rigid joint, inf if there is none. [1/s]
+
+    Motor B and outer inertia m turn as one; u acts a tick after the sensors were read. The observed friction then
+    follows r[k+1] = (1 - a (1 - g e)) r[k] + ..., with a = 1 - exp(-L dt), compensation gain g and
+    e = (B - B_assumed) / (m + B). With the right inertia or too small a one any L is stable; with one too large it
+    takes a (1 - g e) < 2.
+
+    Args:
+        settings: The observer; its own L does not matter.
+        inertia_kg_m2: True motor inertia B. [kg m^2]
+        outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
+        period_s: Tick of the controller. [s]
+    """
+    error = (inertia_kg_m2 - settings.inertia_kg_m2) / (outer_inertia_kg_m2 + inertia_kg_m2)
+    largest = 2.0 / (1.0 - settings.compensation_gain * error)
+    return inf if largest >= 1.0 else -math.log1p(-largest) / period_s
+
+
+@compiled()
+def advance(group: Any, memory: Any, dq: float, interaction_nm: float, dt: float) -> None:  # noqa: ANN401 - records
+    """Observe the past interval, exactly for friction that is steady over it.
+
+    F_m is taken as read at the end of the interval, while the u of the interval acted. Its value at the start was read
+    under the u before, and the jump between them is no friction.
+    """
+    if dt <= 0.0:
+        return
+    unexplained = interaction_nm + memory.u_nm - group.inertia_kg_m2 * (dq - memory.dq) / dt
+    memory.observed_friction_nm -= math.expm1(-group.observer_gain_per_s * dt) * (
+        unexplained - memory.observed_friction_nm
+    )
+
+
+@compiled()
+def torque_nm(group: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - records
+    """Return the torque that cancels the observed friction. [N m]"""
+    share = 1.0
+    if group.dead_band_rad_s + group.ramp_rad_s > 0.0:
+        share = abs(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s))
+    return float(share * group.compensation_gain * memory.observed_friction_nm)
+
+
+COMPENSATOR = CompensatorKind(
+    name="disturbance_observer",
+    summary="friction observed as what the motor's dynamics do not explain",
+    settings=DisturbanceObserver,
+    code=DISTURBANCE_OBSERVER,
+    group=GROUP,
+)

@@ -1,0 +1,130 @@
+"""The compensator of the paper: Coulomb and viscous friction estimated from energy, cycle by cycle."""
+
+from dataclasses import dataclass
+from math import inf
+from typing import Any
+
+from friction_audit.compensation.compensators.law import (
+    ENERGY,
+    CompensatorKind,
+    Guard,
+    require_not_negative,
+    require_positive,
+    soft_sign,
+)
+from friction_audit.compiled import compiled
+from friction_audit.errors import UsageError
+
+MODELS = ("viscous", "coulomb", "combined")
+LONGEST_WINDOW = 64
+"""Cycles the memory of a compensator holds."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Coefficients:
+    """Friction coefficients of one joint.
+
+    Attributes:
+        coulomb_nm: Coulomb friction. [N m]
+        viscous_nms_per_rad: Viscous friction. [N m s/rad]
+    """
+
+    coulomb_nm: float = 0.0
+    viscous_nms_per_rad: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class EnergyCompensator(Guard):
+    """The compensator of the paper: estimates at the end of each energy cycle, applies the estimate in the next.
+
+    The Coulomb term is silent up to ``dead_band_rad_s`` and rises linearly over the next ``ramp_rad_s``. A sign
+    function of a velocity that is held for a tick and carries noise would flip between plus and minus the whole
+    coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
+    left is still friction, and its slope, a negative damping, stays small against inertia over tick.
+
+    Attributes: Those of ``Guard``, its passivity controller acting unless told otherwise, and
+        model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
+        window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
+        condition_limit: If the columns of (18), scaled to length one, have a larger condition number, the cycles are
+            too alike to tell the coefficients apart; they tell how much friction there is, and the previous
+            coefficients are scaled to it. Where there are none, nothing is estimated.
+        minimum_path_rad: A cycle in which the joint moved less gives no equation. [rad]
+        maximum_gap_s: A cycle with a longer hole between two ticks gives no equation. [s]
+        factor: The estimate is multiplied by this before it is applied; above 1, over-compensation on purpose.
+        dead_band_rad_s: Speed up to which the Coulomb term is silent and the joint counts as at rest. [rad/s]
+        ramp_rad_s: Range of speed over which the Coulomb term then rises to all of it. [rad/s]
+        forced: Coefficients applied, whatever the estimate says, or None.
+        forced_from_cycle: First cycle in which they are applied; cycles count from 1.
+        forced_until_acted: If True, the estimate takes over after the first cycle in which the passivity controller
+            acted.
+        zero_crossings: If True, cycles end where the velocity as measured changes its sign, without filter and
+            thresholds: for signals free of noise.
+        initiation_rad_s: Filtered speed above which a cycle begins. [rad/s]
+        termination_rad_s: Filtered speed below which it may end; it ends when the joint then rests. [rad/s]
+        cutoff_hz: Corner of the causal first-order low-pass on the velocity, for detection only. [Hz]
+
+    Raises:
+        UsageError: If a number is out of range or a name unknown.
+    """
+
+    model: str = "combined"
+    window: int | None = None
+    condition_limit: float = 200.0
+    minimum_path_rad: float = 0.02
+    maximum_gap_s: float = 0.05
+    factor: float = 1.0
+    dead_band_rad_s: float = 0.01
+    ramp_rad_s: float = 0.03
+    forced: Coefficients | None = None
+    forced_from_cycle: int = 2
+    forced_until_acted: bool = True
+    zero_crossings: bool = False
+    initiation_rad_s: float = 0.2
+    termination_rad_s: float = 0.05
+    cutoff_hz: float = 20.0
+    passivity: bool = True
+
+    def __post_init__(self) -> None:
+        """Check names and ranges."""
+        if self.model not in MODELS:
+            raise UsageError(f"compensator: model {self.model}: expected one of {', '.join(MODELS)}")
+        if not self.unknowns <= self.cycles_per_estimate <= LONGEST_WINDOW:
+            raise UsageError(
+                f"compensator: window {self.window}: expected {self.unknowns} to {LONGEST_WINDOW} cycles with the "
+                f"{self.model} model"
+            )
+        if not inf > self.initiation_rad_s > self.termination_rad_s > 0:
+            raise UsageError(
+                f"compensator: thresholds {self.initiation_rad_s:g}, {self.termination_rad_s:g}: expected initiation "
+                f"above termination and both above zero, in rad/s"
+            )
+        if self.forced_from_cycle < 1:
+            raise UsageError(f"compensator: forced_from_cycle {self.forced_from_cycle}: cycles count from 1")
+        require_not_negative("compensator", self, "factor", "dead_band_rad_s", "ramp_rad_s")
+        require_positive("compensator", self, "condition_limit", "minimum_path_rad", "maximum_gap_s", "cutoff_hz")
+        Guard.__post_init__(self)
+
+    @property
+    def unknowns(self) -> int:
+        """Number of coefficients of the model."""
+        return 2 if self.model == "combined" else 1
+
+    @property
+    def cycles_per_estimate(self) -> int:
+        """The window k in force."""
+        return self.unknowns if self.window is None else self.window
+
+
+@compiled()
+def torque_nm(settings: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - records
+    """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
+    sign = soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
+    return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)
+
+
+COMPENSATOR = CompensatorKind(
+    name="energy",
+    summary="the paper's: Coulomb and viscous friction from the energy of past cycles",
+    settings=EnergyCompensator,
+    code=ENERGY,
+)

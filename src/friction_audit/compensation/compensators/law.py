@@ -1,0 +1,104 @@
+"""Ranges of the numbers in a compensator's settings."""
+
+import math
+from dataclasses import dataclass, fields
+from math import inf, isfinite
+from typing import Any
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.errors import UsageError
+
+
+def require_not_negative(where: str, settings: object, *names: str) -> None:
+    """Raise UsageError unless every named number is zero or more."""
+    for name in names:
+        if not getattr(settings, name) >= 0:
+            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected zero or more")
+
+
+def require_positive(where: str, settings: object, *names: str) -> None:
+    """Raise UsageError unless every named number is above zero."""
+    for name in names:
+        if not getattr(settings, name) > 0:
+            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected a number above zero")
+
+
+def require_finite(where: str, settings: object, *names: str) -> None:
+    """Raise UsageError unless every named number is finite."""
+    for name in names:
+        if not isfinite(getattr(settings, name)):
+            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected a finite number")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Guard:
+    """Passivity controller and limits around a law of any kind.
+
+    Attributes:
+        passivity: If True, the passivity controller acts.
+        initial_energy_j: E(0) of (21). [J]
+        controller_in_interaction: If True, the interaction torque was measured while the passivity controller acted
+            and the port energy (2) contains what it dissipated, as in every closed loop. False for a recording made
+            without it: the ledger then adds what it would have dissipated, lest the same deficit be paid for again.
+        minimum_speed_rad_s: The passivity controller does nothing below this speed. [rad/s]
+        max_damping_nms_per_rad: Largest damping it may inject. [N m s/rad] A damper held for a tick brakes a mass m
+            without overshoot up to m over the tick; the default is half of that for 0.1 kg m^2 at 1 kHz.
+        max_torque_nm: Largest torque of compensation and passivity controller together. [N m]
+        max_torque_rate_nm_s: Fastest change of it. [N m/s]
+
+    Raises:
+        UsageError: If a number is out of range.
+    """
+
+    passivity: bool = False
+    initial_energy_j: float = 0.0
+    controller_in_interaction: bool = True
+    minimum_speed_rad_s: float = 0.01
+    max_damping_nms_per_rad: float = 50.0
+    max_torque_nm: float = inf
+    max_torque_rate_nm_s: float = inf
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        require_not_negative("compensator", self, "initial_energy_j")
+        require_positive("compensator", self, "minimum_speed_rad_s", "max_damping_nms_per_rad")
+        require_positive("compensator", self, "max_torque_nm", "max_torque_rate_nm_s")
+
+
+NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JOINT_MODEL = range(8)
+"""Values of ``kind`` in the records."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class CompensatorKind:
+    """One kind of compensator.
+
+    Attributes:
+        name: As in options, tables and documentation; also the field of the records that holds its group.
+        summary: One line.
+        settings: Frozen dataclass of what it may be told; NoneType where nothing runs.
+        code: Value of ``kind`` in the records.
+        group: Numbers that only its own law reads; None if it has none.
+    """
+
+    name: str
+    summary: str
+    settings: type[Any]
+    code: int
+    group: np.dtype[np.void] | None = None
+
+
+def numbers_of(settings: type[Any]) -> np.dtype[np.void]:
+    """Return a record type with the plain numbers of a settings dataclass, by their names."""
+    return np.dtype([(item.name, "f8") for item in fields(settings) if item.type is float])
+
+
+@compiled()
+def soft_sign(dq: float, dead_band_rad_s: float, ramp_rad_s: float) -> float:
+    """Return the sign of the velocity, 0 in the dead-band, with a ramp between."""
+    beyond = abs(dq) - dead_band_rad_s
+    if beyond <= 0.0:
+        return 0.0
+    return math.copysign(1.0 if beyond >= ramp_rad_s else beyond / ramp_rad_s, dq)

@@ -1,0 +1,124 @@
+"""Output torque regulation with inertia shaping: the measured torque fed back makes motor and friction smaller.
+
+A. Albu-Schaeffer, C. Ott, G. Hirzinger: A unified passivity-based control framework for position, torque and impedance
+control of flexible joint robots, International Journal of Robotics Research 26(1), 2007.
+"""
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+from friction_audit.compensation.compensators.elastic_joint import ElasticJoint, largest_torque_gain
+from friction_audit.compensation.compensators.law import (
+    TORQUE_REGULATION,
+    CompensatorKind,
+    Guard,
+    numbers_of,
+    require_finite,
+    require_positive,
+)
+from friction_audit.compiled import compiled
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueRegulation:
+    """u = (B / B_theta - 1) F_m, so that B_theta ddq = F_m - (B_theta / B) tau_f.
+
+    The torque does not depend on the velocity: nothing chatters at standstill, and a joint breaks away at B_theta / B
+    of its friction.
+
+    Attributes:
+        inertia_kg_m2: Motor inertia B as assumed. [kg m^2]
+        desired_inertia_kg_m2: B_theta; above B the joint gets heavier. [kg m^2]
+        cutoff_hz: Corner of the first-order low-pass on F_m; infinite for none. [Hz]
+        guard: Passivity controller and limits.
+
+    Raises:
+        UsageError: If a number is not above zero.
+    """
+
+    inertia_kg_m2: float
+    desired_inertia_kg_m2: float
+    cutoff_hz: float = math.inf
+    guard: Guard = field(default_factory=Guard)
+
+    def __post_init__(self) -> None:
+        """Check the ranges."""
+        require_positive("torque regulation", self, *(GROUP.names or ()))
+        require_finite("torque regulation", self, "inertia_kg_m2", "desired_inertia_kg_m2")
+
+    @property
+    def torque_gain(self) -> float:
+        """B / B_theta - 1."""
+        return self.inertia_kg_m2 / self.desired_inertia_kg_m2 - 1.0
+
+
+GROUP = numbers_of(TorqueRegulation)
+
+
+def loop_gain(settings: TorqueRegulation, *, inertia_kg_m2: float, outer_inertia_kg_m2: float) -> float:
+    """Return the gain of the loop from u over the sensor back to u in a rigid joint; 1 is its limit without filter.
+
+    Motor B and outer inertia m turn as one: of a torque u on the motor, -m / (m + B) appears at the sensor, at once,
+    and one tick later in u.
+
+    Args:
+        settings: Settings.
+        inertia_kg_m2: True motor inertia B. [kg m^2]
+        outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
+    """
+    return settings.torque_gain * outer_inertia_kg_m2 / (outer_inertia_kg_m2 + inertia_kg_m2)
+
+
+def stability_limit(
+    settings: TorqueRegulation,
+    *,
+    inertia_kg_m2: float,
+    outer_inertia_kg_m2: float,
+    period_s: float,
+    stiffness_nm_per_rad: float = math.inf,
+    damping_nms_per_rad: float = 0.0,
+) -> float:
+    """Return the smallest stable desired inertia B_theta; above it the loop is stable. [kg m^2]
+
+    In a rigid joint, with a = 1 - exp(-2 pi f dt), 1 without filter, the filtered torque follows
+    y[k+1] = (1 - a - a gain) y[k] + ...: stable while the gain of the loop stays below 2 / a - 1. In an elastic joint
+    the phase that tick and filter lose at the ringing counts, and a filter may do harm.
+
+    Args:
+        settings: Assumed inertia and filter; the desired inertia does not matter.
+        inertia_kg_m2: True motor inertia B. [kg m^2]
+        outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
+        period_s: Tick of the controller. [s]
+        stiffness_nm_per_rad: Between motor and outer inertia, the sensor in series; infinite if rigid. [N m/rad]
+        damping_nms_per_rad: Beside it. [N m s/rad]
+    """
+    share = -math.expm1(-2.0 * math.pi * settings.cutoff_hz * period_s)
+    if math.isinf(stiffness_nm_per_rad):
+        largest = (2.0 / share - 1.0) * (outer_inertia_kg_m2 + inertia_kg_m2) / outer_inertia_kg_m2
+    else:
+        joint = ElasticJoint(inertia_kg_m2, outer_inertia_kg_m2, stiffness_nm_per_rad, damping_nms_per_rad)
+        largest = largest_torque_gain(joint, share, period_s)
+    return settings.inertia_kg_m2 / (1.0 + largest)
+
+
+@compiled()
+def advance(group: Any, memory: Any, interaction_nm: float, dt: float) -> None:  # noqa: ANN401 - records
+    """Filter the torque just read; the first one is taken as it is."""
+    share = 1.0 if memory.ticks == 0 else -math.expm1(-2.0 * math.pi * group.cutoff_hz * dt)
+    memory.filtered_interaction_nm += share * (interaction_nm - memory.filtered_interaction_nm)
+
+
+@compiled()
+def torque_nm(group: Any, memory: Any) -> float:  # noqa: ANN401 - records
+    """Return the torque that shapes the inertia. [N m]"""
+    return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)
+
+
+COMPENSATOR = CompensatorKind(
+    name="torque_regulation",
+    summary="torque feedback that makes motor inertia and friction smaller",
+    settings=TorqueRegulation,
+    code=TORQUE_REGULATION,
+    group=GROUP,
+)

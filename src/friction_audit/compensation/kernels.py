@@ -1,0 +1,381 @@
+"""The compensator at one tick of the controller, compiled; other compiled loops call ``step``.
+
+The joint behind its torque sensor obeys B ddq = F_m + u - tau_f. Integrated over a cycle from rest to rest,
+sum F_m dq + sum u dq = sum tau_f dq: what human and compensator put in, friction took. The general form of (10), (13),
+(16) and (25) is therefore E_net = E_n - E_(n-1) + sum u dq with all of u, the damping of the passivity controller
+included, whose work is negative.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.compensators import (
+    disturbance_observer,
+    energy,
+    fixed,
+    joint_model,
+    lugre,
+    sigmoid,
+    torque_regulation,
+)
+from friction_audit.compensation.compensators.law import (
+    DISTURBANCE_OBSERVER,
+    ENERGY,
+    FIXED,
+    JOINT_MODEL,
+    LUGRE,
+    SIGMOID,
+    TORQUE_REGULATION,
+)
+from friction_audit.compensation.hand_cycles import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, beyond
+from friction_audit.compensation.records import (
+    COMBINED,
+    ESTIMATED,
+    GAP,
+    NET,
+    NOT_MOVED,
+    PATH,
+    SCALED,
+    SQUARE,
+    TOO_ALIKE,
+    TOO_FEW,
+    VISCOUS,
+    Record,
+)
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+
+FIND = -1
+"""Value of ``cut``: the joint finds its cycles itself."""
+
+
+@compiled()
+def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float, cut: int) -> float:
+    """Run a compensator for one tick, after the sensors were read.
+
+    Args:
+        settings: Record of SETTINGS.
+        memory: Record of MEMORY, changed in place.
+        dq: Velocity as measured. [rad/s]
+        interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
+        dt: Time since the previous call; of no effect in the first. [s]
+        cut: FIND, or 1 if a cycle ends at this tick and 0 if not, as told from outside.
+
+    Returns:
+        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged
+        (``divergence``), 0 for good.
+    """
+    if memory.unstable == 1 or beyond(dq, SPEED_BOUND_RAD_S) or beyond(interaction_nm, TORQUE_BOUND_NM):
+        return float(give_up(memory))
+    if memory.ticks > 0:
+        add_up(settings, memory, dq, interaction_nm, dt)
+    advance(settings, memory, dq, interaction_nm, dt)
+    memory.ticks += 1
+    memory.dq = dq
+    memory.interaction_nm = interaction_nm
+    found = find_end(settings, memory, dq, dt)
+    if (found if cut == FIND else cut == 1) and memory.ticks > 1:
+        close_cycle(settings, memory)
+    choose(settings, memory)
+    observe(settings, memory)
+    u = command(settings, memory, dq)
+    if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
+        memory.ticks -= 1
+        return float(give_up(memory))
+    return float(u)
+
+
+@compiled()
+def give_up(memory: Record) -> float:
+    """Remember at which tick the loop diverged; from then on, no torque."""
+    if memory.unstable == 0:
+        memory.unstable, memory.unstable_tick = 1, memory.ticks
+    memory.ticks += 1
+    memory.u_nm = memory.compensation_nm = memory.passivity_nm = memory.damping_nms_per_rad = 0.0
+    return 0.0
+
+
+@compiled()
+def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
+    """Advance what the law remembers over the interval since the previous tick."""
+    if settings.kind == LUGRE and memory.ticks > 0:
+        lugre.advance(settings.lugre, memory, dq, dt)
+    elif settings.kind == DISTURBANCE_OBSERVER and memory.ticks > 0:
+        disturbance_observer.advance(settings.disturbance_observer, memory, dq, interaction_nm, dt)
+    elif settings.kind == TORQUE_REGULATION:
+        torque_regulation.advance(settings.torque_regulation, memory, interaction_nm, dt)
+
+
+@compiled()
+def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
+    """Add the interval since the previous tick to the sums of the cycle and to the ledgers (2), (24).
+
+    Trapezoids; the torque u was held, so its work is u times the displacement.
+    """
+    moved = 0.5 * (memory.dq + dq) * dt
+    work = 0.5 * (memory.interaction_nm + interaction_nm) * moved
+    memory.net_j += work + memory.u_nm * moved
+    memory.path_rad += 0.5 * (moving_speed(settings, memory.dq) + moving_speed(settings, dq)) * dt
+    memory.square_rad2_s += 0.5 * (memory.dq * memory.dq + dq * dq) * dt
+    memory.longest_gap_s = max(memory.longest_gap_s, dt)
+    memory.energy_j += work
+    if memory.active == 1:
+        memory.active_energy_j += work
+    memory.dissipated_j -= memory.passivity_nm * moved
+
+
+@compiled()
+def moving_speed(settings: Record, dq: float) -> float:
+    """Return |dq|, or 0 at rest, where the noise of the velocity would add up to a path. [rad/s]"""
+    speed = abs(dq)
+    return speed if speed > settings.rest_rad_s else 0.0
+
+
+@compiled()
+def find_end(settings: Record, memory: Record, dq: float, dt: float) -> bool:
+    """Return True if an energy cycle ends at this tick.
+
+    A cycle is under way once the filtered speed has exceeded the initiation threshold. It ends when the filtered speed
+    has fallen below the termination threshold and the joint, by its velocity as measured, rests or turns.
+    """
+    gain = 1.0 if memory.ticks == 1 else 1.0 - math.exp(-settings.corner_rad_s * dt)
+    memory.filtered_rad_s += gain * (dq - memory.filtered_rad_s)
+    direction = memory.direction
+    ended = (
+        direction != 0.0
+        and memory.filtered_rad_s * direction < settings.termination_rad_s
+        and dq * direction <= settings.rest_rad_s
+    )
+    if ended:
+        memory.direction = 0.0
+    if memory.direction == 0.0 and abs(memory.filtered_rad_s) > settings.initiation_rad_s:
+        memory.direction = math.copysign(1.0, memory.filtered_rad_s)
+    return bool(ended)
+
+
+@compiled()
+def close_cycle(settings: Record, memory: Record) -> None:
+    """End the cycle at this tick, estimate, and begin the next one here."""
+    memory.cycle += 1
+    if memory.longest_gap_s > settings.maximum_gap_s:
+        memory.status = GAP
+    elif memory.path_rad < settings.minimum_path_rad:
+        memory.status = NOT_MOVED
+    else:
+        row = memory.rows[memory.count % settings.window]
+        row[NET], row[PATH], row[SQUARE] = memory.net_j, memory.path_rad, memory.square_rad2_s
+        memory.count += 1
+        memory.status = estimate(settings, memory)
+    if memory.status >= NOT_MOVED:
+        memory.refused += 1
+    if memory.acted == 1:
+        memory.released = 1
+    memory.acted = 0
+    memory.net_j = memory.path_rad = memory.square_rad2_s = memory.longest_gap_s = 0.0
+
+
+class Products(NamedTuple):
+    """Sums of products of net energy, path and integral of the squared velocity over k cycles."""
+
+    net_path: float
+    net_square: float
+    path_path: float
+    path_square: float
+    square_square: float
+
+
+@compiled()
+def estimate(settings: Record, memory: Record) -> int:
+    """Estimate from the last k cycles: viscous (8), (11), (25), Coulomb (14), combined (20); return the status.
+
+    (19) prints the right pseudo-inverse of a tall matrix, which does not exist for k > 2; this is the left one.
+    """
+    if memory.count < settings.window:
+        return TOO_FEW
+    sums = products(settings, memory)
+    if settings.model == COMBINED:
+        return estimate_both(settings, memory, sums)
+    if settings.model == VISCOUS:
+        memory.estimated_viscous_nms_per_rad = sums.net_square / sums.square_square
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
+    else:
+        memory.estimated_coulomb_nm = sums.net_path / sums.path_path
+        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
+    return ESTIMATED
+
+
+@compiled()
+def products(settings: Record, memory: Record) -> Products:
+    """Return the sums of products over the last k cycles."""
+    net_path = net_square = path_path = path_square = square_square = 0.0
+    for i in range(settings.window):
+        row = memory.rows[i]
+        net_path += row[NET] * row[PATH]
+        net_square += row[NET] * row[SQUARE]
+        path_path += row[PATH] * row[PATH]
+        path_square += row[PATH] * row[SQUARE]
+        square_square += row[SQUARE] * row[SQUARE]
+    return Products(net_path, net_square, path_path, path_square, square_square)
+
+
+@compiled()
+def estimate_both(settings: Record, memory: Record, sums: Products) -> int:
+    """Estimate both coefficients by least squares; return the status.
+
+    Of a pair with a negative coefficient, the other one is too large: used alone, it would push the joint. What is used
+    is the least squares of coefficients of zero or more.
+    """
+    net_path, net_square, path_path, path_square, square_square = sums
+    cosine = path_square / math.sqrt(path_path * square_square)
+    sine = math.sqrt(max(0.0, 1.0 - cosine * cosine))
+    if 1.0 + cosine > settings.condition_limit * sine:
+        return scale(memory, sums)
+    determinant = path_path * square_square * sine * sine
+    coulomb = (net_path * square_square - net_square * path_square) / determinant
+    viscous = (net_square * path_path - net_path * path_square) / determinant
+    memory.estimated_coulomb_nm, memory.estimated_viscous_nms_per_rad = coulomb, viscous
+    if coulomb < 0.0:
+        coulomb, viscous = 0.0, net_square / square_square
+    elif viscous < 0.0:
+        coulomb, viscous = net_path / path_path, 0.0
+    memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad = max(0.0, coulomb), max(0.0, viscous)
+    return ESTIMATED
+
+
+@compiled()
+def scale(memory: Record, sums: Products) -> int:
+    """Scale the coefficients in use to cycles that are too alike to tell them apart; return the status.
+
+    Such cycles still tell how much friction there is.
+    """
+    coulomb, viscous = memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad
+    net_path, net_square, path_path, path_square, square_square = sums
+    expected = coulomb * coulomb * path_path + 2.0 * coulomb * viscous * path_square + viscous * viscous * square_square
+    found = coulomb * net_path + viscous * net_square
+    if not (expected > 0.0 and found > 0.0):
+        return TOO_ALIKE
+    memory.usable_coulomb_nm = memory.estimated_coulomb_nm = coulomb * found / expected
+    memory.usable_viscous_nms_per_rad = memory.estimated_viscous_nms_per_rad = viscous * found / expected
+    return SCALED
+
+
+@compiled()
+def choose(settings: Record, memory: Record) -> None:
+    """Choose the coefficients to apply: given, forced or estimated."""
+    coulomb, viscous = settings.coulomb_nm, settings.viscous_nms_per_rad
+    if settings.kind == ENERGY:
+        forced = not math.isnan(settings.forced_coulomb_nm) and memory.cycle + 1 >= settings.forced_from_cycle
+        if forced and not (settings.forced_until_acted == 1 and memory.released == 1):
+            coulomb, viscous = settings.forced_coulomb_nm, settings.forced_viscous_nms_per_rad
+        else:
+            coulomb = settings.factor * memory.usable_coulomb_nm
+            viscous = settings.factor * memory.usable_viscous_nms_per_rad
+    memory.coulomb_nm, memory.viscous_nms_per_rad = coulomb, viscous
+    if coulomb != 0.0 or viscous != 0.0 or settings.kind > ENERGY:
+        memory.active = 1
+
+
+@compiled()
+def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa: PLR0911 - one per kind
+    """Return the torque that the law of the compensator asks for. [N m]"""
+    if settings.kind == FIXED:
+        return float(fixed.torque_nm(settings, memory, dq))
+    if settings.kind == ENERGY:
+        return float(energy.torque_nm(settings, memory, dq))
+    if settings.kind == SIGMOID:
+        return float(sigmoid.torque_nm(settings.sigmoid, dq))
+    if settings.kind == LUGRE:
+        return float(lugre.torque_nm(settings.lugre, memory, dq))
+    if settings.kind == DISTURBANCE_OBSERVER:
+        return float(disturbance_observer.torque_nm(settings.disturbance_observer, memory, dq))
+    if settings.kind == TORQUE_REGULATION:
+        return float(torque_regulation.torque_nm(settings.torque_regulation, memory))
+    if settings.kind == JOINT_MODEL:
+        return float(joint_model.torque_nm(settings.joint_model, memory, dq))
+    return 0.0
+
+
+@compiled()
+def observe(settings: Record, memory: Record) -> None:
+    """Bring the ledger of (21) up to this tick.
+
+    A sensor in a closed loop has already felt what the passivity controller dissipated; to add it once more would let
+    the energy fall as far below zero as the controller has brought it up.
+    """
+    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
+    if settings.controller_in_interaction == 0:
+        memory.observed_energy_j += memory.dissipated_j
+
+
+@compiled()
+def damping(settings: Record, memory: Record, dq: float) -> float:
+    """Return the damping alpha that pays the deficit of the ledger within the coming tick (22), capped."""
+    deficit = -memory.observed_energy_j
+    if settings.passivity == 0 or deficit <= 0.0 or abs(dq) < settings.minimum_speed_rad_s:
+        return 0.0
+    return float(min(deficit / (dq * dq * settings.period_s), settings.max_damping_nms_per_rad))
+
+
+@compiled()
+def command(settings: Record, memory: Record, dq: float) -> float:
+    """Return the torque for the coming tick within the limits, and keep its parts. [N m]"""
+    change = settings.max_torque_rate_nm_s * settings.period_s
+    low = max(-settings.max_torque_nm, memory.u_nm - change)
+    high = min(settings.max_torque_nm, memory.u_nm + change)
+    wanted = compensation(settings, memory, dq)
+    aid = min(max(wanted, low), high)
+    count_reversals(memory, aid - memory.compensation_nm, aid != wanted)
+    u = min(max(aid - damping(settings, memory, dq) * dq, low), high)
+    memory.u_nm, memory.compensation_nm, memory.passivity_nm = u, aid, u - aid
+    memory.damping_nms_per_rad = (aid - u) / dq if u != aid else 0.0
+    if memory.damping_nms_per_rad > 0.0:
+        memory.acted = 1
+    served = (aid - u) * dq * settings.period_s
+    memory.unserved_j = max(0.0, -memory.observed_energy_j - served) if settings.passivity == 1 else 0.0
+    return float(u)
+
+
+@compiled()
+def count_reversals(memory: Record, change_nm: float, limited: bool) -> None:
+    """Count the ticks in a row at which the torque, at a limit, has turned back."""
+    turned = change_nm * memory.last_change_nm < 0.0
+    memory.reversals = memory.reversals + 1 if limited and turned else 0
+    memory.last_change_nm = change_nm
+
+
+@compiled()
+def trace(memory: Record, row: Float) -> None:
+    """Write the quantities named in ``records.TRACE`` into a row, shape (len(TRACE),)."""
+    row[0] = memory.u_nm
+    row[1] = memory.compensation_nm
+    row[2] = memory.passivity_nm
+    row[3] = memory.damping_nms_per_rad
+    row[4] = memory.coulomb_nm
+    row[5] = memory.viscous_nms_per_rad
+    row[6] = memory.estimated_coulomb_nm
+    row[7] = memory.estimated_viscous_nms_per_rad
+    row[8] = memory.energy_j
+    row[9] = memory.observed_energy_j
+    row[10] = memory.active_energy_j
+    row[11] = memory.dissipated_j
+    row[12] = memory.unserved_j
+    row[13] = memory.cycle
+    row[14] = memory.acted
+    row[15] = memory.status
+    row[16] = memory.refused
+    row[17] = memory.unstable
+    row[18] = memory.observed_friction_nm
+
+
+@compiled()
+def run_records(
+    settings: Record, memory: Record, t: Float, dq: Float, interaction_nm: Float, cut: NDArray[np.int64], out: Float
+) -> None:
+    """Run one compensator over signals of shape (n,); write its traces into ``out``, shape (n, len(TRACE))."""
+    for i in range(len(t)):
+        dt = t[i] - t[i - 1] if i > 0 else 0.0
+        step(settings, memory, dq[i], interaction_nm[i], dt, cut[i])
+        trace(memory, out[i])

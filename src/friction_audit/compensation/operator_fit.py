@@ -1,0 +1,189 @@
+"""The joint as a log shows it, for counterfactuals in which it moves otherwise than recorded."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.port import Port
+from friction_audit.compensation.settings import OperatorImpedance
+from friction_audit.effects.joint_model import JointModel, simple_model
+from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.joint_log import Float, median_step
+
+LEAST_INERTIA_KG_M2 = 1e-3
+"""No motor with its gear has less; what seems to have was recorded without its inertia. [kg m^2]"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FittedJoint:
+    """Inertia and friction with their 95 % intervals.
+
+    Attributes:
+        inertia: Behind the torque sensor. [kg m^2]
+        coulomb: [N m]
+        viscous: [N m s/rad]
+    """
+
+    inertia: Coefficient
+    coulomb: Coefficient
+    viscous: Coefficient
+
+    @property
+    def model(self) -> JointModel:
+        """The joint as it can be simulated."""
+        return simple_model(
+            inertia_kg_m2=self.inertia.value,
+            coulomb_nm=max(0.0, self.coulomb.value),
+            viscous_nms_per_rad=max(0.0, self.viscous.value),
+        )
+
+
+def fit_joint(friction: JointFriction) -> FittedJoint | str:
+    """Return the joint that the torque regression of the log found, or why it cannot be simulated."""
+    if friction.reason:
+        return friction.reason
+    found = friction.regression
+    if found is None:
+        return "too few moving samples or strokes to fit inertia and friction; record more strokes back and forth"
+    joint = FittedJoint(inertia=found.inertia, coulomb=found.coulomb, viscous=found.viscous)
+    if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
+        return (
+            f"its inertia is not determined ({_text(found.inertia)} kg m^2), and without it nobody knows how it would "
+            "have moved; record brisker strokes with quick reversals, or use --assume same-motion"
+        )
+    pushing = [name for name, one in (("Coulomb", joint.coulomb), ("viscous", joint.viscous)) if not one.high > 0.0]
+    if pushing:
+        return f"its fitted {' and '.join(pushing)} friction is negative; a joint that pushes cannot be simulated"
+    return joint
+
+
+def _text(found: Coefficient) -> str:
+    return f"{found.value:.3g}, 95 % {found.low:.3g} to {found.high:.3g}" if isfinite(found.value) else "no value"
+
+
+BAND_HZ = (3.0, 15.0)
+"""Above what a person intends, below where sensors tell noise only."""
+ORDER = 2
+BEFORE_S, AFTER_S = 0.1, 0.25
+"""Window around a reversal."""
+DEFINITE_RAD_S = 0.05
+"""Speed at which the direction is certain."""
+LONGEST_TURN_S = 0.12
+"""A reversal that takes longer is a pause."""
+FEWEST_REVERSALS = 20
+WIDEST = 0.3
+"""What the reversals alone leave open of a number, over its value, beyond which it is not determined."""
+INTENTION = (0.06, 0.07, 0.21)
+"""Error of inertia, damping and stiffness over their values that 95 % of persons stay below whose log has no noise, by
+what they intend above the lower end of the band: 47 simulated persons, none of whom is in ``bench_operator_fit``."""
+LEAST_PERIODS = 2.75
+"""The rate must be above the band by this, and above twice the 20 Hz that reversals are found below."""
+NORMAL_95 = 1.96
+TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3,9,60 (0.1 to 0.6, 3 to 15, 20 to 150)"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FittedOperator:
+    """Impedance of the person with its 95 % intervals; given ones have none.
+
+    Attributes:
+        inertia: [kg m^2]
+        damping: [N m s/rad]
+        stiffness: [N m/rad]
+        reversals: Reversals it rests on; 0 if it was given.
+    """
+
+    inertia: Coefficient
+    damping: Coefficient
+    stiffness: Coefficient
+    reversals: int = 0
+
+
+def given_operator(given: OperatorImpedance) -> FittedOperator:
+    """Return an impedance that the user gave."""
+    numbers = (given.inertia_kg_m2, given.damping_nms_per_rad, given.stiffness_nm_per_rad)
+    inertia, damping, stiffness = (Coefficient(value=n, low=float("nan"), high=float("nan")) for n in numbers)
+    return FittedOperator(inertia=inertia, damping=damping, stiffness=stiffness)
+
+
+def fit_operator(port: Port, q: Float) -> FittedOperator | str:
+    """Fit the person's impedance at one joint.
+
+    Args:
+        port: The recording.
+        q: Position, shape (n,). [rad]
+
+    Returns:
+        The impedance, or why this log does not tell.
+    """
+    step = median_step(port.t)
+    if step * LEAST_PERIODS * BAND_HZ[1] > 1.0:
+        return f"{1.0 / step:.3g} samples per second are too few to see the person's arm give way; give {TYPICAL}"
+    t = np.arange(port.t[0], port.t[-1], step)
+    dq = np.interp(t, port.t, port.dq)
+    turns, direction = _reversals(dq, step)
+    before, after = int(BEFORE_S / step), int(AFTER_S / step)
+    inside = (turns >= before) & (turns + after <= len(t))
+    turns, direction = turns[inside], direction[inside]
+    if len(turns) < FEWEST_REVERSALS:
+        return (
+            f"the person's impedance cannot be told from this log: {len(turns)} quick reversals, at least "
+            f"{FEWEST_REVERSALS} are needed; record strokes back and forth without pauses, or give {TYPICAL}"
+        )
+    rows = turns[:, None] + np.arange(-before, after)
+    torque, place = (np.interp(t, port.t, one) for one in (port.torque, q))
+    signals = (np.gradient(dq, step), dq, place, -torque)
+    windows = np.stack([_band(signal, step)[rows] * direction[:, None] for signal in signals], axis=2)
+    return _solve(windows)
+
+
+def _reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
+    """Return the samples at which motion is under way again after a quick reversal, and its direction then."""
+    from scipy.signal import butter, sosfiltfilt
+
+    smooth = sosfiltfilt(butter(ORDER, 20.0, fs=1.0 / step, output="sos"), dq)
+    definite = np.flatnonzero(np.abs(smooth) > DEFINITE_RAD_S)
+    direction = np.sign(smooth[definite])
+    turned = np.flatnonzero(np.diff(direction) != 0.0)
+    quick = np.diff(definite)[turned] * step < LONGEST_TURN_S
+    return definite[turned + 1][quick], direction[turned + 1][quick]
+
+
+def _band(signal: Float, step: float) -> Float:
+    from scipy.signal import butter, sosfiltfilt
+
+    return np.asarray(sosfiltfilt(butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos"), signal))
+
+
+def _solve(windows: Float) -> FittedOperator | str:
+    """Solve for inertia, damping and stiffness.
+
+    Args:
+        windows: Acceleration, velocity, position and minus the torque around r reversals, shape (r, w, 4).
+    """
+    count = len(windows)
+    total = windows.sum(axis=0)
+    value = _least_squares(total / count)
+    others = np.array([_least_squares((total - one) / (count - 1)) for one in windows])
+    spread = (count - 1) / count * ((others - others.mean(axis=0)) ** 2).sum(axis=0)
+    unsure = NORMAL_95 * np.sqrt(spread)
+    half = np.hypot(unsure, np.array(INTENTION) * value)
+    found = [Coefficient(value=float(v), low=float(v - h), high=float(v + h)) for v, h in zip(value, half, strict=True)]
+    names = ("inertia", "damping", "stiffness")
+    loose = [
+        f"{name} {one.value:.3g} (95 % {one.low:.3g} to {one.high:.3g})"
+        for name, one, h in zip(names, found, unsure, strict=True)
+        if not h < WIDEST * one.value
+    ]
+    if loose:
+        return (
+            f"the person's impedance is not determined by this log: {', '.join(loose)}; record more quick reversals, "
+            f"or give {TYPICAL}"
+        )
+    return FittedOperator(inertia=found[0], damping=found[1], stiffness=found[2], reversals=count)
+
+
+def _least_squares(mean: Float) -> Float:
+    return np.asarray(np.linalg.lstsq(mean[:, :3], mean[:, 3], rcond=None)[0])

@@ -1,0 +1,215 @@
+"""Settings and memory of the compensators as numpy records, which compiled code reads by field name."""
+
+from collections.abc import Sequence
+from dataclasses import fields
+from math import inf, nan
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.compensators import (
+    COMPENSATORS,
+    Coefficients,
+    Compensator,
+    EnergyCompensator,
+    FixedCompensation,
+    Guard,
+    kind_of,
+)
+from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
+from friction_audit.errors import UsageError
+
+Record: TypeAlias = Any
+"""One element of an array of SETTINGS or MEMORY."""
+
+VISCOUS, COULOMB, COMBINED = range(len(MODELS))
+"""Values of ``model``."""
+
+NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP, TOO_ALIKE, SCALED = range(7)
+"""Values of ``status``: what came of the last cycle. From NOT_MOVED on, it was refused, as giving no estimate of
+its own. SCALED: too like those before it to tell the coefficients apart; both were scaled to the friction in them."""
+
+NET, PATH, SQUARE = range(3)
+"""Columns of ``rows``: net energy [J], path [rad] and integral of the squared velocity [rad^2/s] of a cycle."""
+
+SETTINGS = np.dtype(
+    [
+        ("kind", "i8"),
+        ("model", "i8"),
+        ("window", "i8"),
+        ("forced_from_cycle", "i8"),
+        ("forced_until_acted", "i8"),
+        ("passivity", "i8"),
+        ("controller_in_interaction", "i8"),
+        ("period_s", "f8"),
+        ("coulomb_nm", "f8"),
+        ("viscous_nms_per_rad", "f8"),
+        ("forced_coulomb_nm", "f8"),
+        ("forced_viscous_nms_per_rad", "f8"),
+        ("factor", "f8"),
+        ("dead_band_rad_s", "f8"),
+        ("ramp_rad_s", "f8"),
+        ("rest_rad_s", "f8"),
+        ("initiation_rad_s", "f8"),
+        ("termination_rad_s", "f8"),
+        ("corner_rad_s", "f8"),
+        ("condition_limit", "f8"),
+        ("minimum_path_rad", "f8"),
+        ("maximum_gap_s", "f8"),
+        ("initial_energy_j", "f8"),
+        ("minimum_speed_rad_s", "f8"),
+        ("max_damping_nms_per_rad", "f8"),
+        ("max_torque_nm", "f8"),
+        ("max_torque_rate_nm_s", "f8"),
+        *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
+    ]
+)
+"""What every compensator is told, and one group for each kind that is told more."""
+
+TRACE = (
+    "u_nm",
+    "compensation_nm",
+    "passivity_nm",
+    "damping_nms_per_rad",
+    "coulomb_nm",
+    "viscous_nms_per_rad",
+    "estimated_coulomb_nm",
+    "estimated_viscous_nms_per_rad",
+    "energy_j",
+    "observed_energy_j",
+    "active_energy_j",
+    "dissipated_j",
+    "unserved_j",
+    "cycle",
+    "acted",
+    "status",
+    "refused",
+    "unstable",
+    "observed_friction_nm",
+)
+"""What ``kernels.trace`` writes, in this order: fields of MEMORY."""
+
+MEMORY = np.dtype(
+    [
+        ("ticks", "i8"),
+        ("cycle", "i8"),
+        ("acted", "i8"),
+        ("released", "i8"),
+        ("status", "i8"),
+        ("refused", "i8"),
+        ("count", "i8"),
+        ("active", "i8"),
+        ("dq", "f8"),
+        ("interaction_nm", "f8"),
+        ("filtered_rad_s", "f8"),
+        ("direction", "f8"),
+        ("net_j", "f8"),
+        ("path_rad", "f8"),
+        ("square_rad2_s", "f8"),
+        ("longest_gap_s", "f8"),
+        ("u_nm", "f8"),
+        ("compensation_nm", "f8"),
+        ("passivity_nm", "f8"),
+        ("damping_nms_per_rad", "f8"),
+        ("coulomb_nm", "f8"),
+        ("viscous_nms_per_rad", "f8"),
+        ("estimated_coulomb_nm", "f8"),
+        ("estimated_viscous_nms_per_rad", "f8"),
+        ("usable_coulomb_nm", "f8"),
+        ("usable_viscous_nms_per_rad", "f8"),
+        ("energy_j", "f8"),
+        ("observed_energy_j", "f8"),
+        ("active_energy_j", "f8"),
+        ("dissipated_j", "f8"),
+        ("unserved_j", "f8"),
+        ("bristle_rad", "f8"),
+        ("observed_friction_nm", "f8"),
+        ("filtered_interaction_nm", "f8"),
+        ("q_rad", "f8"),
+        ("modelled_nm", "f8"),
+        ("bristle_nm", "f8"),
+        ("unstable", "i8"),
+        ("unstable_tick", "i8"),
+        ("reversals", "i8"),
+        ("last_change_nm", "f8"),
+        ("rows", "f8", (LONGEST_WINDOW, 3)),
+    ]
+)
+"""What a compensator knows; the quantities worth tracing:
+
+``energy_j``: E_m (2). ``observed_energy_j``: the ledger of (21). ``active_energy_j``: E_m since the compensator first
+acted, without the reserve that friction built up before. ``dissipated_j``: taken by the passivity controller.
+``unserved_j``: deficit that the command of this tick leaves to the next. ``cycle``: cycles completed. ``acted``: 1 if
+the passivity controller has acted in the present cycle. ``status``, ``refused``: what came of the last cycle, and how
+many gave no estimate for another reason than their number. Estimates are NaN until there is one and may be negative;
+those in use (``usable_coulomb_nm``, ``usable_viscous_nms_per_rad``) are 0 until then and never below.
+``observed_friction_nm``: of a disturbance observer. ``modelled_nm``, ``bristle_nm``: what friction takes by a joint's
+model, told before the tick at ``q_rad``. ``unstable``: 1 once the loop has diverged, from ``unstable_tick``
+(-1 before) on; the torque is then 0 for good, and nothing is added up any more.
+"""
+
+
+def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.void]:
+    """Pack compensators into records of SETTINGS.
+
+    Args:
+        compensators: One per joint; None where nothing runs.
+        rate: Ticks of the controller. [Hz]
+
+    Returns:
+        Records, shape (joints,).
+
+    Raises:
+        UsageError: If the rate is not above zero.
+    """
+    if not inf > rate > 0:
+        raise UsageError(f"compensator: rate {rate:g} Hz: expected a number above zero")
+    records = np.zeros(len(compensators), SETTINGS)
+    for record, compensator in zip(records, compensators, strict=True):
+        energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
+        for name, value in _observer(energy).items():
+            record[name] = value
+        record["period_s"] = 1.0 / rate
+        _pack_law(record, compensator)
+    return records
+
+
+def _pack_law(record: Record, compensator: Compensator | None) -> None:
+    kind = kind_of(compensator)
+    record["kind"] = kind.code
+    if isinstance(compensator, FixedCompensation):
+        for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s"):
+            record[name] = getattr(compensator, name)
+    if kind.group is not None:
+        for name in kind.group.names or ():
+            record[kind.name][name] = getattr(compensator, name)
+        guard = getattr(compensator, "guard", Guard())
+        for item in fields(guard):
+            record[item.name] = getattr(guard, item.name)
+
+
+def fresh_memory(joints: int) -> NDArray[np.void]:
+    """Return the memory of compensators that have seen nothing yet, records of MEMORY, shape (joints,)."""
+    memory = np.zeros(joints, MEMORY)
+    memory["estimated_coulomb_nm"] = nan
+    memory["estimated_viscous_nms_per_rad"] = nan
+    memory["unstable_tick"] = -1
+    return memory
+
+
+def _observer(compensator: EnergyCompensator) -> dict[str, float]:
+    """Return what estimation, ledger and limits need; they run beside a compensator of any kind."""
+    crossing = compensator.zero_crossings
+    forced = compensator.forced or Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
+    same = {name: getattr(compensator, name) for name in SETTINGS.names or () if hasattr(compensator, name)}
+    return same | {
+        "model": MODELS.index(compensator.model),
+        "window": compensator.cycles_per_estimate,
+        "forced_coulomb_nm": forced.coulomb_nm,
+        "forced_viscous_nms_per_rad": forced.viscous_nms_per_rad,
+        "initiation_rad_s": 0.0 if crossing else compensator.initiation_rad_s,
+        "termination_rad_s": inf if crossing else compensator.termination_rad_s,
+        "rest_rad_s": 0.0 if crossing else compensator.dead_band_rad_s,
+        "corner_rad_s": inf if crossing else 2.0 * np.pi * compensator.cutoff_hz,
+    }

@@ -1,0 +1,262 @@
+"""Replay: what a compensator would have done on a recorded log, and what that would have saved."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
+from friction_audit.compensation.limits import Counterfactual, Limits
+from friction_audit.compensation.operator_fit import FittedJoint, FittedOperator
+from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED, TOO_ALIKE
+from friction_audit.effects.joint_model import JointModel
+from friction_audit.friction.history import JointFriction
+from friction_audit.joint_log import Float
+from friction_audit.preprocessing.interaction import Caution
+
+STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike", "scaled")
+"""Names of the values of ``status`` in ``records``: what came of a cycle."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Signals:
+    """One joint over time, n samples; a torque at sample i is the one in force at t[i].
+
+    Attributes:
+        t: Time. [s]
+        dq: Velocity. [rad/s]
+        interaction_nm: Torque of the person, the interaction torque. [N m]
+        compensation_nm: Torque of the compensator's law. [N m]
+        passivity_nm: Torque of its passivity controller. [N m]
+    """
+
+    t: Float
+    dq: Float
+    interaction_nm: Float
+    compensation_nm: Float
+    passivity_nm: Float
+
+    @property
+    def damping_nms_per_rad(self) -> Float:
+        """Damping of the passivity controller; 0 at rest. [N m s/rad]"""
+        moving = self.dq != 0.0
+        return np.where(moving, -self.passivity_nm / np.where(moving, self.dq, 1.0), 0.0)
+
+    @property
+    def net_energy_j(self) -> Float:
+        """Net energy that the person has put in so far (2), trapezoids on the real stamps. [J]"""
+        return net_energy_j(self.t, self.dq, self.interaction_nm)
+
+
+def net_energy_j(t: Float, dq: Float, torque: Float) -> Float:
+    """Return the integral of a torque over the motion from the first sample on, shape (n,). [J]"""
+    power = 0.25 * (torque[1:] + torque[:-1]) * (dq[1:] + dq[:-1])
+    return np.concatenate([[0.0], np.cumsum(power * np.diff(t))])
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class ReplayHistory:
+    """What happened in each cycle of the compensator, m rows.
+
+    Attributes:
+        start: First sample, shape (m,).
+        stop: Sample at which the cycle ended.
+        start_s: [s]
+        stop_s: [s]
+        friction_j: What friction took, which the person would have had to give without compensation. [J]
+        net_energy_j: That less what compensator and passivity controller gave: what was left to the person. [J]
+        path_rad: Path. [rad]
+        square_speed_rad2_s: Integral of dq^2 dt. [rad^2/s]
+        coulomb_applied_nm: Coulomb friction compensated during the cycle. [N m]
+        viscous_applied_nms_per_rad: Viscous friction compensated during it. [N m s/rad]
+        coulomb_estimated_nm: Estimate in force after its end, NaN before there is one. [N m]
+        viscous_estimated_nms_per_rad: Likewise. [N m s/rad]
+        acted: True if the passivity controller acted in it.
+        status: What came of it, as in ``records``.
+    """
+
+    start: NDArray[np.int64]
+    stop: NDArray[np.int64]
+    start_s: Float
+    stop_s: Float
+    friction_j: Float
+    net_energy_j: Float
+    path_rad: Float
+    square_speed_rad2_s: Float
+    coulomb_applied_nm: Float
+    viscous_applied_nms_per_rad: Float
+    coulomb_estimated_nm: Float
+    viscous_estimated_nms_per_rad: Float
+    acted: NDArray[np.bool_]
+    status: NDArray[np.int64]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Passivity:
+    """How passive the compensated joint stayed; a violation is beyond the energy of two samples.
+
+    Attributes:
+        violations: Samples at which the ledger from the start was below zero.
+        violations_since_activation: Likewise of the ledger that begins when the compensator first acts.
+        active_cycles: Cycles in which the joint gave out more than 5 % of what friction took.
+        lowest_j: Lowest value of the ledger from the start. [J]
+        lowest_since_activation_j: Lowest value of the other one. [J]
+        reserve_j: What the ledger held when the compensator first acted. [J]
+        activation_s: When that was, NaN if never. [s]
+        injected_j: What the passivity controller dissipated. [J]
+        unserved_j: Largest deficit that a tick had to leave to the next. [J]
+        active_fraction: Share of the time for which the passivity controller acted.
+        hidden: True where the reserve of the first cycles hides over-compensation from the ledger.
+    """
+
+    violations: int
+    violations_since_activation: int
+    active_cycles: int
+    lowest_j: float
+    lowest_since_activation_j: float
+    reserve_j: float
+    activation_s: float
+    injected_j: float
+    unserved_j: float
+    active_fraction: float
+    hidden: bool
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Recovery:
+    """A step of friction, and how the compensator got over it.
+
+    Attributes:
+        step_s: When friction changed, the start of the first cycle after it. [s]
+        change: Friction after it over friction before it.
+        cycles: Cycles until the compensation was right again, None if it never was.
+        seconds: Time until then, NaN if it never was. [s]
+    """
+
+    step_s: float
+    change: float
+    cycles: int | None
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Numbers:
+    """What a replay comes to.
+
+    Attributes:
+        energy_recorded_j: Net energy of the person in the recording. [J]
+        energy_without_j: Net energy without a compensator. [J]
+        energy_with_j: Net energy with it. [J]
+        dissipation_removed: One less what the cycles leave to the person over what friction took in them; what a cycle
+            gives out counts as left over too, so that over-compensation is no merit.
+        dissipation_removed_updated: Likewise from the second update of the coefficients on.
+        peak_torque_without_nm: Largest interaction torque without a compensator. [N m]
+        peak_torque_with_nm: With it. [N m]
+        rms_torque_without_nm: Root mean square over the time. [N m]
+        rms_torque_with_nm: With it. [N m]
+        peak_compensation_nm: Largest torque of compensator and passivity controller. [N m]
+        peak_rate_nm_s: Fastest change of it. [N m/s]
+        limited_fraction: Share of the samples at a limit of torque or rate.
+        cycles_to_converge: Cycles before the compensation stayed right, None if it never did.
+        diverged_s: When the loop ran away, NaN if it did not. [s]
+    """
+
+    energy_recorded_j: float
+    energy_without_j: float
+    energy_with_j: float
+    dissipation_removed: float
+    dissipation_removed_updated: float
+    peak_torque_without_nm: float
+    peak_torque_with_nm: float
+    rms_torque_without_nm: float
+    rms_torque_with_nm: float
+    peak_compensation_nm: float
+    peak_rate_nm_s: float
+    limited_fraction: float
+    cycles_to_converge: int | None
+    diverged_s: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointReplay:
+    """One joint.
+
+    Attributes:
+        joint: Number for people.
+        name: Name in the log.
+        compensator: What ran, thresholds and limits as in force.
+        limits: Limits in force.
+        without: The joint without a compensator.
+        replayed: The joint with it, up to where it diverged, if it did; None where there is a reason, as below.
+        history: Per cycle of the compensator.
+        last: Coefficients applied after the last cycle that ended, or None.
+        numbers: What it comes to.
+        passivity: How passive it stayed.
+        recovery: A step of friction in the log, or None.
+        model: The joint's model of a file, or None.
+        fitted: The joint fitted to the log that moved otherwise than recorded, or None.
+        operator: The person who moved it, or None.
+        simulated: True if a joint, fitted or of a file, moved otherwise than recorded.
+        model_error: How far the simulated joint without a compensator is from the recorded motion, over this; or NaN.
+        reason: Why the replay means nothing for this joint; empty if it does.
+    """
+
+    joint: int
+    name: str
+    compensator: Compensator
+    limits: Limits
+    without: Signals
+    replayed: Signals | None = None
+    history: ReplayHistory | None = None
+    last: Coefficients | None = None
+    numbers: Numbers | None = None
+    passivity: Passivity | None = None
+    recovery: Recovery | None = None
+    model: JointModel | None = None
+    fitted: FittedJoint | None = None
+    operator: FittedOperator | None = None
+    simulated: bool = False
+    model_error: float = float("nan")
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Replay:
+    """All joints of a log under one assumption."""
+
+    counterfactual: Counterfactual
+    joints: tuple[JointReplay, ...]
+    warnings: tuple[Caution, ...] = field(default=())
+
+
+ADVICE = {
+    GAP: "holes in the log; record without dropping samples",
+    NOT_MOVED: "the joint hardly moved; move it farther",
+    TOO_ALIKE: "they are too alike to tell Coulomb from viscous friction; vary the speed, raise --window, or choose "
+    "--model coulomb or viscous",
+}
+
+
+def missing_estimate(history: ReplayHistory, friction: JointFriction, compensator: Compensator) -> str:
+    """Say why there was nothing to apply; empty if there was.
+
+    Args:
+        history: Per cycle of the compensator.
+        friction: What the whole log says.
+        compensator: What ran.
+    """
+    cycles = len(history.status)
+    if not cycles:
+        return friction.reason or (
+            "no energy cycle ended while a controller would have watched; pause between strokes, or choose other "
+            "--thresholds"
+        )
+    if not isinstance(compensator, EnergyCompensator) or compensator.forced is not None:
+        return ""
+    if (history.status == ESTIMATED).any():
+        return ""
+    some = "1 cycle" if cycles == 1 else f"{cycles} cycles"
+    refused = history.status[history.status >= NOT_MOVED]
+    if len(refused):
+        return f"no estimate in {some}: {ADVICE[int(np.bincount(refused).argmax())]}"
+    return f"only {some}, and the compensator needs {compensator.cycles_per_estimate}; record more strokes"

@@ -1,0 +1,194 @@
+"""Moments at which a joint leaves a standstill, and the torque that it took to break away.
+
+At rest friction is whatever holds the joint; at its last moment it is the most that it can hold, in the direction of
+the motion that follows. That moment is told by the position, not by the torque: without stiction a torque that rises
+steadily moves the joint as the cube of the time since. With stiction the joint starts faster, and the moment is
+told too early, so that the torque, still rising, is told too low; a smooth start is never told too high.
+
+A joint that creeps before it moves, on bristles or on a spring, has no such moment. One whose torque jumps, as where a
+controller starts it, has one, but some milliseconds too early or late the torque is another: it tells nothing, but
+where the torque falls behind the start by more than that. Then the joint had been loaded with more than sliding takes.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.noise import SIGMA_PER_MEDIAN, grid_noise
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+
+STANDSTILL_S = 0.06
+"""So long a joint stands still before it breaks away; its torque is followed over this time."""
+APART = 2
+"""Samples between standstill and break-away: half a period of the grid's corner, by which the low-pass smears."""
+DEGREE = 2
+"""Of the polynomial that carries the torque on to the break-away: a hand's torque bends over such a time."""
+SETTLED = 4
+"""Samples after the last certain motion, in which the joint may still come to rest."""
+LONGEST_S = 0.3
+"""The start is sought so long before the motion is certain."""
+CREEP = 0.1
+"""Share of the dead speed below which a joint stands still: positions tell so much slower a motion than velocities."""
+CERTAIN = 2.0
+"""The start is fitted up to so many times the dead speed."""
+SOON_S = 0.1
+"""A joint that does not reach it in this time has not left its rest for good."""
+ONSET_S = 0.01
+"""The onset is known to so much: two samples by the low-pass, and two by a start that is not quite cubic."""
+SMALL_SHARE = 0.05
+"""What the torque changes in that time is nothing if it is below its noise, or below this share of the torque."""
+CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
+"""A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
+standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start."""
+FALL_SIGMAS = 4.0
+"""A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in as
+much before, and by more than so many standard deviations of its noise: it had been more than sliding takes."""
+POWER = 3
+"""Of the time, by which the path grows from a standstill under a torque that rises steadily."""
+SLOWEST = 3.0
+"""To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
+starts faster: one that took longer did not start then, but moved by one count of its encoder."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Breakaways:
+    """Moments at which a joint leaves a standstill, k of them, on the fine grid.
+
+    Attributes:
+        first: First sample of the standstill whose torque is followed, shape (k,).
+        onset: Sample at which the joint starts, shape (k,).
+        certain: First sample whose direction is certain, shape (k,).
+        direction: -1 or 1, shape (k,).
+        weights: What carries the samples from ``first`` on to the onset, sum 1, shape (w,).
+    """
+
+    first: Index
+    onset: Index
+    certain: Index
+    direction: Float
+    weights: Float
+
+    def of(self, columns: Float) -> Float:
+        """Columns, shape (n,) or (n, p), carried on to the onsets, shape (k,) or (k, p)."""
+        return np.asarray((columns.T[..., self.samples] @ self.weights).T, np.float64)
+
+    def take(self, which: NDArray[np.bool_]) -> "Breakaways":
+        """Some of them, by a mask of shape (k,)."""
+        kept = {name: getattr(self, name)[which] for name in ("first", "onset", "certain", "direction")}
+        return replace(self, **kept)
+
+    @property
+    def samples(self) -> Index:
+        """The standstills, shape (k, w)."""
+        return np.asarray(self.first[:, None] + np.arange(len(self.weights)))
+
+
+def find_breakaways(q: Float, dq: Float, dead_speed: float, step_s: float) -> Breakaways:
+    """Find the moments at which a joint leaves a standstill.
+
+    Args:
+        q: Position on an even grid, shape (n,). [rad]
+        dq: Velocity, shape (n,). [rad/s]
+        dead_speed: Below it the sign is the noise's. [rad/s]
+        step_s: Spacing of the grid. [s]
+    """
+    still = max(round(STANDSTILL_S / step_s), DEGREE + 1)
+    before = still + APART
+    going = np.abs(dq) > dead_speed
+    starts = np.flatnonzero(~going[:-1] & going[1:]) + 1
+    rests = _rest_before(going, starts)
+    found: list[tuple[int, int, int]] = []
+    for certain, rest in zip(starts.tolist(), rests.tolist(), strict=True):
+        begin = max(rest + SETTLED, certain - round(LONGEST_S / step_s))
+        stop = _certain_for_good(dq, certain, dead_speed, round(SOON_S / step_s))
+        if stop is None or certain - begin <= before:
+            continue
+        onset = begin + _start_of(q[begin:stop], before, certain - begin)
+        creep = abs(q[onset - APART] - q[onset - before]) / (still * step_s)
+        sudden = certain - onset <= SLOWEST * (stop - certain) + APART
+        if onset > begin + before and creep <= CREEP * dead_speed and sudden:
+            found.append((onset - before, onset, certain))
+    table = np.asarray(found, np.int64).reshape(-1, 3)
+    return Breakaways(
+        first=table[:, 0],
+        onset=table[:, 1],
+        certain=table[:, 2],
+        direction=np.sign(dq[table[:, 2]]),
+        weights=_carrying_on(still),
+    )
+
+
+def torque_known(torque: Float, breakaways: Breakaways, step_s: float) -> NDArray[np.bool_]:
+    """Whether the torque of each break-away is known, although its moment is to some milliseconds only, shape (k,).
+
+    It is where it is the same earlier or later, or falls behind the start by more than it differs there: friction is
+    less once the joint moves, and whoever pushes gives way.
+
+    Args:
+        torque: On the fine grid, shape (n,). [N m]
+        breakaways: The moments.
+        step_s: Spacing of the grid. [s]
+    """
+    if not len(breakaways.onset):
+        return np.zeros(0, np.bool_)
+    windows = torque[breakaways.samples]
+    still, apart = windows.shape[1] - 1, max(round(ONSET_S / step_s), 1)
+    back = np.arange(-still, 1) - float(APART)
+    powers = np.vander(back, DEGREE + 1)
+    fitted = windows @ np.linalg.pinv(powers).T
+    change, noise = np.abs(fitted[:, -2]) * ONSET_S / step_s, grid_noise(torque)
+    usual = float(np.median(np.abs(fitted[:, -1])))
+    steady = change <= max(noise, SMALL_SHARE * usual)
+    at_rest = SIGMA_PER_MEDIAN * float(np.median(np.abs(windows[:, apart:] - windows[:, :-apart])))
+    behind = torque[np.minimum(breakaways.onset + APART + apart, len(torque) - 1)]
+    rise = (behind - fitted[:, -1]) * breakaways.direction
+    carried = rise > max(CARRIED_SIGMAS * at_rest, CARRIED_SHARE * usual)
+    falls = -rise > np.maximum(change, FALL_SIGMAS * noise)
+    return np.asarray((steady & ~carried) | falls)
+
+
+def signed_rest(dq: Float, ddq: Float, breakaways: Breakaways, dead_speed: float) -> tuple[Float, Float]:
+    """Give the standstill before a break-away the direction of the motion that follows, and no acceleration.
+
+    What is built on the sign of the velocity then holds at break-away as it does in motion. [rad/s], [rad/s^2]
+    """
+    dq, ddq = dq.copy(), ddq.copy()
+    for first, onset, certain, direction in zip(
+        breakaways.first, breakaways.onset, breakaways.certain, breakaways.direction, strict=True
+    ):
+        dq[first:certain] = direction * dead_speed
+        ddq[first:onset] = 0.0
+    return dq, ddq
+
+
+def _rest_before(going: NDArray[np.bool_], starts: Index) -> Index:
+    """First sample of the rest before each start."""
+    stops = np.append(0, np.flatnonzero(going[:-1] & ~going[1:]) + 1)
+    return np.asarray(stops[np.searchsorted(stops, starts) - 1], np.int64)
+
+
+def _certain_for_good(dq: Float, certain: int, dead_speed: float, most: int) -> int | None:
+    """Sample after the first that is clearly faster than the dead speed, None if the joint slows down before."""
+    speed = dq[certain : certain + most] * np.sign(dq[certain])
+    fast = np.flatnonzero(speed >= CERTAIN * dead_speed)
+    if not len(fast) or speed[: fast[0]].min(initial=np.inf) < 0.5 * dead_speed:
+        return None
+    return certain + int(fast[0]) + 1
+
+
+def _start_of(q: Float, earliest: int, latest: int) -> int:
+    """Sample from which a path that was constant grows as the cube of the time, by least squares."""
+    tried = np.arange(earliest, latest)
+    grown = np.maximum(np.arange(len(q))[:, None] - tried, 0.0) ** POWER
+    grown -= grown.mean(axis=0)
+    explained = (grown.T @ (q - q.mean())) ** 2 / np.sum(grown**2, axis=0)
+    return int(tried[np.argmax(explained)])
+
+
+def _carrying_on(still: int) -> Float:
+    """Weights of a polynomial fitted to samples, read ``APART`` samples behind the last, shape (still + 1,)."""
+    back = np.arange(-still, 1) - float(APART)
+    return np.asarray(np.linalg.pinv(np.vander(back / still, DEGREE + 1))[-1], np.float64)

@@ -1,0 +1,85 @@
+"""Where simulation and measurement disagree, joint by joint."""
+
+from functools import partial
+
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.data_audit import audit_data
+from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.known_inertia import known_inertias
+from friction_audit.diagnosis.likely_work import longest_first
+from friction_audit.diagnosis.prepare import prepare
+from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
+from friction_audit.friction.history import Coefficient, FrictionHistory
+from friction_audit.joint_log import JointLog
+from friction_audit.parallel import in_copies, per_joint, workers_for
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.robot import Arm
+
+
+def diagnose(
+    log: JointLog,
+    interaction: Interaction,
+    cycles: EnergyCycles,
+    friction: FrictionHistory,
+    settings: DiagnosisSettings,
+    arm: Arm | None = None,
+) -> Discrepancy:
+    """Diagnose every joint of an interaction.
+
+    Args:
+        log: The log, in the window of the interaction.
+        interaction: Motion and torque.
+        cycles: Its energy cycles.
+        friction: What the energy method found, for comparison.
+        settings: What is asked.
+        arm: The model of the arm where it is known.
+    """
+    prepared = prepare(interaction, cycles, log, arm)
+    candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
+    inertias = known_inertias(arm, interaction.choice, log.q)
+
+    def subject(data: JointData) -> Subject:
+        number = interaction.joint_numbers[data.joint]
+        return Subject(
+            data=data,
+            number=number,
+            name=interaction.joint_names[data.joint],
+            findings=audit_data(log, interaction, data),
+            from_energy=_from_energy(friction, data.joint),
+            model=None if settings.model is None else settings.model.joints[number - 1],
+            known_inertia_kg_m2=float(inertias[number - 1]),
+            lacking=friction.joints[data.joint].reason,
+        )
+
+    def one(k: int) -> JointDiscrepancy:
+        """Diagnose a joint; an error is the result of this joint and not the end of the others."""
+        data = prepared[k]
+        unanswered = partial(
+            JointDiscrepancy,
+            joint=interaction.joint_numbers[data.joint],
+            name=interaction.joint_names[data.joint],
+            from_energy=_from_energy(friction, data.joint),
+        )
+        try:
+            return diagnose_joint(subject(data), candidates, settings)
+        except AnalysisError as error:
+            return unanswered(verdict="not_testable", message=str(error))
+        except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
+            raise
+        except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
+            return unanswered(verdict="failed", message=bug_sentence("the diagnosis", error), traceback=traced(error))
+
+    workers = workers_for(len(prepared))
+    # Half of the work is in the interpreter, for which threads would wait.
+    if workers > 1:
+        return Discrepancy(joints=tuple(in_copies(one, len(prepared), workers, longest_first(prepared))))
+    return Discrepancy(joints=tuple(per_joint(one, len(prepared))))
+
+
+def _from_energy(friction: FrictionHistory, joint: int) -> dict[str, Coefficient]:
+    found = friction.joints[joint]
+    return {"coulomb_nm": found.coulomb, "viscous_nms_per_rad": found.viscous}

@@ -1,0 +1,108 @@
+"""Discrepancy -> the grown models of an arm: the declared ones with what was missing."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
+from friction_audit.effects.term import Parameter, Term
+from friction_audit.effects.terms import TERMS
+from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import JointLog
+
+METHOD = "diagnose"
+FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
+
+
+class Grown(NamedTuple):
+    """Models of the joints of a log, and what they lack: number of the joint and a sentence."""
+
+    model: ArmModel
+    lacking: tuple[tuple[int, str], ...]
+
+
+def grow_models(found: Discrepancy, log: JointLog, declared: ArmModel | None) -> Grown:
+    """Add to the model of each joint what was found missing.
+
+    Args:
+        found: The diagnosis.
+        log: The log that was diagnosed.
+        declared: The declared models, one per joint of the log; None for inertia, Coulomb and viscous friction.
+
+    Returns:
+        A model per joint of the log: the declared one of a joint that was not fitted or whose numbers no model allows.
+    """
+    unknown: tuple[JointModel | None, ...] = (None,) * len(log.joint_names)
+    joints = list(unknown if declared is None else declared.joints)
+    lacking = []
+    for joint in (joint for joint in found.joints if joint.grown):
+        origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=_count_cycles(joint))
+        try:
+            joints[joint.joint - 1] = grow_model(joint, joints[joint.joint - 1], origin)
+        except AnalysisError as error:
+            lacking.append((joint.joint, f"no grown model: {error}"))
+        lacking += [
+            (joint.joint, f"{name} is no term of a model, so the grown one lacks it") for name in _strangers(joint)
+        ]
+    return Grown(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
+
+
+def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Provenance) -> JointModel:
+    """Return the grown model of one joint that was fitted.
+
+    Args:
+        joint: What a diagnosis says of it.
+        declared: Its declared model; None for inertia, Coulomb and viscous friction.
+        origin: Where the model comes from.
+
+    Raises:
+        AnalysisError: If a number is beyond what its term allows, e.g. friction below zero, or a term stands twice.
+    """
+    fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
+    terms = [
+        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.linear), *_shape(term, declared)))
+        for term in TERMS
+        if term.name != "inertia" and all(p.name in fitted for p in term.linear if not p.optional)
+    ]
+    held = () if declared is None else declared.held
+    terms += [] if declared is None else [term for term in declared.terms if term.name in held]
+    found = {effect.name: effect.parameters for effect in joint.effects}
+    terms += [
+        FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
+        for term in TERMS
+        if term.name in found
+    ]
+    inertia = fitted["inertia_kg_m2"] if declared is None else declared.inertia_kg_m2
+    return JointModel(inertia_kg_m2=inertia, terms=tuple(terms), provenance=origin, held=held)
+
+
+def _allowed(number: Coefficient) -> float:
+    """Friction that comes out below zero is zero where its interval holds zero."""
+    return max(number.value, 0.0) if number.high >= 0.0 else number.value
+
+
+def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
+    """A number of an effect; its lower bound where it comes out below and its interval holds that bound.
+
+    The default of one that the form of the term at hand does not have.
+    """
+    if number is None:
+        return parameter.default
+    return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
+
+
+def _shape(term: Term, declared: JointModel | None) -> tuple[float, ...]:
+    """Return the shape of a declared term; its linear factors are fitted."""
+    values = None if declared is None else declared.values(term.name)
+    return () if values is None else values[len(term.linear) :]
+
+
+def _strangers(joint: JointDiscrepancy) -> list[str]:
+    known = {term.name for term in TERMS}
+    return [effect.name for effect in joint.effects if effect.name not in known]
+
+
+def _count_cycles(joint: JointDiscrepancy) -> int:
+    return 0 if joint.traces is None else len(np.unique(joint.traces.cycle))

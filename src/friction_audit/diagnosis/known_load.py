@@ -1,0 +1,139 @@
+"""What is known of the load on every joint, never from its own sensor: gravity, and the rigid-body model of the arm."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.dynamics.rigid_body import INERTIAL_PARAMETERS, RigidBody
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.preprocessing.interaction import TorqueChoice
+from friction_audit.robot import Arm
+from friction_audit.robot.regressor import news, random_motion, regressor_entries, tilt_torque
+
+RATE_HZ = 200.0
+"""The model is evaluated so often: above twice what the motion on the grid holds."""
+MOMENTS_AND_MASS = (1, 2, 3, 0)
+"""Inertial parameters that have weight, in the order in which they are preferred."""
+ROUNDING = 1e-9
+"""What is less per kg or kg m is no weight. [N m]"""
+
+Motion = tuple[Float, Float, Float]
+"""Position, velocity and acceleration of all joints, shape (n, j) each."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class KnownLoad:
+    """What a model of the arm tells of the load, for j joints on a grid of n samples.
+
+    Attributes:
+        gravity: Gravity torque, shape (n, j), or None where it is to be taken from the log or is not known. [N m]
+        inertial: Inertial torque of the links where it was taken away from the sensor's, shape (n, j), or None. [N m]
+        rigid: What the model says about each joint, or None without a model.
+    """
+
+    gravity: Float | None
+    inertial: Float | None
+    rigid: tuple[RigidBody, ...] | None
+
+    def load(self, choice: TorqueChoice, gravity: Float | None) -> Float | None:
+        """Load on the gears besides what the joints' own models take, counted as the torque counts, (n, j). [N m]"""
+        if gravity is None:
+            return None
+        return choice.sign * (gravity if self.inertial is None else gravity + self.inertial)
+
+    def taken(self, choice: TorqueChoice, load: Float | None) -> Float | None:
+        """What is to be taken from the sensors' readings where links' inertia is part of it, else None. [N m]"""
+        if self.inertial is None:
+            return None
+        return choice.sign * self.inertial if choice.gravity == "none" or load is None else load
+
+
+def know_load(log: JointLog, choice: TorqueChoice, arm: Arm | None, t: Float, motion: Motion) -> KnownLoad:
+    """Evaluate the model of an arm along a motion.
+
+    Args:
+        log: The log; gravity that it holds is preferred, unless the interaction torque was made with the model's.
+        choice: How the interaction torque was made.
+        arm: The model, or None.
+        t: Times of the grid, shape (n,). [s]
+        motion: Motion of all joints on the grid.
+    """
+    if arm is None:
+        return KnownLoad(gravity=None, inertial=None, rigid=None)
+    every = max(int(1.0 / (RATE_HZ * (t[1] - t[0])) + 0.5), 1)
+    times, coarse = t[::every], (motion[0][::every], motion[1][::every], motion[2][::every])
+    gravity = arm.gravity(coarse[0])
+    inertial = arm.inverse_dynamics(*coarse) - gravity if choice.drive == "robot" else None
+    taken = inertial if choice.inertia == "model" else None
+    logged = log.gravity is not None and choice.gravity != "model"
+    return KnownLoad(
+        gravity=None if logged else _on(t, times, gravity),
+        inertial=None if taken is None else _on(t, times, taken),
+        rigid=_rigid_bodies(arm, choice.sign, times, coarse, inertial),
+    )
+
+
+def _on(t: Float, times: Float, torque: Float) -> Float:
+    from scipy.interpolate import CubicSpline
+
+    return torque if len(times) == len(t) else np.asarray(CubicSpline(times, torque, axis=0)(t), np.float64)
+
+
+def _rigid_bodies(arm: Arm, sign: int, t: Float, motion: Motion, inertial: Float | None) -> tuple[RigidBody, ...]:
+    joints = motion[0].shape[1]
+    links = [_links(arm, joint) for joint in range(joints)]
+    still = np.zeros_like(motion[0])
+    tilt = sign * tilt_torque(arm, motion[0])
+    # Where the motors move the arm, what is heavier than in its model resists by its inertia too.
+    weights = _weights(arm, (motion[0], still, still) if inertial is None else motion, links)
+    tips = None if inertial is None else _tips(arm, motion)
+    return tuple(
+        RigidBody(
+            t=t,
+            links=links[joint],
+            weight=sign * weights[joint],
+            tilt=tilt[:, joint],
+            inertial=None if inertial is None else sign * inertial[:, joint],
+            tip=None if tips is None else sign * tips[joint],
+        )
+        for joint in range(joints)
+    )
+
+
+def _links(arm: Arm, joint: int) -> tuple[int, ...]:
+    """Numbers (1..j of the log) of the joint's own link, of the next, and of the last."""
+    order = list(arm.columns)
+    place = order.index(joint)
+    last = len(order) - 1
+    return tuple(order[k] + 1 for k in sorted({place, min(place + 1, last), last}))
+
+
+def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list[Float]:
+    """Of each joint torque per first moment and mass of its links, zero where weight is no news, (n, links, 4)."""
+    many = len(MOMENTS_AND_MASS)
+    joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
+    carried = np.repeat(np.concatenate(links) - 1, many)
+    places = np.tile(MOMENTS_AND_MASS, len(carried) // many)
+    anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
+    along = regressor_entries(arm, motion, joints, carried, places)
+    kept = np.concatenate([news(one) for one in np.hsplit(anywhere, len(carried) // many)])
+    kept &= np.abs(anywhere).max(axis=0) > ROUNDING
+    borders = np.cumsum([many * len(own) for own in links])[:-1]
+    return [one.reshape(len(along), -1, many) for one in np.split(along * kept, borders, axis=1)]
+
+
+def _tips(arm: Arm, motion: Motion) -> list[Float]:
+    """Of each joint the inertial torque per unit of the last link's inertial parameters, no news zero, (n, 10)."""
+    joints = np.repeat(np.arange(motion[0].shape[1]), INERTIAL_PARAMETERS)
+    last = np.full(len(joints), arm.columns[-1])
+    places = np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])
+
+    def torque(moved: Motion) -> Float:
+        still = np.zeros_like(moved[0])
+        whole = regressor_entries(arm, moved, joints, last, places)
+        return whole - regressor_entries(arm, (moved[0], still, still), joints, last, places)
+
+    anywhere = torque(random_motion(motion[0].shape[1], moving=True))
+    kept = np.concatenate([news(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
+    return np.hsplit(torque(motion) * kept, motion[0].shape[1])

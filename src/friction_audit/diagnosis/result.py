@@ -1,0 +1,253 @@
+"""Discrepancy: what a diagnosis says of every joint, and all that a figure of it needs."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.data_audit import DataFinding
+from friction_audit.diagnosis.gap import Gap
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
+VERDICTS: tuple[Verdict, ...] = ("none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed")
+UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
+"""Verdicts that are no answer."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Profile:
+    """The residual against one quantity, in bins, for each direction of motion.
+
+    Attributes:
+        axis: The quantity: one of ``AXES``.
+        label: The quantity with its unit, for people.
+        edges: Where the bins begin and end, shape (b + 1,).
+        centre: Mean of the quantity in each bin, shape (b,).
+        forwards: Mean residual while the joint moves forwards, NaN in empty bins, shape (b,). [N m]
+        backwards: The same backwards, shape (b,). [N m]
+        forwards_se: Standard error of the mean from cycles, shape (b,). [N m]
+        backwards_se: The same backwards, shape (b,). [N m]
+        share: Share of the residual's mean square that a curve over this axis takes, of cycles it has not seen, 0..1.
+        p_value: That nothing depends on this axis, adjusted for all axes that were looked at.
+        where: One phrase that says where along the axis they disagree.
+    """
+
+    axis: str
+    label: str
+    edges: Float
+    centre: Float
+    forwards: Float
+    backwards: Float
+    forwards_se: Float
+    backwards_se: Float
+    share: float
+    p_value: float
+    where: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Vibration:
+    """A hump in the residual's spectrum in time.
+
+    Attributes:
+        frequency_hz: Where it is highest. [Hz]
+        low_hz: Where it begins. [Hz]
+        high_hz: Where it ends. [Hz]
+        rms_nm: Root mean square of the torque in it. [N m]
+    """
+
+    frequency_hz: float
+    low_hz: float
+    high_hz: float
+    rms_nm: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Evidence:
+    """How well another candidate does in the place of a named effect.
+
+    Attributes:
+        name: Name of the candidate; the effect itself stands first.
+        delta_bic: What speaks for the effect less what speaks for this one, of each L - k ln(L / k) with
+            L = n_eff ln(RSS without / RSS with) and k numbers: as a difference in BIC, but that a number costs what is
+            fair at the size that the data show. Above 0 it is worse, from 6 on clearly.
+        correlation: Of its torque with that of the effect, free of all else in the model, 0..1.
+    """
+
+    name: str
+    delta_bic: float
+    correlation: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Effect:
+    """An effect that the declared model misses.
+
+    Attributes:
+        name: From the vocabulary.
+        label: A few words for people.
+        alternatives: Names that this log does not tell apart from it.
+        together: Pairs of these that may be it only together.
+        decide: The motion that would decide between them; empty without alternatives.
+        parameters: Values with 95 % intervals by name, unit behind it: linear factors, then shape.
+        p_value: Family-wise p-value of its improvement on cycles that no choice was made on.
+        where: One sentence that says where it shows itself.
+        axis: The quantity on which it shows itself.
+        gap_before_nm: Residual on locked cycles without it, all stronger effects added. [N m]
+        gap_after_nm: The same with it. [N m]
+        partial_nm: Root mean square of its torque free of all else in the model. [N m]
+        torque: Its torque at the rows, shape (m,). [N m]
+        curve: What the grown model leaves plus this torque, along the axis: the effect as the log shows it.
+        evidence: The candidates in its place, the best first.
+    """
+
+    name: str
+    label: str
+    alternatives: tuple[str, ...]
+    decide: str
+    parameters: dict[str, Coefficient]
+    p_value: float
+    where: str
+    axis: str
+    gap_before_nm: float
+    gap_after_nm: float
+    partial_nm: float
+    torque: Float
+    curve: Profile
+    evidence: tuple[Evidence, ...]
+    together: tuple[tuple[str, str], ...] = ()
+
+    @property
+    def alone(self) -> tuple[str, ...]:
+        """The alternatives that may be it by themselves."""
+        in_pairs = set[str]().union(*self.together)
+        return tuple(name for name in self.alternatives if name not in in_pairs)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Traces:
+    """Measured and simulated torque at the rows of the regression, shape (m,) each.
+
+    Attributes:
+        t: Time. [s]
+        q: Position. [rad]
+        dq: Velocity. [rad/s]
+        displacement: Position less that at the last reversal. [rad]
+        cycle: Number of the cycle.
+        locked: Rows of cycles that no choice was made on.
+        measured: Torque. [N m]
+        before: Torque of the declared model. [N m]
+        after: Torque of the grown model. [N m]
+        along: The quantity of every axis that was looked at, by the axis' name, shape (m,) each.
+        corner_hz: Corner of the low-pass filter that all torques went through. [Hz]
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    displacement: Float
+    cycle: NDArray[np.int64]
+    locked: NDArray[np.bool_]
+    measured: Float
+    before: Float
+    after: Float
+    along: dict[str, Float]
+    corner_hz: float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class SimulationGap:
+    """How far a forward simulation under the measured torque strays from the measured motion, on locked cycles.
+
+    Attributes:
+        before: Root mean square of the velocity's error with the declared model. [unit]
+        after: The same with the grown model. [unit]
+        unit: ``"rad/s"``.
+        t: Time of the cycles simulated, NaN between them, shape (k,). [s]
+        measured: Velocity as measured, shape (k,). [rad/s]
+        declared: Velocity of the declared model, shape (k,). [rad/s]
+        grown: Velocity of the grown model, shape (k,). [rad/s]
+    """
+
+    before: float
+    after: float
+    unit: str
+    t: Float
+    measured: Float
+    declared: Float
+    grown: Float
+
+
+def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
+    """Return what an effect may be instead, in words: another name, two, or a part of what is in the answer itself."""
+    there = {one.name for one in effects}
+    names = [name for name in effect.alone if name not in there]
+    parts = [f"a part of {name}" for name in effect.alone if name in there]
+    return (*names, *map(" with ".join, effect.together), *parts)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointDiscrepancy:
+    """What a diagnosis says of one joint.
+
+    Attributes:
+        joint: Number for people (1..n of the log).
+        name: Name of the joint.
+        verdict: The one word.
+        effects: What is missing, the strongest first.
+        declared: Factors of the declared model with their intervals; empty where it could not be fitted.
+        grown: The same factors as fitted beside the effects; those of the grown model.
+        from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
+        disagreements: What it may mean that the two differ by more than their intervals, one sentence each.
+        gap: The gap in torque on locked cycles; None where nothing was fitted.
+        simulation: The gap in motion; None where nothing was simulated.
+        ladder: Root mean square of the residual on locked cycles: of the declared model, after each effect, and the
+            floor of the noise, with a label each. [N m]
+        omnibus_p: That nothing is missing from the declared model; NaN where not tested.
+        remaining_p: That nothing is missing from the grown model; NaN where not tested.
+        detection_limit_nm: Smallest root mean square of an effect that would have been seen with 90 % power. [N m]
+        profiles: The residual of the declared model against every axis, the most telling first.
+        remaining: The residual of the grown model likewise.
+        vibration: A hump in the spectrum of what the grown model leaves; None where there is none.
+        scatter_nm: By how much friction changes from stroke to stroke, following nothing; None without. [N m]
+        untestable: Why the log cannot show an effect, by name of the effect.
+        findings: What the audit of the data found.
+        traces: Measured against simulated; None where nothing was fitted.
+        message: What people are told, one or two sentences.
+        traceback: Of the error, a bug, that ended the diagnosis of the joint; empty without one.
+    """
+
+    joint: int
+    name: str
+    verdict: Verdict
+    message: str
+    effects: tuple[Effect, ...] = ()
+    declared: dict[str, Coefficient] = field(default_factory=dict)
+    grown: dict[str, Coefficient] = field(default_factory=dict)
+    from_energy: dict[str, Coefficient] = field(default_factory=dict)
+    disagreements: tuple[str, ...] = ()
+    gap: Gap | None = None
+    simulation: SimulationGap | None = None
+    ladder: tuple[tuple[str, float], ...] = ()
+    omnibus_p: float = float("nan")
+    remaining_p: float = float("nan")
+    detection_limit_nm: float = float("nan")
+    profiles: tuple[Profile, ...] = ()
+    remaining: tuple[Profile, ...] = ()
+    vibration: Vibration | None = None
+    scatter_nm: float | None = None
+    untestable: dict[str, str] = field(default_factory=dict)
+    findings: tuple[DataFinding, ...] = ()
+    traces: Traces | None = None
+    traceback: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Discrepancy:
+    """What a diagnosis says of a log: one entry per joint."""
+
+    joints: tuple[JointDiscrepancy, ...]

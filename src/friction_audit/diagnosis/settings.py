@@ -1,0 +1,38 @@
+"""Settings of a diagnosis."""
+
+from dataclasses import dataclass
+
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.effects.joint_model import ArmModel
+from friction_audit.errors import UsageError
+
+HIGHEST_ALPHA = 0.5
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class DiagnosisSettings:
+    """What is asked of a diagnosis.
+
+    Attributes:
+        candidates: Names of the effects that may be named; None for the whole catalogue.
+        alpha: Probability of saying that something is missing where nothing is, per joint.
+        seed: Seed of the split of the cycles and of the bootstraps.
+        model: Declared model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
+
+    Raises:
+        UsageError: If there is no such effect, or alpha is no probability that makes sense.
+    """
+
+    candidates: tuple[str, ...] | None = None
+    alpha: float = 0.05
+    seed: int = 0
+    model: ArmModel | None = None
+
+    def __post_init__(self) -> None:
+        """Check names and numbers."""
+        known = [candidate.name for candidate in CANDIDATES]
+        strangers = [name for name in self.candidates or () if name not in known]
+        if strangers:
+            raise UsageError(f"candidates: {', '.join(strangers)}: expected some of {', '.join(known)}")
+        if not 0.0 < self.alpha < HIGHEST_ALPHA:
+            raise UsageError(f"alpha: {self.alpha:g}; expected a probability above 0 and below {HIGHEST_ALPHA:g}")

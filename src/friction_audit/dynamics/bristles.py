@@ -1,0 +1,203 @@
+"""Bristles: friction that builds up with the path since a reversal, whatever the formula.
+
+What a term says of a reversal from steady sliding is one curve: the torque against the path since then. There are two
+pictures of what happens after a shorter stroke. In Dahl's, the slope depends on the torque and the direction alone:
+from any torque bristles go on along the curve, or along its mirror image. In the other, bristles are springs in
+parallel that slip one after the other (Maxwell slip) and remember every reversal until a larger loop closes; a curve
+that rises ever more slowly is had by as many straight pieces as there are springs. A damping in proportion to the rate
+of the torque is asked of the term too.
+
+References:
+    P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968.
+    F. Al-Bender, V. Lampaert, J. Swevers, The generalized Maxwell-slip model, IEEE Transactions on Automatic Control 50
+    (2005) 1883.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compiled import compiled
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.effects.term import Motion
+from friction_audit.joint_log import Float, read_only
+
+PATH_RAD = 0.4
+"""Length of the stroke before and after the reversal: no bristle bends further."""
+STEP_RAD = 1e-5
+POINTS = 400
+"""Of a curve, at even steps of the torque, and as many of the path."""
+SPRINGS = 24
+LEAST_SHARE = 1e-6
+"""A spring that bears less of the torque is none."""
+SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1
+"""Speeds at which a term is asked; what it takes more at the other is its damping."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Bristles:
+    """Bristles by their curve of k points, in Dahl's picture, or as m springs; neither, no bristles.
+
+    Attributes:
+        path: Path since a reversal to backwards, rising from 0, shape (k,). [rad]
+        torque: What they take there, falling, shape (k,). [N m]
+        stiffness: Of each spring, shape (m,). [N m/rad]
+        reach: Deflection at which it slips, shape (m,). [rad]
+        damping_s: Damping over stiffness. [s]
+    """
+
+    path: Float
+    torque: Float
+    stiffness: Float
+    reach: Float
+    damping_s: float
+
+    @property
+    def some(self) -> bool:
+        """Whether there are any."""
+        return len(self.path) + len(self.reach) > 0
+
+    def states_along(self, q: Float) -> Float:
+        """State along a motion that begins with none: torque of the curve, deflections, shape (n, 1 + m)."""
+        return np.asarray(_follow(read_only(q), self.path, self.torque, self.reach))
+
+    def along(self, q: Float) -> Float:
+        """Torque along a motion that begins with none, without damping, shape (n,). [N m]"""
+        states = self.states_along(q)
+        return np.asarray(states[:, 0] + states[:, 1:] @ self.stiffness)
+
+
+NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(0), reach=np.zeros(0), damping_s=0.0)
+
+
+def bristles_of(term: FittedTerm) -> tuple[float, Bristles, Bristles]:
+    """Ask a term for its curve after a reversal.
+
+    Returns:
+        Dry friction that the term adds to that of the joint, below zero where bristles take its place [N m]; the
+        bristles in Dahl's picture; the same as springs.
+    """
+    before, slow = _reversal(term, SLOW_RAD_S)
+    # At the reversal the direction jumps at once, the bristles do not; the first sample behind it is a step further.
+    dry = -0.5 * (2.0 * slow[0] - slow[1] - before)
+    curve = np.minimum.accumulate(np.append(before - dry, slow + dry))
+    path = np.asarray(STEP_RAD * np.arange(len(curve)), np.float64)
+    rate = np.gradient(curve, STEP_RAD)[1:]
+    more = _reversal(term, FAST_RAD_S)[1] - slow
+    square = float(rate[1:] @ rate[1:])
+    damping = float(rate[1:] @ more[1:]) / square / (FAST_RAD_S - SLOW_RAD_S) if square > 0.0 else 0.0
+    chosen = _thin(curve)
+    dahl = replace(NO_BRISTLES, path=path[chosen], torque=curve[chosen], damping_s=max(damping, 0.0))
+    stiffness, reach = _springs(path, curve)
+    return float(dry), dahl, replace(NO_BRISTLES, stiffness=stiffness, reach=reach, damping_s=max(damping, 0.0))
+
+
+def _springs(path: Float, curve: Float) -> tuple[Float, Float]:
+    """Springs whose curve after a reversal has the same height at even steps of it: each turns over twice its reach."""
+    built = curve[0] - curve
+    knots = np.searchsorted(built, built[-1] * np.arange(1, SPRINGS + 1) / SPRINGS * (1.0 - 1e-9))
+    knots = np.unique(np.append(0, np.minimum(knots, len(curve) - 1)))
+    slopes = np.append(np.diff(built[knots]) / np.diff(path[knots]), 0.0)
+    stiffness, reach = np.maximum(-np.diff(slopes), 0.0), 0.5 * path[knots[1:]]
+    bears = stiffness * reach > LEAST_SHARE * built[-1]
+    return np.asarray(stiffness[bears]), np.asarray(reach[bears])
+
+
+def _thin(curve: Float) -> NDArray[np.int64]:
+    """Choose points of a falling curve at even steps of its height and of the logarithm of its path."""
+    last = len(curve) - 1
+    heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS))
+    return np.unique(np.concatenate([[0], heights.clip(max=last), np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
+
+
+def _reversal(term: FittedTerm, speed: float) -> tuple[float, Float]:
+    """Torque just before the reversal of a long stroke, and at every step behind it. [N m]"""
+    steps = round(PATH_RAD / STEP_RAD)
+    there = STEP_RAD * np.arange(steps + 1)
+    q = np.concatenate([there, there[-2::-1]])
+    still = np.zeros(len(q))
+    dq = np.where(np.arange(len(q)) <= steps, speed, -speed)
+    t = np.asarray(np.arange(len(q)) * (STEP_RAD / speed), np.float64)
+    torque = term.torque(Motion(t=t, q=q, dq=dq, ddq=still, rest=still))
+    # A rate is smeared over the reversal; the torque of steady sliding holds there too.
+    return float(torque[steps - 2]), torque[steps + 1 :]
+
+
+@compiled()
+def on_path(value: float, table: Float, result: Float) -> float:
+    """Interpolate linearly in a rising table; level beyond its ends."""
+    if value <= table[0]:
+        return float(result[0])
+    last = len(table) - 1
+    if value >= table[last]:
+        return float(result[last])
+    low = np.searchsorted(table, value) - 1
+    share = (value - table[low]) / (table[low + 1] - table[low])
+    return float(result[low] + share * (result[low + 1] - result[low]))
+
+
+@compiled()
+def bend(held: float, way: float, path: Float, torque: Float) -> float:
+    """Return the torque of bristles in Dahl's picture after a piece of the way. [N m]
+
+    Args:
+        held: Torque before. [N m]
+        way: Signed. [rad]
+        path: Of the curve, shape (k,). [rad]
+        torque: Of the curve, shape (k,). [N m]
+    """
+    if len(path) == 0 or way == 0.0:
+        return held
+    sign = -1.0 if way > 0.0 else 1.0
+    place = _place(sign * held, path, torque)
+    return sign * on_path(place + abs(way), path, torque)
+
+
+@compiled()
+def slope(held: float, sign: float, path: Float, torque: Float) -> float:
+    """Return the stiffness of bristles in Dahl's picture that bend on in a direction. [N m/rad]"""
+    if len(path) == 0:
+        return 0.0
+    low, high = _around(-sign * held, torque)
+    return float((torque[low] - torque[high]) / (path[high] - path[low]))
+
+
+@compiled()
+def stretch(deflection: float, way: float, reach: float) -> float:
+    """Return the deflection of a spring after a piece of the way, all of which it cannot follow. [rad]"""
+    return min(reach, max(-reach, deflection + way))
+
+
+@compiled()
+def _around(value: float, torque: Float) -> tuple[int, int]:
+    """Return the points of a falling curve around a torque (bisection)."""
+    low, high = 0, len(torque) - 1
+    while high - low > 1:
+        middle = (low + high) // 2
+        if torque[middle] >= value:
+            low = middle
+        else:
+            high = middle
+    return low, high
+
+
+@compiled()
+def _place(value: float, path: Float, torque: Float) -> float:
+    """Return the path at which a falling curve has a torque."""
+    low, high = _around(value, torque)
+    drop = torque[low] - torque[high]
+    share = min(1.0, max(0.0, (torque[low] - value) / drop)) if drop > 0.0 else 1.0
+    return float(path[low] + share * (path[high] - path[low]))
+
+
+@compiled()
+def _follow(q: Float, path: Float, torque: Float, reach: Float) -> Float:
+    """States of bristles along a motion, shape (n, 1 + m)."""
+    out = np.zeros((len(q), 1 + len(reach)))
+    for i in range(1, len(q)):
+        way = q[i] - q[i - 1]
+        out[i, 0] = bend(out[i - 1, 0], way, path, torque)
+        for k in range(len(reach)):
+            out[i, 1 + k] = stretch(out[i - 1, 1 + k], way, reach[k])
+    return out

@@ -1,0 +1,332 @@
+"""Torque of a spring that is softest without torque: its stiffness grows evenly with the twist, from half to whole.
+
+Strain-wave gears are soft at first (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996); makers state
+three stiffnesses that grow with the torque, and no gear knows the corners between them. With s = K e of the twist e,
+
+    T = s (1/2 + |s| / (4 b))  up to |s| = b,  beyond  T = s - sgn(s) b / 4
+
+so that the stiffness is K from the torque 3/4 b on, which is the one that the model states.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import ceil, copysign, pi, sqrt
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.effects.term import Motion
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float, read_only
+
+NOTHING_NM = 1e-12
+"""A spring that stiffens up to this is straight, whatever its curve is."""
+
+
+def bend_of(soft_nm: float) -> tuple[float, float]:
+    """Return b [N m] and 1 / (4 b) [1/(N m)] of a spring that stiffens up to a torque; both zero for a straight one."""
+    bend = 4.0 / 3.0 * soft_nm
+    return bend, 0.25 / bend if bend > NOTHING_NM else 0.0
+
+
+@compiled()
+def pushed(straight: float, bend: float, curve: float) -> float:
+    """Return the torque of a spring, from that of one as stiff as it gets. [N m]"""
+    bent = min(max(straight, -bend), bend)
+    return straight - bent * (0.5 - curve * abs(bent))
+
+
+@compiled()
+def straightened(torque: float, bend: float) -> float:
+    """Return the torque of a spring as stiff as it gets at the twist of this one under a torque. [N m]"""
+    size = abs(torque)
+    if size >= 0.75 * bend:
+        return copysign(size + 0.25 * bend, torque) if size > 0.0 else 0.0
+    return 4.0 * torque / (1.0 + sqrt(1.0 + 4.0 * size / bend))
+
+
+PHASE = 0.6
+"""Most phase of the ringing per step of the integration: its frequency is right to phase^2 / 24, slower motion to far
+less. [rad]"""
+MOST_STEPS = 100
+HIGHEST_HZ = 150.0
+"""Ringing that is followed. Nobody looks above 40 Hz; there, what rings faster looks as if it rang so fast: behind a
+spring with more inertia, behind flanks that give way more."""
+LANES = 16
+"""Transmissions that are followed side by side: so many fill the registers of a processor."""
+Lanes = tuple[float, ...]
+"""As many zeros as there are lanes: numba compiles a loop for each length of a tuple."""
+MANY_SAMPLES = 4096
+"""So many, spread evenly, tell inertia and friction."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FarSide:
+    """What the transmission drives.
+
+    Attributes:
+        inertia_kg_m2: Inertia B. [kg m^2]
+        coulomb_nm: Coulomb friction mu_c. [N m]
+        viscous_nms_per_rad: Viscous friction mu_v. [N m s/rad]
+    """
+
+    inertia_kg_m2: float
+    coulomb_nm: float
+    viscous_nms_per_rad: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Transmission:
+    """A spring, a damper and a play in a row.
+
+    Attributes:
+        stiffness_nm_per_rad: Stiffness K. [N m/rad]
+        damping_ratio: Damping ratio of the far side on the spring.
+        gap_rad: Full width of the play. [rad]
+        soft_nm: Torque up to which the spring stiffens, half as stiff without any (``spring_law``). [N m]
+        far_share: Part of the inertia that is behind it; the rest is on the measured side, as a rotor's, and moves with
+            it. All friction is behind it.
+    """
+
+    stiffness_nm_per_rad: float
+    damping_ratio: float
+    gap_rad: float = 0.0
+    soft_nm: float = 0.0
+    far_share: float = 1.0
+
+
+def far_side(motion: Motion) -> FarSide:
+    """Read inertia and friction off the torque of the simple model, which is linear in them.
+
+    Numbers below zero, which a fit may give, count as zero: friction that pushes would run away.
+
+    Raises:
+        AnalysisError: If the motion says nothing of the simple model's torque.
+    """
+    every = max(len(motion.t) // MANY_SAMPLES, 1)
+    columns = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
+    gram = np.linalg.pinv(columns @ columns.T, rcond=1e-12, hermitian=True)
+    numbers = np.maximum(gram @ (columns @ simple_torque(motion)[::every]), 0.0).tolist()
+    return FarSide(inertia_kg_m2=numbers[0], coulomb_nm=numbers[1], viscous_nms_per_rad=numbers[2])
+
+
+def part_of(far: FarSide, share: float) -> FarSide:
+    """Return the far side with this share of the inertia."""
+    return replace(far, inertia_kg_m2=share * far.inertia_kg_m2)
+
+
+def simple_torque(motion: Motion) -> Float:
+    """Return the torque of inertia, Coulomb and viscous friction.
+
+    Raises:
+        AnalysisError: If nobody has computed it.
+    """
+    if motion.rest is None:
+        raise AnalysisError(
+            "motion: no torque of inertia and friction (rest); a term that changes how it gets to the sensor needs it"
+        )
+    return motion.rest
+
+
+def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usual_nm: float) -> float:
+    """Return the stiffness of a play's flanks, on which an inertia rings at a frequency, as far as it can be followed.
+
+    Flanks that gave way to the usual torque by more than the play would be a spring, and that has its own name.
+    """
+    return max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap_rad)
+
+
+def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
+    """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
+    ((_, added),) = added_torques(motion, [far], [transmission])
+    return added
+
+
+def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
+    """Yield the same for pairs of a far side and a transmission: place, in any order, and torque, shape (n,). [N m]
+
+    A far side is at least as heavy as it must be for its ringing to be followed; one without any inertia adds nothing.
+    """
+    there = [place for place, own in enumerate(far) if own.inertia_kg_m2 != 0.0]
+    yield from ((place, np.zeros(len(motion.t))) for place in sorted({*range(len(far))} - {*there}))
+    parts = [part_of(far[place], links[place].far_share) for place in there]
+    heavy = [slow_enough(part, links[place].stiffness_nm_per_rad) for part, place in zip(parts, there, strict=True)]
+    last, rigid = None, np.zeros(0)  # neighbours often have the same
+    for k, torque in _all_transmitted(motion, heavy, [links[place] for place in there]):
+        if heavy[k] != last:
+            last, rigid = heavy[k], rigid_torque(motion, heavy[k])
+        yield there[k], np.subtract(torque, rigid, out=torque)
+
+
+def rigid_torque(motion: Motion, far: FarSide) -> Float:
+    """Return the torque that moves a far side which moves as the measured one, shape (n,). [N m]"""
+    friction = far.coulomb_nm * motion.direction + far.viscous_nms_per_rad * motion.dq
+    return np.asarray(far.inertia_kg_m2 * motion.ddq + friction)
+
+
+def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
+    """Return the far side, so heavy that its ringing can be followed."""
+    return replace(far, inertia_kg_m2=max(far.inertia_kg_m2, stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2))
+
+
+def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
+    """Return the torque that the measured side feels, averaged from half a sample before to half a sample after.
+
+    The load is not in it. The far side starts at the velocity of the measured side, twisted by the load alone.
+
+    Args:
+        motion: Evenly sampled.
+        far: With an inertia above zero.
+        transmission: With a stiffness above zero.
+    """
+    ((_, torque),) = _all_transmitted(motion, [far], [transmission])
+    return torque
+
+
+def _all_transmitted(
+    motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]
+) -> Iterator[tuple[int, Float]]:
+    """Yield the same for pairs of a far side and a transmission, by place in any order."""
+    step = float(motion.t[1] - motion.t[0])
+    load = np.zeros(len(motion.t)) if motion.load is None else motion.load
+    q, dq, load = map(read_only, (motion.q, motion.dq, load))
+    rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]
+    paces = [2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS) for rate in rates]
+    for steps, places in _side_by_side(list(zip(paces, (link.gap_rad > 0.0 for link in links), strict=True))):
+        behind = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in places]
+        between = [
+            (
+                links[k].stiffness_nm_per_rad,
+                2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
+                0.5 * links[k].gap_rad,
+                *bend_of(links[k].soft_nm),
+            )
+            for k in places
+        ]
+        play = links[places[0]].gap_rad > 0.0
+        far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
+        lanes = (0.0,) * len(places)
+        torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, play, lanes)
+        yield from ((k, torque[lane]) for lane, k in enumerate(dict.fromkeys(places)))
+
+
+def _side_by_side(kinds: Sequence[tuple[int, bool]]) -> Iterator[tuple[int, list[int]]]:
+    """Yield the steps, and the places of transmissions that take as many and are of one kind, one or LANES of them.
+
+    The last one stands in for those that are lacking.
+    """
+    alike: dict[tuple[int, bool], list[int]] = {}
+    for place, kind in enumerate(kinds):
+        alike.setdefault(kind, []).append(place)
+    for (steps, _), places in alike.items():
+        for first in range(0, len(places), LANES):
+            some = places[first : first + LANES]
+            yield steps, some + some[-1:] * (LANES - len(some) if len(some) > 1 else 0)
+
+
+def between_samples(step: float, steps: int) -> Float:
+    """Weights of the rise and of both slopes in Hermite's cubic and its slope, amid every step, shape (steps, 6)."""
+    x = (np.arange(steps) + 0.5) / steps
+    rest = 1.0 - x
+    place = (x**2 * (3.0 - 2.0 * x), step * x * rest**2, -step * x**2 * rest)
+    speed = (6.0 * x * rest / step, rest * (1.0 - 3.0 * x), x * (3.0 * x - 2.0))
+    return np.stack([*place, *speed], axis=1)
+
+
+@compiled()
+def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[float, float]:
+    """Return place and speed between two samples, on the cubic through both, by the weights of a step."""
+    return q + w[0] * rise + w[1] * dq + w[2] * next_dq, w[3] * rise + w[4] * dq + w[5] * next_dq
+
+
+@compiled()
+def _follow(  # noqa: PLR0913
+    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool, lanes: Lanes
+) -> Float:
+    """Integrate far sides (3, m) behind transmissions (5, m), side by side, so that a processor takes several at once.
+
+    Returns the torque of each, shape (m, n): all that follows takes them one by one. The measured side moves along the
+    cubic through its samples and their slopes. There are as many as lanes, a number that the compiler is told.
+    """
+    steps, many = len(between), len(lanes)
+    h = step / steps
+    # Rows of one array of a known size: the compiler then need not ask at every step whether they overlap.
+    table = np.zeros((15, len(lanes)))
+    stiffness, damping, half, bend, curve = table[0], table[1], table[2], table[3], table[4]
+    keep, gain, held, keep_apart, gain_apart, held_apart = table[5], table[6], table[7], table[8], table[9], table[10]
+    theta, omega = table[11], table[12]
+    torque = np.empty((many, len(q)))
+    # About the last sample and about the next one, from half a sample before to half a sample after.
+    last, next_one = 13, 14
+    for j in range(many):
+        stiffness[j], damping[j], half[j], bend[j], curve[j] = (
+            links[0, j],
+            links[1, j],
+            links[2, j],
+            links[3, j],
+            links[4, j],
+        )
+        keep[j], gain[j], held[j] = _pace(far[:, j], damping[j], h)
+        keep_apart[j], gain_apart[j], held_apart[j] = _pace(far[:, j], 0.0, h)
+        theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], bend[j]), dq[0]
+    for k in range(len(q) - 1):
+        rise, more = q[k + 1] - q[k], load[k + 1] - load[k]
+        for i in range(steps):
+            place, speed = amid(between[i], q[k], rise, dq[k], dq[k + 1])
+            borne = load[k] + (i + 0.5) / steps * more
+            felt = last if 2 * i < steps else next_one
+            # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
+            if play:
+                for j in range(many):
+                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
+                    twist = place - behind
+                    engaged = twist - min(max(twist, -half[j]), half[j])
+                    push, drag = pushed(stiffness[j] * engaged, bend[j], curve[j]), damping[j]
+                    # Neither spring nor damping within the play and where flanks would pull.
+                    apart = engaged * (push + drag * (speed - before)) <= 0.0
+                    push, drag = 0.0 if apart else push, 0.0 if apart else drag
+                    # All are read before one is taken: what is read on a condition, is read one by one.
+                    kept, kept_apart, given, given_apart = keep[j], keep_apart[j], gain[j], gain_apart[j]
+                    slip, slip_apart = held[j], held_apart[j]
+                    slip = slip_apart if apart else slip
+                    free = (kept_apart if apart else kept) * before
+                    free += (given_apart if apart else given) * (push + drag * speed - borne)
+                    omega[j] = free - min(max(free, -slip), slip)
+                    theta[j] = behind + 0.5 * h * omega[j]
+                    table[felt, j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
+            else:
+                for j in range(many):
+                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
+                    push = pushed(stiffness[j] * (place - behind), bend[j], curve[j])
+                    free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
+                    omega[j] = free - min(max(free, -held[j]), held[j])
+                    theta[j] = behind + 0.5 * h * omega[j]
+                    table[felt, j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
+        for j in range(many):
+            torque[j, k] = table[last, j] / steps
+            table[last, j], table[next_one, j] = table[next_one, j], 0.0
+    _end(torque, table[last] / steps)
+    return torque
+
+
+@compiled()
+def _end(torque: Float, last: Float) -> None:
+    """Double both ends, which have half a sample each; one by one, for whole columns take seconds to compile."""
+    for j in range(len(last)):
+        torque[j, 0] *= 2.0
+        torque[j, -1] = 2.0 * last[j]
+
+
+@compiled()
+def _pace(far: Float, drag: float, h: float) -> tuple[float, float, float]:
+    """Return for a step what is left of a velocity, what a torque gives to it, and what Coulomb friction takes."""
+    loss = 0.5 * h * (drag + far[2])
+    gain = h / (far[0] + loss)
+    return (far[0] - loss) / (far[0] + loss), gain, gain * far[1]
+
+
+@compiled()
+def twisted(load: float, stiffness: float, half: float, bend: float) -> float:
+    """Return by how much a transmission is twisted at rest under a load; nothing without one. [rad]"""
+    twist: float = straightened(load, bend) / stiffness
+    return twist if load == 0.0 else twist + copysign(half, load)

@@ -1,0 +1,98 @@
+"""Is there a torque at all, is it fine enough, and is it so large that it may be in another unit?
+
+Nothing in a log of motion proves a unit of torque.
+"""
+
+import numpy as np
+
+from friction_audit.io.checks.missing import MOVING_RAD_S
+from friction_audit.io.checks.sampling import with_findings
+from friction_audit.io.readers.reader import Recording
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
+
+LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
+"""What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]"""
+SHARE = 0.95
+"""Of the samples that may be below what is looked at: a few wild ones prove nothing."""
+MOST_SAMPLES = 1 << 16
+FEWEST_MOVING = 20
+"""Samples in either direction that tell what reverses with the motion."""
+FEW_STEPS = 5.0
+LEAST_NM = 0.01
+"""A joint of an arm does not turn with less than this: a channel of a few steps below it carries no torque. [N m]"""
+COARSE = 1.0
+"""Steps of more than what reverses make the estimate depend on their rounding. Panda sensors have half of that."""
+MOST_VALUES = 64
+UNEVEN = 0.01
+
+
+def check_torque(recording: Recording) -> Recording:
+    """Notice torques that are dead, coarse or may be in mN m; nothing is changed."""
+    present = [name for name in LARGEST_NM if name in recording.channels]
+    recording = with_findings(recording, *(_suspected(recording, name) for name in present))
+    used = next(name for name in TORQUE_CHANNELS if name in recording.channels)
+    joints = range(len(recording.joint_names))
+    return with_findings(recording, *(_poor(recording, used, joint) for joint in joints))
+
+
+def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
+    """Say of a moving joint that its torque is constant, or a few steps of a sensor, or rounded to coarse steps."""
+    every = max(1, len(recording.t) // MOST_SAMPLES)
+    torque, dq = recording.channels[channel][::every, joint], recording.channels["dq"][::every, joint]
+    forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
+    if len(forwards) + len(backwards) < FEWEST_MOVING:
+        return None
+    name = f"{channel} ({recording.mapping.get(channel, channel)}) of {recording.joint_names[joint]}"
+    if np.ptp(recording.channels[channel][:, joint]) == 0.0:
+        return _dead(f"torque channel is constant: {name} is {torque[0]:g} in all rows while the joint moves", joint)
+    step, rms = _step(torque), float(np.std(torque))
+    if 0.0 < rms < min(FEW_STEPS * step, LEAST_NM):
+        return _dead(f"torque channel is dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}", joint)
+    if min(len(forwards), len(backwards)) < FEWEST_MOVING:
+        return None
+    reverses = 0.5 * abs(float(np.mean(forwards) - np.mean(backwards)))
+    if step <= COARSE * reverses:
+        return None
+    message = (
+        f"{name} is rounded to steps of {step:.3g}, and {reverses:.2g} of it reverses with the motion: friction is "
+        "known no better than its rounding; log the torque with more digits"
+    )
+    return Finding(code="torque_coarse", message=message, joint=joint + 1, amount=step)
+
+
+def _dead(what: str, joint: int) -> Finding:
+    message = f"{what}; no friction is estimated from it; check the sensor, or leave the joint out with --joints"
+    return Finding(code="torque_dead", message=message, joint=joint + 1)
+
+
+def _step(torque: Float) -> float:
+    """Return the step to which a torque is rounded, 0 if it takes too many values or is no multiple of any.
+
+    Coulomb friction alone, +-0.3 N m, takes two values, which are no multiples of their distance.
+    """
+    values = np.unique(torque)
+    steps = np.diff(values)
+    steps = steps[steps > 1e-6 * (values[-1] - values[0])]
+    if not 0 < len(steps) <= MOST_VALUES:
+        return 0.0
+    step = float(steps.min())
+    return step if np.abs(values / step - np.round(values / step)).max() < UNEVEN else 0.0
+
+
+def _suspected(recording: Recording, name: str) -> Finding | None:
+    """Name the joint with the largest usual torque of a channel, where that is suspicious."""
+    usual = _usual(recording.channels[name])
+    joint = int(np.argmax(usual))
+    if usual[joint] <= LARGEST_NM[name]:
+        return None
+    message = (
+        f"{name} is above {usual[joint]:.4g} in a twentieth of the samples: a very large arm, or mN m; read as N m; if "
+        "it is mN m, divide the column by 1000, or coefficients are too large by that"
+    )
+    return Finding(code="torque_unit_suspected", message=message, joint=joint + 1, amount=float(usual[joint]))
+
+
+def _usual(torque: Float) -> Float:
+    """Size that a twentieth of the samples exceeds, of each joint, shape (j,)."""
+    every = max(1, len(torque) // MOST_SAMPLES)
+    return np.asarray(np.quantile(np.abs(torque[::every]), SHARE, axis=0), np.float64)

@@ -1,0 +1,163 @@
+"""Wild samples: single values, or short runs, that no joint can have moved or carried.
+
+A Hampel test finds what leaves the median of its neighbours by far more than the channel ever changes, and comes back.
+Impacts do that too. The channels of the joint decide: a joint that went to that q has the dq for it, a joint with that
+dq arrives at another q, and a torque that large changes dq.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.io.checks.sampling import take_rows, with_findings
+from friction_audit.io.readers.reader import Recording
+from friction_audit.joint_log import Finding, Float
+from friction_audit.parallel import per_joint
+
+LONGEST_RUN = 8
+"""Rows over which a filter of the driver spreads one wild value."""
+_REACH = LONGEST_RUN + 4
+"""Rows on both sides that make the median: a run is a minority there."""
+_LAG = 3
+"""Changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal."""
+_UNUSUAL = 0.005
+_UNUSUAL_ROWS = 16
+"""The largest changes and values are left out of the scale: this share, or of a short log so many."""
+_TIMES_STEP = 10.0
+"""Of 204 sound logs, measured and simulated, the closest torque reaches 0.76 of the scale that follows."""
+_TIMES_STILL = 10.0
+"""A channel that stands still has no usual step: the least deviation is larger by so much."""
+_TIMES_RANGE = {"q": 0.0, "dq": 1.0}
+_TIMES_RANGE_OF_TORQUE = 2.0
+"""Dry friction turns by its whole range in one row, and a contact is as large."""
+_LEAST = {"q": 0.05, "dq": 0.5, "temperature": 20.0}
+_LEAST_TORQUE = 0.5
+"""Smaller ones do no harm. [rad, rad/s, degC, N m]"""
+_CALM = 3.0
+"""A velocity that changes by more than so many usual steps may be the effect of the torque."""
+_MOST_SAMPLES = 1 << 16
+"""Samples from which quantiles are taken, for speed."""
+_MOST_JUMPS = 0.01
+"""Where more rows jump, the jumps are the channel's nature."""
+_SHOWN = 3
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class _Run:
+    """Rows ``first`` to ``last`` of a channel that deviate from ``usual``, most of all with ``value``."""
+
+    channel: str
+    first: int
+    last: int
+    value: float
+    usual: float
+
+
+def leave_out_wild(recording: Recording, *, first_s: float, numbered: bool) -> Recording:
+    """Leave out rows that hold a wild sample, and name each.
+
+    Args:
+        recording: In order of time.
+        first_s: Time of the log's first sample on the recording's clock. [s]
+        numbered: True if the rows still are those of the file, so that their numbers can be named.
+    """
+    per = per_joint(lambda joint: _of_joint(recording, joint), len(recording.joint_names))
+    if not any(per):
+        return recording
+    kept = np.ones(len(recording.t), dtype=np.bool_)
+    for run in (run for runs in per for run in runs):
+        kept[run.first : run.last + 1] = False
+    findings = [
+        _finding(recording, joint, [run for run in runs if run.channel == channel], first_s, numbered=numbered)
+        for joint, runs in enumerate(per)
+        for channel in dict.fromkeys(run.channel for run in runs)
+    ]
+    return with_findings(take_rows(recording, kept), *findings)
+
+
+def _of_joint(recording: Recording, joint: int) -> list[_Run]:
+    columns = {channel: array[:, joint] for channel, array in recording.channels.items()}
+    found = (run for channel, column in columns.items() for run in _deviations(channel, column))
+    return [run for run in found if _is_impossible(run, columns, recording.t)]
+
+
+def _deviations(channel: str, column: Float) -> list[_Run]:
+    """Return the short runs that leave the median of their neighbours by more than the channel's own scale."""
+    scale = _scale(channel, column)
+    steps = np.diff(column)
+    # Two passes without a temporary array are all that a sound channel costs.
+    if steps.max() <= scale and steps.min() >= -scale:
+        return []
+    jumps = np.flatnonzero(np.abs(steps) > scale)
+    runs: list[_Run] = []
+    for jump in jumps if len(jumps) < max(_MOST_JUMPS * len(column), 2 * LONGEST_RUN) else ():
+        if not runs or jump > runs[-1].last:
+            runs += _run_at(channel, column, int(jump), scale)
+    return runs
+
+
+def _scale(channel: str, column: Float) -> float:
+    """Deviation beyond anything that the channel does, in its own unit."""
+    every = max(len(column) // _MOST_SAMPLES, 1)
+    sample = column[::every]
+    low, high = np.quantile(sample, (_unusual(sample), 1.0 - _unusual(sample)))
+    step = _usual_step(column)
+    least = _LEAST.get(channel, _LEAST_TORQUE) * (1.0 if step > 0.0 else _TIMES_STILL)
+    return max(_TIMES_STEP * step, _TIMES_RANGE.get(channel, _TIMES_RANGE_OF_TORQUE) * float(high - low), least)
+
+
+def _usual_step(column: Float) -> float:
+    every = max(len(column) // _MOST_SAMPLES, 1)
+    changes = np.abs(column[_LAG:][::every] - column[:-_LAG][::every])
+    return float(np.quantile(changes, 1.0 - _unusual(changes))) if len(changes) else 0.0
+
+
+def _unusual(sample: Float) -> float:
+    return min(max(_UNUSUAL, _UNUSUAL_ROWS / len(sample)), 0.25)
+
+
+def _run_at(channel: str, column: Float, jump: int, scale: float) -> list[_Run]:
+    start = max(jump - _REACH, 0)
+    near = column[start : jump + _REACH + 2]
+    usual = float(np.median(near))
+    away = np.abs(near - usual) > scale / 3.0
+    edges = np.flatnonzero(np.diff(away, prepend=False, append=False)).reshape(-1, 2) + start
+    for first, end in edges:
+        at_edge = first == 0 or end == len(column)
+        if first <= jump + 1 <= end and end - first <= (1 if at_edge else LONGEST_RUN):
+            value = float(max(column[first:end], key=lambda one: abs(one - usual)))
+            if abs(value - usual) > scale:
+                return [_Run(channel=channel, first=int(first), last=int(end) - 1, value=value, usual=usual)]
+    return []
+
+
+def _is_impossible(run: _Run, columns: Mapping[str, Float], t: Float) -> bool:
+    """Ask the other channels of the joint whether what a run says took place."""
+    rows = slice(max(run.first - 1, 0), run.last + 2)
+    time, q, dq = t[rows], columns["q"][rows], columns["dq"][rows]
+    if run.channel == "q":
+        return float(np.trapezoid(np.abs(dq), time)) < 0.5 * abs(run.value - run.usual)
+    if run.channel == "dq":
+        went = q[-1] - q[0]
+        as_logged, between = np.trapezoid(dq, time), 0.5 * (dq[0] + dq[-1]) * (time[-1] - time[0])
+        return bool(abs(went - between) < abs(went - as_logged) / 3.0)
+    wide = columns["dq"][max(run.first - 3, 0) : run.last + 4]
+    return bool(np.abs(np.diff(wide)).max() <= _CALM * _usual_step(columns["dq"]))
+
+
+def _finding(recording: Recording, joint: int, runs: list[_Run], first_s: float, *, numbered: bool) -> Finding:
+    channel, t = runs[0].channel, recording.t - first_s
+    rows = sum(run.last - run.first + 1 for run in runs)
+    places = [
+        f"{run.value:.6g} at {t[run.first]:.6g} s{f' (row {run.first + 1})' if numbered else ''}, where "
+        f"{run.usual:.4g} is usual"
+        for run in runs[:_SHOWN]
+    ]
+    more = f"; and at {len(runs) - _SHOWN} more places" if len(runs) > _SHOWN else ""
+    message = (
+        f"{channel} ({recording.mapping.get(channel, channel)}) of {recording.joint_names[joint]} is wild: "
+        f"{'; '.join(places)}{more}; the other channels of the joint show nothing of it; "
+        f"{rows} row{'' if rows == 1 else 's'} left out"
+    )
+    return Finding(code="wild_samples", message=message, joint=joint + 1, amount=float(rows), damaged=True)

@@ -1,0 +1,427 @@
+"""The columns of a table -> channels of a JointLog: by name, never by position, unless the user says so."""
+
+import difflib
+import re
+from collections import defaultdict
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.channel_names import ALIASES, ForeignName, parse_name
+from friction_audit.io.readers.joint_samples import UNNAMED_ARM, arms_in, choose_arm, robot_of
+from friction_audit.io.readers.reader import SeveralArmsError
+from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
+from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
+
+REQUIRED = ("q", "dq")
+_SHOWN_GROUPS = 14
+_SHOWN_JOINTS = 60
+_COMPARED = 1000
+"""Columns among which near misses are looked for: each comparison takes a fraction of a millisecond."""
+MOST_JOINTS = 1000
+"""No robot has as many; with more, a table is transposed or a column is not what its name says."""
+_MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
+"""Names of the columns of a table with one row per number: what it is, and how much."""
+_AMBIGUOUS = ("torque", "tau", "effort")
+_POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
+
+JointKey = int | str
+"""A joint's number (0-based), or its name where it has no number."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Group:
+    """The columns of one channel.
+
+    Attributes:
+        template: Name with ``{i}`` or ``{joint}`` for the joint.
+        cells: Joint -> position of the column.
+        names: Joint -> the joint's name, where the columns tell it.
+        degrees: True if the name says degrees.
+        in_order: True if the user gave the columns one by one, in the order of the joints.
+    """
+
+    template: str
+    cells: Mapping[JointKey, int]
+    names: Mapping[JointKey, str] = field(default_factory=dict)
+    degrees: bool = False
+    in_order: bool = False
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ColumnMap:
+    """Which column is what.
+
+    Attributes:
+        time: The clock.
+        channels: Channel -> positions of its columns, one per joint.
+        joint_names: One name per joint.
+        robot: Robot told by the joints' names, or ``"unknown"``.
+        mapping: Channel -> name in the file, for people.
+        degrees: Channels whose names say degrees.
+        findings: Channels left out.
+    """
+
+    time: TimeColumn
+    channels: Mapping[str, tuple[int, ...]]
+    joint_names: tuple[str, ...]
+    robot: str
+    mapping: Mapping[str, str]
+    degrees: frozenset[str]
+    findings: tuple[Finding, ...]
+
+
+def map_columns(
+    names: Sequence[str],
+    *,
+    path: str,
+    mapping: Mapping[str, str],
+    labels: Mapping[int, str] | None = None,
+    constant: Collection[int] = (),
+    arm: str = "",
+) -> ColumnMap:
+    """Find time, joints and channels among the columns of a table.
+
+    Args:
+        names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
+        path: The file, for messages.
+        mapping: What the user says, channel or ``"t"`` -> name; wins.
+        labels: Position of a column -> its joint, where the table holds joint names beside the numbers.
+        constant: Positions of columns seen not to change.
+        arm: The arm to read, where the table holds several.
+
+    Raises:
+        InputError: If a column that is needed is missing; all of them are named at once.
+        SeveralArmsError: If the names are of several arms and the user named none.
+    """
+    bare = [name.strip() for name in names]
+    refuse_absent(mapping, bare, path)
+    told = labels or {}
+    outside = _outside_the_arm(bare, told, arm, path)
+    stated = {c: _stated_group(mapping[c], bare, told, outside) for c in JOINT_CHANNELS if c in mapping}
+    taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
+    parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
+    groups = {**_guessed_groups(parsed, told, stated, path), **stated}
+    most = max((len(group.cells) for group in groups.values()), default=0)
+    if most > MOST_JOINTS:
+        raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
+    # Columns that stand still are second choice: if there is nothing better, the vetting says that time stands still.
+    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    if time is None or not _is_complete(groups):
+        _refuse_melted(bare, path)
+        raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
+    columns = _align(groups, time, bare, path)
+    named = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
+    doubts = ambiguous_torque(named, joints=len(columns.joint_names), robot=columns.robot, stated=stated)
+    return replace(columns, findings=(*columns.findings, *doubts))
+
+
+def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
+    """Return the positions of columns of fingers, other arms and whatever else is no joint of the arm."""
+    joints = dict(labels)
+    if arm and not joints:
+        joints = {cell: told.joint for cell, name in enumerate(names) if (told := parse_name(name)) and told.joint}
+    kept = choose_arm(list(joints.values()), arm, path=path)
+    return frozenset(cell for cell, joint in joints.items() if joint not in kept)
+
+
+def ambiguous_torque(
+    named: Mapping[str, str], *, joints: int, robot: str, stated: Collection[str]
+) -> tuple[Finding, ...]:
+    """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque, a robot's holds gravity.
+
+    Args:
+        named: Channel -> name of its first column.
+        joints: Number of joints.
+        robot: The robot, or ``"unknown"``.
+        stated: Channels that the user named.
+    """
+    alone = joints == 1 and robot == "unknown" and named.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
+    told = parse_name(named["tau_J"]) if alone and "tau_J" not in stated else None
+    if told is None or ALIASES["tau_J"][told.rank] not in _AMBIGUOUS:
+        return ()
+    message = (
+        f"column {named['tau_J']!r} of the only joint was read as tau_J, the torque at the joint with gravity inside; "
+        f"if it is the interaction torque already, without gravity, say --map tau_interaction={named['tau_J']}"
+    )
+    return (Finding(code="torque_ambiguous", message=message),)
+
+
+def _refuse_melted(names: Sequence[str], path: str) -> None:
+    """Refuse a table with one row per number, which names its channels in a column instead of in the header.
+
+    Raises:
+        InputError: If it is one.
+    """
+    lower = [name.lower() for name in names]
+    signal, value = (next((n for n, low in zip(names, lower, strict=True) if low in w), None) for w in _MELTED)
+    if signal is None or value is None:
+        return
+    index = [name for name in names if name not in (signal, value)]
+    raise InputError(
+        f"{path}: one row per number ({', '.join(names)}); expected one column per channel; bring it to that with "
+        f"pandas: table.pivot(index={index}, columns={signal!r}, values={value!r}).reset_index()"
+    )
+
+
+def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
+    """Refuse columns that the table lacks, all of them at once."""
+    absent = []
+    for channel, value in mapping.items():
+        try:
+            stated_time(value, names) if channel == "t" else _stated_group(value, names)
+        except KeyError as error:
+            absent.append(f"--map {channel}={value}{_did_you_mean(str(error.args[0]), names)}")
+    if absent:
+        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {shorten(names)}")
+
+
+def _did_you_mean(name: str, names: Sequence[str]) -> str:
+    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
+    return f" (did you mean {' or '.join(near)}?)" if near else ""
+
+
+def column_position(name: str, names: Sequence[str]) -> int:
+    """Return the position of a column given by name or as ``#3`` (counted from 1).
+
+    Raises:
+        KeyError: If there is none.
+    """
+    match = _POSITION.fullmatch(name)
+    if name not in names and match is not None and 1 <= int(match[1]) <= len(names):
+        return int(match[1]) - 1
+    if name in names:
+        return list(names).index(name)
+    raise KeyError(name)
+
+
+def shorten(names: Sequence[str]) -> str:
+    """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7``."""
+    runs: dict[str, list[str]] = defaultdict(list)
+    for name in names:
+        runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(name)
+    shown = [run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()]
+    more = len(shown) - _SHOWN_GROUPS
+    return ", ".join(shown[:_SHOWN_GROUPS]) + (f" and {more} more" if more > 0 else "")
+
+
+def _guessed_groups(
+    names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str], path: str
+) -> dict[str, Group]:
+    """Group the columns by channel and template, and keep the most telling template of each channel."""
+    found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
+    for cell, parsed in names.items():
+        if parsed is not None and parsed.channel not in stated:
+            key = (parsed.rank, parsed.template)
+            found.setdefault(parsed.channel, {}).setdefault(key, {})[cell] = parsed
+    groups = {}
+    for channel, candidates in found.items():
+        rank = min(rank for rank, _ in candidates)
+        best = [(template, cells) for (r, template), cells in candidates.items() if r == rank]
+        _refuse_several_arms(channel, [template for template, _ in best], path)
+        groups[channel] = _group(*best[0], labels)
+    return groups
+
+
+def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> None:
+    """Two templates that differ in the joint's prefix alone are two arms; the user chooses."""
+    arms = {
+        match[1].rstrip("_").removesuffix("joint").rstrip("_") or UNNAMED_ARM: t
+        for t in templates
+        if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None
+    }
+    if len(arms) > 1:
+        topics = [f"#{arm}" for arm in arms]
+        choices = " or ".join(f"--topic '{topic}'" for topic in topics)
+        raise SeveralArmsError(
+            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; choose one with {choices}",
+            topics,
+        )
+
+
+def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
+    first = next(iter(cells.values()))
+    base = 0 if any(name.index == 0 for name in cells.values()) else 1
+    kept: dict[JointKey, int] = {}
+    told: dict[JointKey, str] = {}
+    for cell, name in cells.items():
+        label = name.joint or labels.get(cell)
+        key = name.index - base if name.index is not None else name.joint or 0
+        kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
+        if label is not None:
+            told.setdefault(key, label)
+    return Group(template=template, cells=kept, names=told, degrees=first.degrees)
+
+
+def _stated_group(
+    value: str, names: Sequence[str], labels: Mapping[int, str] | None = None, outside: Collection[int] = ()
+) -> Group:
+    """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
+
+    ``:deg`` or ``:rad`` after it says the unit.
+    """
+    bare, _, unit = value.rpartition(":")
+    if unit in ("deg", "rad") and value not in names:
+        group = _stated_group(bare, names, labels, outside)
+        return replace(group, template=value, degrees=unit == "deg")
+    template = value.strip() if "{i}" in value else value + "[{i}]"
+    pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
+    numbered = {
+        int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
+    }
+    if numbered:
+        return _numbered_group(value, numbered, names, labels or {}, outside)
+    if "{i}" in value:
+        raise KeyError(value)
+    listed = [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
+    return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
+
+
+def _numbered_group(
+    template: str,
+    numbered: Mapping[int, int],
+    names: Sequence[str],
+    labels: Mapping[int, str],
+    outside: Collection[int],
+) -> Group:
+    kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
+    base = 0 if 0 in kept else 1
+    cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
+    parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
+    told = {key: (name.joint if name else None) or labels.get(cells[key]) for key, name in parsed.items()}
+    return Group(template=template, cells=cells, names={key: name for key, name in told.items() if name})
+
+
+def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
+    match = _POSITION.fullmatch(part)
+    if match is None or match[2] is None:
+        return [column_position(part, names)]
+    return [column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
+
+
+def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
+    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``.
+
+    Raises:
+        KeyError: If there is no such column.
+    """
+    name, _, unit = value.rpartition(":")
+    if unit not in UNITS or not name:
+        name, unit = value, ""
+    cell = column_position(name.strip(), names)
+    known = find_time([names[cell]])
+    return TimeColumn(
+        cells=(cell,),
+        name=name,
+        unit=unit or (known.unit if known else None),
+        clock=known.clock if known else "column",
+    )
+
+
+def _is_complete(groups: Mapping[str, Group]) -> bool:
+    return all(c in groups for c in REQUIRED) and any(c in groups for c in TORQUE_CHANNELS)
+
+
+def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
+    wanted = [] if found_time else ["t"]
+    wanted += [channel for channel in REQUIRED if channel not in groups]
+    torque = any(channel in groups for channel in TORQUE_CHANNELS)
+    said = wanted + ([] if torque else [f"a torque ({', '.join(TORQUE_CHANNELS)})"])
+    near = [
+        hint for channel in (*wanted, *(() if torque else TORQUE_CHANNELS)) for hint in _near_misses(channel, names)
+    ]
+    parts = [f"{path}: no column for {' and '.join(said)}; found {shorten(names) or 'none'}"]
+    if near:
+        parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
+    example = " ".join(f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted)
+    parts.append(
+        f"name what is missing with {example}{'' if torque else ' --map tau_J=<column with {i} for the joint>'}"
+    )
+    if "dq" in wanted and "q" in groups:
+        parts.append("dq is not made from q: a derivative of the position is too noisy for an energy balance")
+    return "; ".join(parts).replace("  ", " ")
+
+
+def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
+    """Return the columns whose names, numbers aside, nearly are a known name of the channel."""
+    known = ("t", "time", "stamp", "timestamp") if channel == "t" else (*ALIASES[channel],)
+    stems: dict[str, str] = {}
+    for name in names[:_COMPARED]:
+        stems.setdefault(re.sub(r"[\W_]*\d+\W*$", "", name).lower(), name)
+    taken = {alias for aliases in ALIASES.values() for alias in aliases}
+    close = {match for alias in known for match in difflib.get_close_matches(alias, stems, n=2, cutoff=0.7)}
+    return [f"{stems[stem]} ({channel})" for stem in stems if stem in close and stem not in taken and len(stem) > 1]
+
+
+def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
+    """Bring all channels to the same joints, in the same order."""
+    reference = next((groups[c] for c in REQUIRED if not groups[c].in_order), groups["q"])
+    told = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
+    keys = _in_order_of_names(_sorted_keys(reference.cells), told)
+    channels, findings, short = {}, [], []
+    torques = [c for c in TORQUE_CHANNELS if c in groups]
+    for channel in (c for c in JOINT_CHANNELS if c in groups):
+        cells = _cells_in_order(groups[channel], keys)
+        if cells is not None:
+            channels[channel] = cells
+        elif channel in REQUIRED or torques == [channel]:
+            short.append(f"{channel} ({_joints_text(groups[channel].cells)})")
+        else:
+            findings.append(_left_out(channel, groups[channel], len(keys)))
+    if short or not any(c in channels for c in TORQUE_CHANNELS):
+        raise InputError(
+            f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
+            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
+            "name the columns with --map"
+        )
+    joint_names = tuple(told.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)
+    return ColumnMap(
+        time=time,
+        channels=channels,
+        joint_names=joint_names,
+        robot=robot_of(joint_names),
+        mapping={channel: groups[channel].template for channel in channels},
+        degrees=frozenset(channel for channel in channels if groups[channel].degrees),
+        findings=tuple(findings),
+    )
+
+
+def _sorted_keys(cells: Mapping[JointKey, int]) -> list[JointKey]:
+    numbers = sorted(key for key in cells if isinstance(key, int))
+    return [*numbers, *(key for key in cells if isinstance(key, str))]
+
+
+def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> list[JointKey]:
+    """Sort the joints by the numbers in their names, if all of them are joints of one arm."""
+    key_of = {names[key]: key for key in keys if key in names}
+    arms = arms_in(list(key_of))
+    ordered = [key_of[name] for joints in arms.values() for name in joints]
+    return ordered if len(arms) == 1 and len(ordered) == len(keys) else keys
+
+
+def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
+    """Return the channel's columns for these joints, or None if it does not have them all."""
+    if group.in_order and len(group.cells) == len(keys):
+        return tuple(group.cells.values())
+    if all(key in group.cells for key in keys):
+        return tuple(group.cells[key] for key in keys)
+    if len(group.cells) == len(keys) == 1:
+        return tuple(group.cells.values())
+    return None
+
+
+def _joints_text(cells: Mapping[JointKey, int]) -> str:
+    keys = _sorted_keys(cells)
+    if len(keys) > _SHOWN_JOINTS:
+        return f"{len(keys)} joints, more than an arm has: is the table transposed?"
+    return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
+        str(key + 1) if isinstance(key, int) else key for key in keys
+    )
+
+
+def _left_out(channel: str, group: Group, joints: int) -> Finding:
+    return Finding(
+        code="incomplete_channel",
+        message=f"{channel} has columns for {len(group.cells)} of {joints} joints ({group.template}); it is left out",
+        amount=float(len(group.cells)),
+    )

@@ -1,0 +1,360 @@
+"""MCAP files -> Recording: ROS 2 (CDR), ROS 1, JSON and protobuf messages, also from files that break off."""
+
+import struct
+from collections.abc import Collection, Iterator
+from dataclasses import replace
+from io import SEEK_CUR, BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+from zlib import crc32
+
+import numpy as np
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.channel_names import serial_in
+from friction_audit.io.readers.message_stream import (
+    SHORTEST_RUN,
+    Block,
+    Connection,
+    Damage,
+    Window,
+    block_of_payloads,
+    block_of_ranges,
+    open_log,
+)
+from friction_audit.io.readers.messages import read_messages, topics_of
+from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.io.readers.unpack import LARGEST_CHUNK, UnpackError, starts_with, unpack
+
+if TYPE_CHECKING:
+    from mcap.records import Channel, Chunk, Message, Schema
+
+MAGIC = b"\x89MCAP0\r\n"
+SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE, METADATA_OPCODE = 3, 4, 5, 6, 12
+PARSED_OPCODES = (SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE)
+BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
+"""What the mcap library raises on a record that is not what its opcode says."""
+END_LENGTHS = {2: 20, 15: 4}
+"""Opcode -> length of the footer and of the end of the data section: another length is a broken record."""
+_CHUNK_TIMES = struct.Struct("<QQ")
+MESSAGE_HEADER = np.dtype(
+    [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("sent", "<u8")]
+)
+_RECORD_START = struct.Struct("<BQ")
+_MESSAGE_START = struct.Struct("<BQHIQQ")
+MESSAGE_FIELDS_BYTES = MESSAGE_HEADER.itemsize - _RECORD_START.size
+LATEST_TIME_NS = 2**63 - 1
+LOOSE_MESSAGES_PER_BLOCK = 8192
+
+
+class McapStream:
+    """The messages in one MCAP file.
+
+    ``notes`` holds the metadata records by name, once the messages have been read.
+
+    The records are walked one after another, which needs neither an index nor a footer; the messages within a chunk
+    are found here too, and not by the mcap library, since that is where the time would go.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Find the channels, from the summary at the end or, where that is missing, by reading everything once.
+
+        Raises:
+            InputError: If this is no MCAP file, or it cannot be read.
+        """
+        self._path = path
+        self._damage: dict[int, Damage] = {}
+        self._cut_chunk: int | None = None
+        self._channels: dict[int, Channel] = {}
+        self._schemas: dict[int, Schema] = {}
+        self.notes: dict[str, str] = {}
+        with open_log(path) as file:
+            self._bytes = file.seek(0, 2)
+            file.seek(0)
+            if file.read(len(MAGIC)) != MAGIC:
+                raise InputError(
+                    f"{path}: {'is empty' if not self._bytes else 'does not begin as an MCAP file'}; "
+                    "expected the bytes 89 4D 43 41 50 30 0D 0A; check the file's type and that it was copied whole"
+                )
+            counts = self._read_summary(file)
+        self._counts = counts if counts is not None else self._scan()
+        if counts is None and not self._channels and self._damage:
+            raise InputError(
+                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole chunk; "
+                "no message can be saved; copy it again or record anew"
+            )
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Channels of the file."""
+        return tuple(self._connection(channel) for channel in self._channels.values())
+
+    @property
+    def damage(self) -> tuple[Damage, ...]:
+        """What was found broken so far."""
+        return tuple(self._damage.values())
+
+    def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
+        """Yield the messages of some channels, chunk by chunk; chunks outside the window are passed over."""
+        loose: dict[int, tuple[list[int], list[bytes]]] = {key: ([], []) for key in keys}
+        for opcode, offset, record in self._records(window):
+            if opcode == CHUNK_OPCODE:
+                data = self._decompress(record, offset)
+                yield from () if data is None else self._guarded(data, loose.keys(), offset)
+            elif opcode == MESSAGE_OPCODE and record.channel_id in loose:
+                yield from _gather(record, loose)
+        for key, (times, payloads) in loose.items():
+            if payloads:
+                yield block_of_payloads(key, times, payloads)
+
+    def _guarded(self, data: bytes, keys: Collection[int], offset: int) -> Iterator[Block]:
+        blocks, broken = find_messages(data, keys)
+        if broken:
+            self._note(offset, broken)
+        return iter(blocks)
+
+    def _records(self, window: Window | None = None) -> Iterator[tuple[int, int, Any]]:
+        """Yield opcode, offset and content of chunks, and of what lies outside chunks; up to a break.
+
+        Index records are passed over unread: the stream reader of the mcap library spends half its time on them.
+        """
+        with open_log(self._path) as file:
+            offset = len(MAGIC)
+            while True:
+                file.seek(offset)
+                start = file.read(_RECORD_START.size)
+                if len(start) < _RECORD_START.size:
+                    return self._note(offset, "it ends without the closing records")
+                opcode, length = _RECORD_START.unpack(start)
+                if length == END_LENGTHS.get(opcode):
+                    return None
+                if offset + _RECORD_START.size + length > self._bytes:
+                    yield from self._begun_record(opcode, offset, file)
+                    return None
+                if opcode != CHUNK_OPCODE or window is None or not window.leaves_out(_times_of_chunk(file)):
+                    yield from self._whole_record(opcode, offset, file, length)
+                offset += _RECORD_START.size + length
+
+    def _whole_record(self, opcode: int, offset: int, file: BinaryIO, length: int) -> Iterator[tuple[int, int, Any]]:
+        try:
+            if opcode in PARSED_OPCODES:
+                yield opcode, offset, _parse(opcode, file.read(length))
+            elif opcode == METADATA_OPCODE:
+                self.notes |= _parse(opcode, file.read(length)).metadata
+        except BROKEN as error:
+            self._note(offset, f"a record is broken: {error}")
+
+    def _begun_record(self, opcode: int, offset: int, file: BinaryIO) -> Iterator[tuple[int, int, Any]]:
+        """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
+        if opcode != CHUNK_OPCODE:
+            return self._note(offset, "a record is cut off")
+        try:
+            chunk = _parse(CHUNK_OPCODE, file.read(LARGEST_CHUNK))
+            self._cut_chunk = offset
+            yield CHUNK_OPCODE, offset, chunk
+        except BROKEN:
+            pass  # cut before its first message
+        return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
+
+    def _note(self, offset: int, reason: str) -> None:
+        self._damage[offset] = Damage(offset, self._bytes, reason)
+
+    def _decompress(self, chunk: "Chunk", offset: int) -> bytes | None:
+        """Return the records of a chunk, or None if it is damaged."""
+        cut = offset == self._cut_chunk
+        try:
+            data = unpack(chunk.compression, chunk.data, chunk.uncompressed_size, cut=cut)
+        except UnpackError as error:
+            self._note(offset, f"a chunk cannot be decompressed: {error}")
+            return None
+        if not cut and chunk.uncompressed_crc and crc32(data) != chunk.uncompressed_crc:
+            self._note(offset, "a chunk has another checksum than its header says")
+            return None
+        return data
+
+    def _read_summary(self, file: BinaryIO) -> dict[int, int] | None:
+        """Read channels and message counts from the end of the file; None if they are not all there."""
+        from mcap.exceptions import McapError
+        from mcap.reader import SeekingReader
+
+        file.seek(0)
+        try:
+            summary = SeekingReader(file, record_size_limit=self._bytes).get_summary()
+        except (McapError, OSError, ValueError, MemoryError, *BROKEN):
+            return None  # a file without a sound end is read from its beginning instead
+        if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
+            return None
+        counts = dict(summary.statistics.channel_message_counts)
+        if sum(counts.values()) != summary.statistics.message_count:
+            return None
+        self._channels.update(summary.channels)
+        self._schemas.update(summary.schemas)
+        return counts
+
+    def _scan(self) -> dict[int, int]:
+        """Read the whole file for its channels and the number of their messages."""
+        counts: dict[int, int] = {}
+        for opcode, offset, record in self._records():
+            if opcode == CHUNK_OPCODE:
+                data = self._decompress(record, offset)
+                self._count_chunk(data or b"", counts, offset)
+            elif opcode == MESSAGE_OPCODE:
+                counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
+            else:
+                self._learn(opcode, record)
+        return counts
+
+    def _count_chunk(self, data: bytes, counts: dict[int, int], offset: int) -> None:
+        for opcode, at, length in _definitions(data):
+            try:
+                self._learn(opcode, _parse(opcode, data[at : at + length]))
+            except BROKEN as error:
+                self._note(offset, f"a record is broken: {error}")
+        for block in find_messages(data, None)[0]:
+            counts[block.key] = counts.get(block.key, 0) + len(block)
+
+    def _learn(self, opcode: int, record: Any) -> None:  # noqa: ANN401
+        known: dict[int, Any] = self._channels if opcode == CHANNEL_OPCODE else self._schemas
+        known[record.id] = record
+
+    def _connection(self, channel: "Channel") -> Connection:
+        schema = self._schemas.get(channel.schema_id)
+        encoding = channel.message_encoding
+        return Connection(
+            key=channel.id,
+            topic=channel.topic,
+            type=_type_name(schema.name, encoding) if schema else "",
+            encoding=encoding,
+            definition=schema.data if schema else b"",
+            definition_format=schema.encoding if schema else "",
+            messages=self._counts.get(channel.id, 0),
+        )
+
+
+def _times_of_chunk(file: BinaryIO) -> tuple[int, int]:
+    """Return log times of the first and last message of the chunk that begins here, and go back there. [ns]"""
+    times = file.read(_CHUNK_TIMES.size)
+    file.seek(-len(times), SEEK_CUR)
+    first, last = _CHUNK_TIMES.unpack(times.ljust(_CHUNK_TIMES.size, b"\xff"))
+    return first, last
+
+
+def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
+    from mcap.data_stream import ReadDataStream
+    from mcap.exceptions import EndOfFile
+    from mcap.records import Channel, Chunk, Message, Metadata, Schema
+
+    stream = ReadDataStream(BytesIO(content))
+    kinds: dict[int, Any] = {
+        CHUNK_OPCODE: Chunk,
+        SCHEMA_OPCODE: Schema,
+        CHANNEL_OPCODE: Channel,
+        METADATA_OPCODE: Metadata,
+    }
+    try:
+        return Message.read(stream, len(content)) if opcode == MESSAGE_OPCODE else kinds[opcode].read(stream)
+    except EndOfFile as error:
+        raise EOFError("it ends early") from error  # without a text of its own in the library
+
+
+def _type_name(name: str, encoding: str) -> str:
+    """Return the name of a ROS type as rosbags spells it; other names stay as they are."""
+    if encoding == "ros1" and "/msg/" not in name:
+        return name.replace("/", "/msg/", 1)
+    return name
+
+
+def _gather(record: "Message", loose: dict[int, tuple[list[int], list[bytes]]]) -> Iterator[Block]:
+    """Collect messages that lie outside chunks; yield a block whenever there are enough."""
+    times, payloads = loose[record.channel_id]
+    times.append(record.log_time & LATEST_TIME_NS)
+    payloads.append(record.data)
+    if len(payloads) == LOOSE_MESSAGES_PER_BLOCK:
+        yield block_of_payloads(record.channel_id, times, payloads)
+        loose[record.channel_id] = ([], [])
+
+
+def _definitions(data: bytes) -> Iterator[tuple[int, int, int]]:
+    """Yield opcode, offset and length of the schemas and channels in a chunk."""
+    position = 0
+    while position + _RECORD_START.size <= len(data):
+        opcode, length = _RECORD_START.unpack_from(data, position)
+        position += _RECORD_START.size
+        if opcode in (SCHEMA_OPCODE, CHANNEL_OPCODE) and position + length <= len(data):
+            yield opcode, position, length
+        position += length
+
+
+def find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block], str]:
+    """Find the messages in the records of a chunk.
+
+    Messages of one channel and one length that follow each other are found all at once, as rows of equal length.
+
+    Args:
+        data: Records of a chunk, decompressed.
+        keys: Channels wanted, None for all.
+
+    Returns:
+        One block per run or channel, and what is wrong with the chunk, empty if nothing is.
+    """
+    blocks: list[Block] = []
+    mixed: dict[int, list[tuple[int, int, int]]] = {}
+    position, alternating = 0, False
+    while position + _RECORD_START.size <= len(data):
+        opcode, length = _RECORD_START.unpack_from(data, position)
+        if opcode != MESSAGE_OPCODE:
+            position += _RECORD_START.size + length
+            continue
+        following = position + _RECORD_START.size + length
+        if length < MESSAGE_FIELDS_BYTES or following > len(data):
+            break
+        if not alternating:
+            run = _run(data, position, length)
+            if keys is None or run.key in keys:
+                blocks.append(run)
+            alternating = len(run) < SHORTEST_RUN
+            position += len(run) * (_RECORD_START.size + length)
+            continue
+        _, _, channel, _, log_time, _ = _MESSAGE_START.unpack_from(data, position)
+        if keys is None or channel in keys:
+            entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time & LATEST_TIME_NS)
+            mixed.setdefault(channel, []).append(entry)
+        position = following
+    blocks += [block_of_ranges(channel, data, entries) for channel, entries in mixed.items()]
+    return blocks, "" if position == len(data) else "a message runs over the end of its chunk"
+
+
+def _run(data: bytes, position: int, length: int) -> Block:
+    """View the messages from here on that are as long as the first one and of its channel."""
+    stride = _RECORD_START.size + length
+    count = (len(data) - position) // stride
+    heads = np.ndarray((count,), MESSAGE_HEADER, data, offset=position, strides=(stride,))
+    same = (heads["length"] == length) & (heads["opcode"] == MESSAGE_OPCODE) & (heads["channel"] == heads["channel"][0])
+    run = count if same.all() else int(same.argmin())
+    start = position + MESSAGE_HEADER.itemsize + stride * np.arange(run, dtype=np.int64)
+    size = np.full(run, length - MESSAGE_FIELDS_BYTES, np.int64)
+    return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
+
+
+def _recognises(path: Path) -> bool:
+    return starts_with(path, MAGIC)
+
+
+def _read(path: Path, options: ReadOptions) -> Recording:
+    stream = McapStream(path)
+    recording = read_messages(path, stream, options)
+    return replace(recording, serial=serial_in(stream.notes))
+
+
+def _topics(path: Path) -> tuple[Topic, ...]:
+    return topics_of(path, McapStream(path))
+
+
+MCAP = Reader(
+    name="mcap",
+    suffixes=(".mcap",),
+    recognises=_recognises,
+    read=_read,
+    topics=_topics,
+    summary="MCAP with ROS 2, ROS 1, JSON or protobuf messages holding joint states; salvaged where it breaks off.",
+)

@@ -1,0 +1,223 @@
+"""Where each number lies in a serialised message: the definition, walked over one payload.
+
+CDR aligns every primitive to its own size, counted from behind the four bytes of the encapsulation header, and ends
+strings with a zero; ROS 1 does neither.
+"""
+
+import struct
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.io.readers.message_stream import Block
+
+if TYPE_CHECKING:
+    from rosbags.interfaces.typing import FieldDesc, Typesdict
+
+
+CDR_HEADER_BYTES = 4
+CDR_LITTLE_ENDIAN = b"\x00\x01"
+CDR_TRAILING_PADDING_BYTES = 3
+
+NUMBER_TYPES: Mapping[str, str] = {
+    "bool": "u1",
+    "byte": "u1",
+    "char": "u1",
+    "int8": "i1",
+    "uint8": "u1",
+    "int16": "<i2",
+    "uint16": "<u2",
+    "int32": "<i4",
+    "uint32": "<u4",
+    "int64": "<i8",
+    "uint64": "<u8",
+    "float32": "<f4",
+    "float64": "<f8",
+}
+
+
+class LayoutError(Exception):
+    """The payload does not fit its definition, or the definition has no constant layout."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Numbers at a fixed place: offset from the start of the payload [byte], type of one number, how many."""
+
+    offset: int
+    dtype: str
+    count: int
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Layout:
+    """Layout of one payload.
+
+    Attributes:
+        size: Length of the payload. [byte]
+        numbers: Dotted path of a field -> where its numbers lie.
+        strings: Dotted path of a string or of an array of strings -> its content.
+        fixed: Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header).
+            Payloads of the same size that agree in these bytes have the same layout and the same strings.
+    """
+
+    size: int
+    numbers: Mapping[str, Leaf]
+    strings: Mapping[str, tuple[str, ...]]
+    fixed: NDArray[np.intp]
+
+
+def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
+    """Walk a message definition over one payload.
+
+    Args:
+        payload: Serialised message.
+        typename: Its type, a key of ``types``.
+        types: Definitions, as rosbags parses them.
+        encoding: ``"cdr"`` or ``"ros1"``.
+
+    Raises:
+        LayoutError: If the definition and the payload do not fit, or the payload is big-endian.
+    """
+    if encoding == "cdr" and payload[:2] != CDR_LITTLE_ENDIAN:
+        raise LayoutError("not little-endian plain CDR")
+    walk = _Walk(payload, types, cdr=encoding == "cdr")
+    try:
+        walk.message(typename, "")
+    except (struct.error, UnicodeDecodeError, KeyError) as error:
+        raise LayoutError(str(error)) from error
+    spare = len(payload) - walk.position
+    if spare < 0 or spare > (CDR_TRAILING_PADDING_BYTES if walk.cdr else 0):
+        raise LayoutError(f"{spare} bytes left over")
+    return Layout(len(payload), walk.numbers, walk.strings, np.flatnonzero(walk.fixed))
+
+
+@dataclass(slots=True)
+class _Walk:
+    payload: bytes
+    types: "Typesdict"
+    cdr: bool
+    position: int = 0
+    numbers: dict[str, Leaf] = field(default_factory=dict)
+    strings: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    fixed: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
+
+    def __post_init__(self) -> None:
+        self.fixed = np.zeros(len(self.payload), bool)
+        if self.cdr:
+            self.fixed[: len(CDR_LITTLE_ENDIAN)] = True
+            self.position = CDR_HEADER_BYTES
+
+    def message(self, typename: str, prefix: str) -> None:
+        for name, description in self.types[typename][1]:
+            self.field(description, prefix + name)
+
+    def field(self, description: "FieldDesc", path: str) -> None:
+        # Node types of rosbags: 1 a base type, 2 a named message, 3 an array, 4 a sequence (with its length before it).
+        match description:
+            case (1 | 2 as kind, detail):
+                self.elements(kind, detail, path, count=None)
+            case (3, ((kind, detail), size)):
+                self.elements(kind, detail, path, count=size)
+            case (_, ((kind, detail), _)):
+                self.elements(kind, detail, path, count=self.length())
+
+    def elements(self, kind: int, detail: object, path: str, count: int | None) -> None:
+        """Take one element (count None) or an array of them."""
+        if kind == 1:
+            base = detail[0]  # type: ignore[index]
+            if base == "string":
+                self.strings[path] = tuple(self.string() for _ in range(1 if count is None else count))
+            else:
+                self.numeric(base, path, 1 if count is None else count)
+        elif count is None:
+            self.message(str(detail), f"{path}.")
+        else:
+            for index in range(count):
+                self.message(str(detail), f"{path}[{index}].")
+
+    def numeric(self, base: str, path: str, count: int) -> None:
+        if base not in NUMBER_TYPES:
+            raise LayoutError(f"{path} is of type {base}")
+        dtype = NUMBER_TYPES[base]
+        width = np.dtype(dtype).itemsize
+        if count:
+            self.align(width)
+        if self.position + count * width > len(self.payload):
+            raise LayoutError(f"{path} ends behind the payload")
+        self.numbers[path] = Leaf(self.position, dtype, count)
+        self.position += count * width
+
+    def length(self) -> int:
+        self.align(4)
+        (value,) = struct.unpack_from("<I", self.payload, self.position)
+        self.fixed[self.position : self.position + 4] = True
+        self.position += 4
+        if value > len(self.payload):
+            raise LayoutError(f"a sequence of {value} elements")
+        return int(value)
+
+    def string(self) -> str:
+        size = self.length()
+        content = self.payload[self.position : self.position + size]
+        if len(content) < size or (self.cdr and content[-1:] != b"\x00"):
+            raise LayoutError("a string without end")
+        self.fixed[self.position : self.position + size] = True
+        self.position += size
+        return (content[:-1] if self.cdr else content).decode()
+
+    def align(self, width: int) -> None:
+        if self.cdr:
+            self.position += -(self.position - CDR_HEADER_BYTES) % width
+
+
+Records = NDArray[np.void]
+
+
+class BlockDecoder:
+    """Decodes blocks whose messages are all laid out as the first one was.
+
+    Attributes:
+        layout: Layout of the first message.
+    """
+
+    def __init__(self, layout: Layout, payload: bytes, paths: tuple[str, ...]) -> None:
+        """Keep the first message's deciding bytes and the fields wanted."""
+        self.layout = layout
+        self._fixed_bytes = np.frombuffer(payload, np.uint8)[layout.fixed]
+        leaves = [layout.numbers[path] for path in paths]
+        self._dtype = np.dtype(
+            {
+                "names": list(paths),
+                "formats": [(leaf.dtype, (leaf.count,)) for leaf in leaves],
+                "offsets": [leaf.offset for leaf in leaves],
+                "itemsize": layout.size,
+            }
+        )
+        self._bytes = np.dtype((np.uint8, (layout.size,)))
+
+    def decode(self, block: Block) -> Records | None:
+        """View a block as records, one per message, one field per path; None if any message is laid out differently."""
+        if not (block.size == self.layout.size).all():
+            return None
+        buffer, start, stride = _evenly_spaced(block)
+        count = len(block)
+        rows = np.ndarray((count, self.layout.size), np.uint8, buffer, offset=start, strides=(stride, 1))
+        if not (rows[:, self.layout.fixed] == self._fixed_bytes).all():
+            return None
+        return np.ndarray((count,), self._dtype, buffer, offset=start, strides=(stride,))
+
+
+def _evenly_spaced(block: Block) -> tuple[bytes, int, int]:
+    """Return a buffer in which the payloads lie at a constant distance, the first offset and that distance."""
+    size = int(block.size[0])
+    if len(block) == 1:
+        return block.buffer, int(block.start[0]), size
+    steps = np.diff(block.start)
+    stride = int(steps[0])
+    if stride >= size and (steps == stride).all():
+        return block.buffer, int(block.start[0]), stride
+    return b"".join(block.payload(index) for index in range(len(block))), 0, size

@@ -1,0 +1,440 @@
+"""A stream of messages -> Recording: what all message containers have in common."""
+
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.columns import MOST_JOINTS
+from friction_audit.io.readers.joint_samples import (
+    LARGEST_EXPECTATION,
+    JointSamples,
+    Row,
+    robot_of,
+    row_of,
+    stamp_paths,
+)
+from friction_audit.io.readers.message_decoder import (
+    DefinitionError,
+    MessageDecoder,
+    UndecodableError,
+    decoder_for,
+    may_be_known,
+)
+from friction_audit.io.readers.message_layout import BlockDecoder
+from friction_audit.io.readers.message_stream import (
+    Block,
+    Connection,
+    Damage,
+    MessageKind,
+    MessageStream,
+    Window,
+    block_of_payloads,
+    choose_clock,
+    match_kind,
+)
+from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Recording, Topic, refuse_too_large
+from friction_audit.io.readers.topics import Candidate, Choice, choose_topic
+from friction_audit.io.readers.unpack import stamp_of
+from friction_audit.joint_log import Finding, find_window
+
+SAMPLED_MESSAGES = 16
+"""First messages of a topic that tell its joints and channels."""
+CLOCK_DRIFT = 0.01
+"""Most that the time of recording may run away from the source's clock before a part is looked for in the whole log."""
+MOST_TIMES_SMALLER = 100
+"""A count in the file is believed up to a file that holds its samples in a hundredth of their size."""
+NANOSECONDS = 1e9
+
+CLOCKS = 3
+"""Arrays of times that are kept beside the channels."""
+
+
+def read_messages(
+    path: Path, stream: MessageStream, options: ReadOptions, stated: Mapping[str, int] | None = None
+) -> Recording:
+    """Read the joint states in a stream.
+
+    Args:
+        path: The log, for messages.
+        stream: Its messages.
+        options: What the user said about it.
+        stated: Number of messages on each topic as a file beside the stream states it.
+
+    Raises:
+        InputError: If there is no joint state to read.
+        SeveralArmsError: If the log holds several arms and the user named none.
+    """
+    candidates = _candidates(path, stream, options)
+    choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
+    row_bytes = np.float64().itemsize * (len(choice.candidate.channels) * len(choice.joints) + CLOCKS)
+    believed = MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes
+    expected = min(choice.candidate.messages or 0, LARGEST_EXPECTATION, believed)
+    if options.reads_part(expected * row_bytes) and (part := _read_part(path, stream, choice, options)) is not None:
+        samples, undecodable, skipped = part
+        missing: list[Finding] = []
+    else:
+        refuse_too_large(path, expected * row_bytes, expected * row_bytes)
+        samples, skipped = JointSamples(choice.joints, choice.candidate.channels, expected), 0
+        undecodable, seen = _collect(stream, choice.candidate, samples)
+        missing = _missing(stream, choice.candidate, seen, (stated or {}).get(choice.candidate.topic, 0))
+    if not samples.count:
+        raise InputError(
+            f"{path}: none of the messages on topic {choice.candidate.topic} can be decoded as "
+            f"{choice.candidate.type}; choose another topic with --topic"
+        )
+    losses = [*_losses(stream.damage, samples, undecodable), *missing]
+    return _recording(choice, samples, candidates, losses, skipped)
+
+
+def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
+    """List the topics in a stream."""
+    return _topics(stream, _candidates(path, stream, ReadOptions()))
+
+
+def _topics(stream: MessageStream, candidates: Sequence[Candidate]) -> tuple[Topic, ...]:
+    readable = {candidate.topic for candidate in candidates}
+    topics: dict[str, Topic] = {}
+    for connection in stream.connections:
+        known = topics.get(connection.topic)
+        topics[connection.topic] = Topic(
+            name=connection.topic,
+            type=connection.type,
+            messages=_sum([connection.messages] + ([known.messages] if known else [])),
+            readable=connection.topic in readable,
+        )
+    return tuple(topics.values())
+
+
+def _sum(counts: Sequence[int | None]) -> int | None:
+    known = [count for count in counts if count is not None]
+    return sum(known) if len(known) == len(counts) else None
+
+
+def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list[Candidate]:
+    """Find the topics that can be read, with their first messages decoded."""
+    wanted = _wanted(options)
+    used = [c for c in stream.connections if c.messages != 0]
+    decoders = {c.key: decoder for c in used if (decoder := _decoder(path, c, None, wanted)) is not None}
+    unknown = [c for c in used if c.key not in decoders and (c.encoding == "json" or may_be_known(c))]
+    firsts = _first_blocks(stream, unknown)
+    for connection in unknown:
+        block = firsts.get(connection.key)
+        payloads = [] if block is None else map(block.payload, range(len(block)))
+        found = (_decoder(path, connection, payload, wanted) for payload in payloads)
+        if (late := next((decoder for decoder in found if decoder is not None and decoder.paths), None)) is not None:
+            decoders[connection.key] = late
+    kinds = _kinds(path, [c for c in used if c.key in decoders], decoders, options)
+    firsts |= _first_blocks(stream, [c for c in used if c.key in kinds and c.key not in firsts])
+    groups: dict[str, list[Connection]] = {}
+    for connection in used:
+        if connection.key in kinds and connection.key in firsts:
+            groups.setdefault(connection.topic, []).append(connection)
+    candidates = [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
+    for candidate in candidates:
+        joints = max((len(row.names) for row in candidate.rows), default=0)
+        if joints > MOST_JOINTS and wanted in (None, candidate.topic.strip("/")):
+            raise InputError(
+                f"{path}: a message on topic {candidate.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+                "choose another topic with --topic"
+            )
+    return candidates
+
+
+def _wanted(options: ReadOptions) -> str | None:
+    """Return the topic that the user asked for, without the arm and the slashes around it."""
+    return options.topic.partition("#")[0].strip("/") if options.topic else None
+
+
+def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: str | None) -> MessageDecoder | None:
+    """Make a decoder; a broken definition matters only on the topic that the user asked for."""
+    try:
+        return decoder_for(connection, payload)
+    except DefinitionError as error:
+        if connection.topic.strip("/") != wanted:
+            return None
+        raise InputError(
+            f"{path}: topic {connection.topic} of type {connection.type} cannot be read: {error}; "
+            "choose another topic with --topic, or convert the log"
+        ) from error
+
+
+def _candidate(
+    group: Sequence[Connection],
+    kinds: Mapping[int, MessageKind],
+    decoders: Mapping[int, MessageDecoder],
+    firsts: Mapping[int, Block],
+) -> Candidate:
+    """Join the connections of one topic that are of the same kind as the first one."""
+    kind = kinds[group[0].key]
+    same = [connection for connection in group if kinds[connection.key] == kind]
+    return Candidate(
+        topic=group[0].topic,
+        type=group[0].type,
+        messages=_sum([connection.messages for connection in same]),
+        kind=kind,
+        decoders={connection.key: decoders[connection.key] for connection in same},
+        rows=[row for c in same for row in _first_rows(firsts[c.key], decoders[c.key], kind)],
+    )
+
+
+def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
+    """Return the first messages of each connection, which may lie in several blocks."""
+    # One connection at a time: a container may hand over all messages of one before it comes to the next.
+    found = {
+        c.key: list(islice(_messages_of(stream, c.key), min(SAMPLED_MESSAGES, c.messages or 1))) for c in connections
+    }
+    return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
+
+
+def _messages_of(stream: MessageStream, key: int) -> Iterator[tuple[int, bytes]]:
+    """Yield log time and payload of the messages of a connection."""
+    for block in stream.blocks([key]):
+        yield from ((int(block.log_time[index]), block.payload(index)) for index in range(len(block)))
+
+
+def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
+    rows = []
+    for index in range(min(len(block), SAMPLED_MESSAGES)):
+        try:
+            rows.append(row_of(decoder.decode(block.payload(index)), kind))
+        except UndecodableError:
+            continue  # counted when the topic is read
+        if len(rows[-1].names) > MOST_JOINTS:
+            break
+    return rows
+
+
+def _kinds(
+    path: Path, connections: Sequence[Connection], decoders: Mapping[int, MessageDecoder], options: ReadOptions
+) -> dict[int, MessageKind]:
+    """Match the fields of all connections.
+
+    Raises:
+        InputError: If the user mapped fields that no connection has.
+    """
+    wanted = _wanted(options)
+    kinds: dict[int, MessageKind] = {}
+    refused: list[tuple[Connection, list[str]]] = []
+    for connection in connections:
+        decoder = decoders[connection.key]
+        mapping = options.mapping if wanted in (None, connection.topic.strip("/")) else {}
+        kind, missing = _kind(decoder, mapping)
+        if missing:
+            refused.append((connection, missing))
+        elif kind is not None:
+            kinds[connection.key] = kind
+    if refused and (wanted is not None or not kinds):
+        connection, missing = refused[0]
+        raise _no_such_field(path, connection, decoders[connection.key], missing)
+    return kinds
+
+
+def _kind(decoder: MessageDecoder, mapping: Mapping[str, str]) -> tuple[MessageKind | None, list[str]]:
+    """Match the fields of a connection; what the user mapped wins. Returns also the fields mapped but not there."""
+    kind = match_kind(decoder.paths)
+    named = {channel: _field_path(text) for channel, text in mapping.items()}
+    missing = [field for field in named.values() if field not in decoder.paths]
+    if not named or missing:
+        return kind, missing
+    robot_time = named.pop("t", None)
+    base = kind or MessageKind(rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
+    return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time), []
+
+
+def _no_such_field(path: Path, connection: Connection, decoder: MessageDecoder, missing: Sequence[str]) -> InputError:
+    near = sorted({name for field in missing for name in get_close_matches(field, decoder.paths, cutoff=0.5)})
+    hint = f"; did you mean {', '.join(near)}?" if near else ""
+    return InputError(
+        f"{path}: topic {connection.topic}: no field {', '.join(missing)} in {connection.type}{hint}; "
+        f"its fields are {', '.join(decoder.paths)}; correct --map"
+    )
+
+
+def _stamps(paths: Iterable[str]) -> tuple[str, ...]:
+    return ("header.stamp",) if "header.stamp" in paths else ()
+
+
+def _field_path(text: str) -> str:
+    """Return the path in what the user mapped: ``actual.velocities[{i}]`` names the array ``actual.velocities``."""
+    return text.replace("[{i}]", "").replace(".{i}", "")
+
+
+def _collect(
+    stream: MessageStream, candidate: Candidate, samples: JointSamples, window: Window | None = None
+) -> tuple[int, Counter[int]]:
+    """Decode the messages of the topic chosen; returns how many failed, and how many each connection has."""
+    fast: dict[int, BlockDecoder] = {}
+    seen: Counter[int] = Counter()
+    undecodable = 0
+    for found in stream.blocks(list(candidate.decoders), window):
+        block = window.part_of(found) if window else found
+        seen[block.key] += len(block)
+        decoder = candidate.decoders[block.key]
+        if len(block) and not _add_block(samples, block, decoder, candidate.kind, fast):
+            undecodable += _add_rows(samples, block, decoder, candidate.kind)
+    samples.trim()
+    return undecodable, seen
+
+
+def _read_part(
+    path: Path, stream: MessageStream, choice: Choice, options: ReadOptions
+) -> tuple[JointSamples, int, int] | None:
+    """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
+
+    Returns:
+        The samples, the number of messages that failed, and how many of the first samples are no more than the origin;
+        None if the log time tells too little about the clock chosen.
+    """
+    candidate = choice.candidate
+    firsts = _first_blocks(stream, [c for c in stream.connections if c.key in candidate.decoders])
+    samples = JointSamples(choice.joints, candidate.channels, None)
+    for key, block in firsts.items():
+        _add_rows(samples, block, candidate.decoders[key], candidate.kind)
+    skipped = samples.count
+    if not skipped:
+        return None
+    start, stop = options.window_of_clock()
+    origin = float(samples.log_time.min())
+    window = Window(
+        origin + NANOSECONDS * (start - MARGIN_S - CLOCK_DRIFT * abs(start)),
+        origin + NANOSECONDS * (stop + MARGIN_S + CLOCK_DRIFT * abs(stop)),
+    )
+    undecodable, _ = _collect(stream, candidate, samples, window)
+    if samples.count == skipped:
+        duration = max(window.latest - origin, 0.0) / NANOSECONDS * options.time_scale
+        find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))
+        return None
+    t = choose_clock(samples.log_time, samples.stamp, samples.robot_time).t
+    t = t[skipped:] - t[:skipped].min()
+    reached = (not window.before or t.min() <= start) and (not window.after or t.max() >= stop)
+    return (samples, undecodable, skipped) if reached else None
+
+
+def _add_block(
+    samples: JointSamples, block: Block, decoder: MessageDecoder, kind: MessageKind, fast: dict[int, BlockDecoder]
+) -> bool:
+    """Append a block by the layout in use, or by that of its own first message; False if neither fits."""
+    for attempt in (fast.get(block.key), None):
+        decoder_in_use = attempt or _block_decoder(block, decoder, kind, samples)
+        if decoder_in_use is None:
+            return False
+        records = decoder_in_use.decode(block)
+        if records is not None:
+            fast[block.key] = decoder_in_use
+            return samples.add_records(records, decoder_in_use.layout, kind, block.log_time)
+    return False
+
+
+def _block_decoder(
+    block: Block, decoder: MessageDecoder, kind: MessageKind, samples: JointSamples
+) -> BlockDecoder | None:
+    layout = decoder.layout(block.payload(0))
+    paths = [kind.fields[name] for name in samples.channels]
+    if kind.stamps:
+        paths += stamp_paths(kind)
+    if kind.robot_time:
+        paths.append(kind.robot_time)
+    if layout is None or any(path not in layout.numbers for path in paths):
+        return None
+    return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(paths)))
+
+
+def _add_rows(samples: JointSamples, block: Block, decoder: MessageDecoder, kind: MessageKind) -> int:
+    """Append a block message by message, with the library's decoder; returns how many it refused."""
+    undecodable = 0
+    for index, log_time in enumerate(block.log_time.tolist()):
+        try:
+            row = row_of(decoder.decode(block.payload(index)), kind)
+        except UndecodableError:
+            undecodable += 1
+            continue
+        if len(row.names) > MOST_JOINTS:
+            undecodable += 1
+        else:
+            samples.add_row(row, log_time)
+    return undecodable
+
+
+def _missing(stream: MessageStream, candidate: Candidate, seen: Mapping[int, int], stated: int) -> list[Finding]:
+    """Compare the messages read with their number by the file's own index and by the file beside it."""
+    own = [c for c in stream.connections if c.topic == candidate.topic]
+    indexed = sum(max((c.messages or 0) - seen[c.key], 0) for c in own if c.key in candidate.decoders)
+    found = sum(seen[c.key] if c.key in candidate.decoders else c.messages or 0 for c in own)
+    lost = max(indexed, stated - found)
+    if lost <= 0:
+        return []
+    where = "metadata.yaml" if lost > indexed else "the index of the file"
+    text = f"{lost} of {found + lost} messages on {candidate.topic} that {where} counts are missing"
+    return [Finding(code="missing_messages", message=text, amount=float(lost), damaged=True)]
+
+
+def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -> list[Finding]:
+    findings = []
+    for d in damage:
+        place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
+        text = f"the file is damaged{place} ({d.reason}); the {samples.count} messages outside the damage were read"
+        amount = None if d.byte is None else float(d.byte)
+        findings.append(Finding(code="truncated", message=text, amount=amount, damaged=True))
+    if undecodable:
+        text = f"{undecodable} messages do not fit their definition and were left out"
+        findings.append(Finding(code="undecodable_messages", message=text, amount=float(undecodable), damaged=True))
+    if samples.incomplete:
+        text = f"{samples.incomplete} messages hold only some of the joints; the others are missing there"
+        findings.append(Finding(code="incomplete_messages", message=text, amount=float(samples.incomplete)))
+    return findings
+
+
+def _recording(
+    choice: Choice,
+    samples: JointSamples,
+    candidates: Sequence[Candidate],
+    losses: list[Finding],
+    skipped: int,
+) -> Recording:
+    clock = choose_clock(samples.log_time, samples.stamp, samples.robot_time)
+    kind = choice.candidate.kind
+    return Recording(
+        t=clock.t[skipped:],
+        channels={name: array[skipped:] for name, array in samples.channels.items()},
+        first_s=float(clock.t[:skipped].min()) if skipped else None,
+        joint_names=choice.joints,
+        clock=clock.name,
+        start_s=clock.start_s,
+        robot=_robot(choice, candidates),
+        topic=choice.candidate.topic,
+        mapping={name: _shown(kind, name) for name in samples.channels},
+        findings=(*choice.findings, *_empty_channels(choice, candidates), *losses, *clock.findings),
+    )
+
+
+def _shown(kind: MessageKind, channel: str) -> str:
+    if kind.elements:
+        return f"{kind.elements}[{{i}}].{kind.fields[channel]}"
+    return f"{kind.fields[channel]}[{{i}}]"
+
+
+def _robot(choice: Choice, candidates: Sequence[Candidate]) -> str:
+    """Tell the robot from the joints' names; where the topic has none, from those of the other topics."""
+    robot = robot_of(choice.joints)
+    if robot != "unknown" or choice.joints[0] != "joint1":
+        return robot
+    others = {robot_of(row.names) for candidate in candidates for row in candidate.rows[:1]} - {"unknown"}
+    return others.pop() if len(others) == 1 else "unknown"
+
+
+def _empty_channels(choice: Choice, candidates: Sequence[Candidate]) -> list[Finding]:
+    """Say which of the kind's main channels hold nothing, and which topic has them."""
+    chosen = choice.candidate
+    empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
+    if not empty:
+        return []
+    better = [c.topic for c in candidates if c is not chosen and set(empty) <= set(c.channels)]
+    hint = f"; {', '.join(better)} has them: choose with --topic" if better else ""
+    fields = ", ".join(chosen.kind.fields[name] for name in empty)
+    return [Finding(code="channel_empty", message=f"{chosen.topic} holds no values in {fields}{hint}")]

@@ -1,0 +1,200 @@
+"""The readers there are, in the order in which they are asked whether they recognise a file.
+
+A format is added by writing one file and naming its record here.
+"""
+
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+from friction_audit.errors import InputError
+from friction_audit.io.checks import examine, to_joint_log
+from friction_audit.io.readers.csv import CSV
+from friction_audit.io.readers.joint_samples import arm_name, arms_in
+from friction_audit.io.readers.mcap import MCAP
+from friction_audit.io.readers.npz import NPZ
+from friction_audit.io.readers.parquet import PARQUET
+from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, Recording, TooLargeError, Topic
+from friction_audit.io.readers.rosbag1 import ROSBAG1
+from friction_audit.io.readers.rosbag2 import ROSBAG2
+from friction_audit.io.readers.topics import namespace
+from friction_audit.io.readers.unpack import Stamp, sha256_of, stamp_of, starts_with
+from friction_audit.joint_log import Finding, JointLog, Source, find_window
+
+READERS: tuple[Reader, ...] = (PARQUET, NPZ, ROSBAG1, ROSBAG2, MCAP, CSV)
+"""CSV comes last: any text with separators looks like one."""
+
+
+_DEFAULT = ReadOptions()
+_PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
+_GIT_LFS = b"version https://git-lfs.github.com/spec/"
+
+
+def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
+    """Read a recorded joint log, whatever its format, and vet it.
+
+    Args:
+        path: A file, or the directory of a ROS 2 bag.
+        options: What the user says about how to read it.
+
+    Raises:
+        InputError: If it cannot be read as a joint log; the message says what was found and what to do.
+    """
+    file = Path(path)
+    before = _stamp(file)
+    reader = choose_reader(file)
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="sha256") as pool:
+        digest = pool.submit(sha256_of, file)  # hashlib gives the lock away: this costs no time on a second core
+        damage: tuple[Finding, ...] = ()
+        try:
+            recording = reader.read(file, options)
+            damage = recording.findings
+            recording = _with_findings(recording, _suffix_mismatch(file, reader))
+            recording = examine(recording, path=str(path), options=options)
+            sha256 = digest.result()
+        except OSError as error:
+            raise _unreadable(file, error) from error
+        except MemoryError as error:
+            raise TooLargeError(
+                f"{path}: not enough memory to read a file of {before.size} bytes; {TAKE_A_PART}"
+            ) from error
+        except InputError as error:
+            notes = [finding.message for finding in _suffix_mismatch(file, reader)]
+            notes += [finding.message for finding in damage if finding.damaged and finding.message not in str(error)]
+            if _stamp(file) != before:
+                notes.append("the file changed while it was read: read it again when it is finished")
+            if not notes:
+                raise
+            raise type(error)("; ".join((str(error), *notes))) from error
+    recording = _with_findings(recording, _growth(before, _stamp(file)))
+    if not options.has_window:
+        return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    recording = _part(recording, options, str(path))
+    log = to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
+    window = (options.t_start_s, options.t_end_s)
+    return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
+
+
+def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:
+    """Return the part that was asked for, on a clock that is 0 at the first sample of the whole log."""
+    first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s * options.time_scale
+    t = recording.t - first_s
+    part = find_window(t, options.t_start_s, options.t_end_s, path)
+    channels = {channel: array[part] for channel, array in recording.channels.items()}
+    begun = None if recording.start_s is None else recording.start_s + first_s
+    return replace(recording, t=t[part], channels=channels, start_s=begun)
+
+
+def list_topics(path: str | Path) -> tuple[str, tuple[Topic, ...]]:
+    """Return the name of a file's format, and the topics or tables in it.
+
+    Raises:
+        InputError: If it is of no known format.
+    """
+    file = Path(path)
+    _stamp(file)
+    reader = choose_reader(file)
+    try:
+        return reader.name, reader.topics(file)
+    except OSError as error:
+        raise _unreadable(file, error) from error
+
+
+def choose_reader(path: Path) -> Reader:
+    """Return the reader that recognises a file by its content, else the one of its suffix.
+
+    Raises:
+        InputError: If there is none.
+    """
+    by_suffix = [reader for reader in READERS if path.suffix.lower() in reader.suffixes]
+    for reader in (*by_suffix, *READERS):
+        if reader.recognises(path):
+            return reader
+    packed = next((name for magic, name in _PACKED.items() if starts_with(path, magic)), None)
+    if packed is not None:
+        raise InputError(
+            f"{path}: packed with {packed}; expected a log that is not; unpack it with `{packed} -d {path}`"
+        )
+    if by_suffix and not path.is_dir():
+        return by_suffix[0]
+    if path.is_dir():
+        next(path.iterdir(), None)  # raises if it may not be looked into
+    what = "a directory without the storage files of a bag" if path.is_dir() else "of no known format"
+    raise InputError(f"{path}: {what}; what is read: {_formats()}; convert it, or choose a file inside")
+
+
+def _formats() -> str:
+    return ", ".join(f"{reader.name} ({' '.join(reader.suffixes) or 'directory'})" for reader in READERS)
+
+
+def _stamp(path: Path) -> Stamp:
+    """Return size and time of the last change, once it is sure that there is something to read."""
+    try:
+        if path.is_dir():
+            choose_reader(path)  # before all files below it are looked at, which may be a whole disk
+        elif path.is_file():
+            with path.open("rb") as stream:
+                _refuse_pointer(path, stream.read(len(_GIT_LFS)))
+        elif path.exists():
+            raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
+        stamp = stamp_of(path)
+    except OSError as error:
+        raise _unreadable(path, error) from error
+    if stamp.size == 0:
+        what = "its files are empty" if path.is_dir() else "the file is empty"
+        raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_formats()}; copy or record it again")
+    return stamp
+
+
+def _refuse_pointer(path: Path, head: bytes) -> None:
+    if head == _GIT_LFS:
+        raise InputError(
+            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
+        )
+
+
+def _unreadable(path: Path, error: OSError) -> InputError:
+    advice = {
+        FileNotFoundError: "no such file or directory; check the path",
+        PermissionError: "no permission to read it; change its mode or owner",
+    }.get(type(error), f"cannot be read: {error.strerror or error}")
+    return InputError(f"{path}: {advice}")
+
+
+def _suffix_mismatch(path: Path, reader: Reader) -> tuple[Finding, ...]:
+    others = [other.name for other in READERS if path.suffix.lower() in other.suffixes and other.name != reader.name]
+    if path.suffix.lower() in reader.suffixes or not others:
+        return ()
+    message = (
+        f"the name ends in {path.suffix}, as {others[0]} does, but the content is {reader.name}; it was read as that"
+    )
+    return (Finding(code="suffix_mismatch", message=message),)
+
+
+def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
+    if before == after:
+        return ()
+    how = f"{before.size} bytes before, {after.size} after" if before.size != after.size else "its size stayed"
+    message = (
+        f"the file changed while it was read ({how}); what was read may end early or be of two files; read it again "
+        "when the recording is finished"
+    )
+    return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
+
+
+def _with_findings(recording: Recording, findings: tuple[Finding, ...]) -> Recording:
+    return replace(recording, findings=(*recording.findings, *findings)) if findings else recording
+
+
+def arm_told_by(source: Source, joint_names: Sequence[str]) -> str:
+    """Return the serial number or the name of the arm of a log, or nothing where the log tells neither.
+
+    ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
+    every Panda's are called.
+    """
+    if source.serial:
+        return source.serial
+    prefixes = list(arms_in(joint_names))
+    named = arm_name(prefixes[0]) if len(prefixes) == 1 else ""
+    return named or namespace(source.topic or "")

@@ -1,0 +1,433 @@
+"""ROS 1 bags -> Recording, also from bags that were never closed or break off."""
+
+import re
+import struct
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.message_stream import (
+    SHORTEST_RUN,
+    Block,
+    Connection,
+    Damage,
+    Window,
+    block_of_ranges,
+    open_log,
+)
+from friction_audit.io.readers.messages import read_messages, topics_of
+from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.io.readers.unpack import UnpackError, bound_of, starts_with, unpack
+
+MAGIC = b"#ROSBAG V2.0\n"
+MESSAGE, BAG_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
+LARGEST_HEADER = 1 << 24
+"""A header names a topic, a time and a size; definitions are in the data. [byte]"""
+_LENGTH = struct.Struct("<I")
+_TIME = struct.Struct("<II")
+NANOSECONDS = 10**9
+
+
+class BrokenRecordError(Exception):
+    """The bag has no whole record here."""
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """A chunk of messages.
+
+    Attributes:
+        record: Where it begins in the file. [byte]
+        offset: Where its data begins. [byte]
+        size: Length of its data. [byte]
+        compression: Name of the compression.
+        claimed: Length of its data when decompressed, as the bag says. [byte]
+        unfinished: True if its end is missing, which has been noted.
+    """
+
+    record: int
+    offset: int
+    size: int
+    compression: str
+    claimed: int
+    unfinished: bool = False
+
+
+class Rosbag1Stream:
+    """The messages in a ROS 1 bag.
+
+    The records are walked from the start of the file instead of through the index at its end: that reads bags that
+    were never closed, and finds equally long messages by the row.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Find chunks and connections.
+
+        Raises:
+            InputError: If this is no ROS 1 bag of version 2.0, or nothing in it is whole.
+        """
+        self._path = path
+        self._damage: dict[int, Damage] = {}
+        self._connections: dict[int, dict[str, bytes]] = {}
+        self._counts: dict[int, int] = {}
+        self._chunks: list[Chunk] = []
+        self._times: dict[int, tuple[int, int]] = {}
+        self._uncounted: list[Chunk] = []
+        with open_log(path) as file:
+            self._bytes = file.seek(0, 2)
+            file.seek(0)
+            _check_magic(path, file.readline(64), self._bytes)
+            self._survey(file)
+        if self._damage or self._uncounted or not self._connections:
+            self._search_chunks()
+        if self._damage and not self._connections:
+            raise InputError(
+                f"{path}: breaks off at byte {min(self._damage)} of {self._bytes} before the first whole message; "
+                "nothing can be saved; copy it again or record anew"
+            )
+
+    @property
+    def connections(self) -> tuple[Connection, ...]:
+        """Connections of the bag."""
+        return tuple(self._connection(key, header) for key, header in self._connections.items())
+
+    @property
+    def damage(self) -> tuple[Damage, ...]:
+        """What was found broken so far."""
+        return tuple(self._damage.values())
+
+    def blocks(self, keys: Collection[int], window: Window | None = None) -> Iterator[Block]:
+        """Yield the messages of some connections, chunk by chunk; chunks outside the window are passed over."""
+        with open_log(self._path) as file:
+            for chunk in self._chunks:
+                if window and chunk.record in self._times and window.leaves_out(self._times[chunk.record]):
+                    continue
+                data = self._decompress(file, chunk)
+                if data is not None:
+                    yield from self._messages(data, keys, chunk)
+
+    def _messages(self, data: bytes, keys: Collection[int] | None, chunk: Chunk) -> list[Block]:
+        content = find_messages(data, keys)
+        if content.broken and not chunk.unfinished:
+            self._note(chunk.offset, content.broken)
+        return content.blocks
+
+    def _survey(self, file: BinaryIO) -> None:
+        """Walk over the file's records without reading the chunks' content; index records tell the counts."""
+        while (offset := file.tell()) < self._bytes:
+            try:
+                header, size = _read_header(file)
+                start = file.tell()
+                self._survey_record(file, header, (offset, start), size)
+            except BrokenRecordError as error:
+                self._note(offset, str(error))
+                return
+            file.seek(start + size)
+
+    def _survey_record(self, file: BinaryIO, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
+        kind = (header.get("op") or b"\x00")[0]
+        if kind == BAG_HEADER and "encryptor" in header and header["encryptor"]:
+            raise InputError(f"{self._path}: the bag is encrypted ({header['encryptor'].decode()}); decrypt it first")
+        if kind == CHUNK:
+            self._survey_chunk(header, place, size)
+        elif place[1] + size > self._bytes:
+            raise BrokenRecordError("a record is cut off")
+        elif kind == CONNECTION:
+            _learn_connection(header, file.read(size), self._connections)
+        elif kind == INDEX:
+            key = _number(header, "conn")
+            self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
+            self._uncounted = []
+        elif kind == CHUNK_INFO:
+            place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
+            self._times[place_of_chunk] = _time(header, "start_time"), _time(header, "end_time")
+
+    def _survey_chunk(self, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
+        """Note a chunk; the last one of a bag that was never closed has length 0, and may go on to the file's end."""
+        left = self._bytes - place[1]
+        unfinished = size > left or (size == 0 and left > 0)
+        packed = left if unfinished else size
+        compression = header.get("compression", b"none").decode(errors="replace")
+        claimed = bound_of(packed) if unfinished else _number(header, "size")
+        chunk = Chunk(*place, packed, compression, claimed, unfinished)
+        self._chunks.append(chunk)
+        self._uncounted.append(chunk)
+        if unfinished:
+            raise BrokenRecordError("the last chunk has no end")
+
+    def _search_chunks(self) -> None:
+        """Find connections in the chunks themselves, and count the messages of chunks that have no index."""
+        uncounted = set(self._uncounted)
+        with open_log(self._path) as file:
+            for chunk in self._chunks:
+                data = self._decompress(file, chunk)
+                if data is None:
+                    continue
+                content = find_messages(data, None)
+                self._connections = {**content.connections, **self._connections}
+                for block in content.blocks if chunk in uncounted else ():
+                    self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
+
+    def _decompress(self, file: BinaryIO, chunk: Chunk) -> bytes | None:
+        """Return the records of a chunk, or None if it is damaged."""
+        file.seek(chunk.offset)
+        packed = file.read(chunk.size)
+        try:
+            return unpack(chunk.compression, packed, chunk.claimed, cut=chunk.unfinished)
+        except UnpackError as error:
+            self._note(chunk.offset, f"a chunk cannot be decompressed: {error}")
+            return None
+
+    def _note(self, offset: int, reason: str) -> None:
+        self._damage[offset] = Damage(offset, self._bytes, reason)
+
+    def _connection(self, key: int, header: Mapping[str, bytes]) -> Connection:
+        return Connection(
+            key=key,
+            topic=header["topic"].decode(errors="replace"),
+            type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
+            encoding="ros1",
+            definition=header.get("message_definition", b""),
+            definition_format="ros1msg",
+            messages=self._counts.get(key, 0),
+        )
+
+
+def _check_magic(path: Path, first_line: bytes, size: int) -> None:
+    if first_line == MAGIC:
+        return
+    if not size:
+        raise InputError(f"{path}: is empty; expected a ROS 1 bag; check that it was copied whole")
+    if first_line.startswith(b"#ROSBAG V1"):
+        raise InputError(f"{path}: is a ROS bag of version 1; expected 2.0; convert it with `rosbag fix`")
+    raise InputError(f"{path}: does not begin with '#ROSBAG V2.0'; expected a ROS 1 bag; check the file's type")
+
+
+def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
+    """Read a record up to its data; returns the header's fields and the length of the data."""
+    size = _read_length(file)
+    if size > LARGEST_HEADER:
+        raise BrokenRecordError(f"a record's header claims {size} bytes")
+    header = _parse_header(_read_exactly(file, size))
+    return header, _read_length(file)
+
+
+def _read_length(file: BinaryIO) -> int:
+    return int(_LENGTH.unpack(_read_exactly(file, _LENGTH.size))[0])
+
+
+def _read_exactly(file: BinaryIO, size: int) -> bytes:
+    data = file.read(size)
+    if len(data) < size:
+        raise BrokenRecordError("a record is cut off")
+    return data
+
+
+def _parse_header(header: bytes) -> dict[str, bytes]:
+    fields: dict[str, bytes] = {}
+    position = 0
+    while position < len(header):
+        if position + _LENGTH.size > len(header):
+            raise BrokenRecordError("a record's header is broken")
+        (size,) = _LENGTH.unpack_from(header, position)
+        position += _LENGTH.size
+        name, equals, value = header[position : position + size].partition(b"=")
+        if not equals or position + size > len(header):
+            raise BrokenRecordError("a record's header is broken")
+        fields[name.decode(errors="replace")] = value
+        position += size
+    return fields
+
+
+def _number(header: Mapping[str, bytes], name: str) -> int:
+    value = header.get(name, b"")
+    if len(value) != _LENGTH.size:
+        raise BrokenRecordError(f"a record's header has no {name}")
+    return int(_LENGTH.unpack(value)[0])
+
+
+def _time(header: Mapping[str, bytes], name: str) -> int:
+    value = header.get(name, b"")
+    if len(value) != _TIME.size:
+        raise BrokenRecordError(f"a record's header has no {name}")
+    seconds, nanoseconds = _TIME.unpack(value)
+    return int(seconds * NANOSECONDS + nanoseconds)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MessageHead:
+    """What message records look like up to their payload; writers differ in the order of the header's fields.
+
+    Attributes:
+        pattern: Matches such a head, with the values as groups named conn, time and length.
+        record: The same as a NumPy record.
+        fixed: Offsets in it of all bytes but those values.
+    """
+
+    pattern: re.Pattern[bytes]
+    record: np.dtype[np.void]
+    fixed: NDArray[np.intp]
+
+    def unpack(self, match: re.Match[bytes]) -> tuple[int, int, int]:
+        """Return connection, time [ns] and length of the payload [byte]."""
+        (conn,), (sec, nsec) = _LENGTH.unpack(match["conn"]), _TIME.unpack(match["time"])
+        return conn, sec * NANOSECONDS + nsec, _LENGTH.unpack(match["length"])[0]
+
+
+def _message_head(head: bytes) -> MessageHead:
+    """Learn what message records look like from one of them, given up to its payload."""
+    widths = {b"conn": _LENGTH.size, b"time": _TIME.size}
+    offsets = {b"length": len(head) - _LENGTH.size}
+    position, copied, pattern = _LENGTH.size, 0, b""
+    while position < offsets[b"length"]:
+        (size,) = _LENGTH.unpack_from(head, position)
+        name, _, value = head[position + _LENGTH.size : position + _LENGTH.size + size].partition(b"=")
+        position += _LENGTH.size + size
+        if widths.get(name) == len(value):
+            offsets[name] = position - len(value)
+            pattern += re.escape(head[copied : offsets[name]]) + b"(?P<%b>.{%d})" % (name, len(value))
+            copied = position
+    if missing := widths.keys() - offsets.keys():
+        raise BrokenRecordError(f"a message record has no {b' and no '.join(sorted(missing)).decode()}")
+    pattern += re.escape(head[copied : offsets[b"length"]]) + b"(?P<length>.{4})"
+    varying = [range(offsets[name], offsets[name] + width) for name, width in {**widths, b"length": 4}.items()]
+    record = np.dtype(
+        {
+            "names": ["conn", "sec", "nsec", "length"],
+            "formats": ["<u4"] * 4,
+            "offsets": [offsets[b"conn"], offsets[b"time"], offsets[b"time"] + 4, offsets[b"length"]],
+            "itemsize": len(head),
+        }
+    )
+    fixed = np.setdiff1d(np.arange(len(head)), np.concatenate(varying))
+    return MessageHead(re.compile(pattern, re.DOTALL), record, fixed)
+
+
+@dataclass(slots=True)
+class ChunkContent:
+    """What is in a chunk: blocks of messages, descriptions of connections, and what is wrong, empty if nothing is."""
+
+    blocks: list[Block] = field(default_factory=list)
+    connections: dict[int, dict[str, bytes]] = field(default_factory=dict)
+    broken: str = ""
+
+
+def find_messages(data: bytes, keys: Collection[int] | None) -> ChunkContent:
+    """Find the messages in the records of a chunk.
+
+    Messages of one connection and one length that follow each other are found all at once, as rows of equal length.
+
+    Args:
+        data: Records of a chunk, decompressed.
+        keys: Connections wanted, None for all.
+    """
+    walk = _ChunkWalk(data, keys)
+    try:
+        while walk.position < len(data):
+            walk.step()
+    except BrokenRecordError as error:
+        walk.content.broken = str(error)
+    walk.content.blocks += [block_of_ranges(key, data, entries) for key, entries in walk.mixed.items()]
+    return walk.content
+
+
+@dataclass(slots=True)
+class _ChunkWalk:
+    data: bytes
+    keys: Collection[int] | None
+    position: int = 0
+    content: ChunkContent = field(default_factory=ChunkContent)
+    mixed: dict[int, list[tuple[int, int, int]]] = field(default_factory=dict)
+    head: MessageHead | None = None
+    alternating: bool = False
+
+    def step(self) -> None:
+        """Take the next record, or the next run of records."""
+        match = self.head.pattern.match(self.data, self.position) if self.head else None
+        if self.head is None or match is None:
+            self.other_record()
+            return
+        key, log_time, size = self.head.unpack(match)
+        if match.end() + size > len(self.data):
+            raise BrokenRecordError("a message runs over the end of its chunk")
+        wanted = self.keys is None or key in self.keys
+        if self.alternating:
+            if wanted:
+                self.mixed.setdefault(key, []).append((match.end(), size, log_time))
+            self.position = match.end() + size
+            return
+        run = _run(self.data, self.position, self.head, size)
+        if wanted:
+            self.content.blocks.append(run)
+        self.alternating = len(run) < SHORTEST_RUN
+        self.position += len(run) * (self.head.record.itemsize + size)
+
+    def other_record(self) -> None:
+        """Learn from a record that is not a message, or from a message whose head looks different."""
+        header, start, following = _record_at(self.data, self.position)
+        if header["op"][0] == MESSAGE:
+            self.head = _message_head(self.data[self.position : start])
+            return
+        _learn_connection(header, self.data[start:following], self.content.connections)
+        self.position = following
+
+
+def _run(data: bytes, position: int, head: MessageHead, size: int) -> Block:
+    """View the messages from here on that are as long as the first one and of its connection."""
+    width = head.record.itemsize
+    stride = width + size
+    count = (len(data) - position) // stride
+    values = np.ndarray((count,), head.record, data, offset=position, strides=(stride,))
+    rows = np.ndarray((count, width), np.uint8, data, offset=position, strides=(stride, 1))
+    same = (values["length"] == size) & (values["conn"] == values["conn"][0])
+    same &= (rows[:, head.fixed] == rows[0, head.fixed]).all(axis=1)
+    run = count if same.all() else int(same.argmin())
+    start = position + width + stride * np.arange(run, dtype=np.int64)
+    log_time = values["sec"][:run].astype(np.int64) * NANOSECONDS + values["nsec"][:run]
+    return Block(int(values["conn"][0]), log_time, data, start, np.full(run, size, np.int64))
+
+
+def _record_at(data: bytes, position: int) -> tuple[dict[str, bytes], int, int]:
+    """Parse the record at an offset; returns its header and where its data starts and ends."""
+    try:
+        (header_size,) = _LENGTH.unpack_from(data, position)
+        header = _parse_header(data[position + 4 : position + 4 + header_size])
+        start = position + 4 + header_size + 4
+        following = start + int(_LENGTH.unpack_from(data, start - 4)[0])
+    except struct.error as error:
+        raise BrokenRecordError("a record is cut off") from error
+    if following > len(data) or not header.get("op"):
+        raise BrokenRecordError("a record in a chunk is cut off or broken")
+    return header, start, following
+
+
+def _learn_connection(header: Mapping[str, bytes], data: bytes, connections: dict[int, dict[str, bytes]]) -> None:
+    if header["op"][0] == CONNECTION and "topic" in header:
+        connections[_number(header, "conn")] = {**_parse_header(data), "topic": header["topic"]}
+
+
+def _recognises(path: Path) -> bool:
+    return starts_with(path, b"#ROSBAG V")
+
+
+def _read(path: Path, options: ReadOptions) -> Recording:
+    return read_messages(path, Rosbag1Stream(path), options)
+
+
+def _topics(path: Path) -> tuple[Topic, ...]:
+    return topics_of(path, Rosbag1Stream(path))
+
+
+ROSBAG1 = Reader(
+    name="rosbag1",
+    suffixes=(".bag",),
+    recognises=_recognises,
+    read=_read,
+    topics=_topics,
+    summary="ROS 1 bag with JointState or FrankaState messages; one that was never closed or breaks off is salvaged.",
+)

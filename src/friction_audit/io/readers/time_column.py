@@ -1,0 +1,183 @@
+"""The clock of a table: which column it is, in which unit, and the exact way from there to seconds."""
+
+import re
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.joint_log import Float, find_window
+
+UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
+"""Unit of a clock -> units per second."""
+
+_NAMES: tuple[tuple[str, str | None, str], ...] = (
+    (r"field\.time|robot_time|state\.time", None, "robot_time"),
+    (r"(?:field\.)?header\.stamp|header_stamp|.*[./]header[./]stamp", None, "header_stamp"),
+    (r"stamp", None, "header_stamp"),
+    (r"%time", "ns", "log_time"),
+    (r"log_?time|publish_?time|receive_?time", None, "log_time"),
+    (r"duration|time|t|timestamps?|times|__time|elapsed|elapsed_time|seconds|clock", None, "column"),
+)
+"""Name, unit if the name tells it, clock; the better clock first: robot, header, log."""
+
+_UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|µs|seconds|sec|s"
+_UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
+_SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
+            "us": "us", "µs": "us"}  # fmt: skip
+_PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock) for name, unit, clock in _NAMES)
+_SECONDS = re.compile(r"(?P<stem>.*stamp)[._/]secs?", re.IGNORECASE)
+_EPOCH_S = (1.1e9, 4.1e9)
+"""Unix time between the years 2004 and 2099. [s]"""
+_LONGEST_S = 1e10
+"""Three centuries: from no stamp to the last one in nanoseconds."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TimeColumn:
+    """The column that is the clock.
+
+    Attributes:
+        cells: Its position; two for seconds and nanoseconds kept apart.
+        name: Its name in the file.
+        unit: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``, or None when the median step has to tell.
+        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
+    """
+
+    cells: tuple[int, ...]
+    name: str
+    unit: str | None
+    clock: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Clock:
+    """A clock read.
+
+    Attributes:
+        t: Time since the first sample, shape (n,). [s]
+        start_s: Unix time of the first sample, or None. [s]
+        unit: The unit found.
+    """
+
+    t: Float
+    start_s: float | None
+    unit: str
+
+
+def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:
+    """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all.
+
+    Raises:
+        UsageError: If no sample lies in it.
+    """
+    first_s = float(np.nanmin(clock.t))
+    since_first = clock.t - first_s
+    start, stop = options.window_of_clock()
+    rows = (since_first >= start) & (since_first < stop)
+    if not rows.any():
+        scale = options.time_scale
+        find_window(np.sort(since_first[np.isfinite(since_first)]) * scale, options.t_start_s, options.t_end_s, path)
+    return Clock(clock.t[rows], clock.start_s, clock.unit), rows, first_s
+
+
+def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
+    """Return the best clock among columns of these names, or None.
+
+    Args:
+        names: Names of the columns.
+        constant: Columns seen not to change, which therefore are no clock (a stamp that nobody set).
+    """
+    bare = [name.strip() for name in names]
+    if (
+        len(bare) > 1
+        and bare[1].lower() in ("success rate", "success_rate")
+        and bare[0].lower() in ("duration", "time")
+    ):
+        return TimeColumn(cells=(0,), name=bare[0], unit="ms", clock="robot_time")  # libfranka's logToCSV
+    split = _split_stamp(bare)
+    if split is not None and split.cells[1] not in constant:
+        return split
+    for pattern, unit, clock in _PATTERNS:
+        for cell, name in enumerate(bare):
+            match = pattern.fullmatch(name)
+            if match is not None and cell not in constant:
+                return TimeColumn(cells=(cell,), name=name, unit=_spelled(match["unit"]) or unit, clock=clock)
+    return None
+
+
+def to_clock(
+    raw: NDArray[np.float64] | NDArray[np.int64], unit: str | None, *, path: str, origin: float | None = None
+) -> Clock:
+    """Return seconds since the origin, which is the first sample; integers are subtracted before they lose digits.
+
+    Raises:
+        InputError: If there is no stamp, or one is centuries off.
+    """
+    if len(raw) == 0:
+        raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
+    if not np.isfinite(raw).any():
+        raise InputError(
+            f"{path}: time holds no number in all {len(raw)} rows; name another clock with --map t=<column>"
+        )
+    begin: Any = raw[np.isfinite(raw).argmax()] if origin is None else raw.dtype.type(origin)
+    elapsed = np.subtract(raw, begin, out=raw) if raw.dtype == np.float64 else (raw - begin).astype(np.float64)
+    found = unit or _unit_from_values(float(begin), elapsed)
+    if UNITS[found] != 1.0:
+        elapsed /= UNITS[found]
+    _refuse_centuries(elapsed, path)
+    start_s = float(begin) / UNITS[found]
+    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
+
+
+def _refuse_centuries(elapsed_s: Float, path: str) -> None:
+    """Refuse stamps that no clock shows, before their squares overflow."""
+    far = max(-np.nanmin(elapsed_s), np.nanmax(elapsed_s))
+    if _LONGEST_S < far < np.inf:
+        row = int(np.nanargmax(np.abs(elapsed_s)))
+        raise InputError(
+            f"{path}: the stamp of row {row + 1} is {elapsed_s[row]:.3g} s from the first one; expected the seconds of "
+            "one recording; remove the row, or name another clock with --map t=<column>"
+        )
+
+
+def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
+    """Find a stamp kept as whole seconds beside nanoseconds, as ROS messages do."""
+    lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
+    for name, cell in sorted(lower.items(), key=lambda item: item[1]):
+        match = _SECONDS.fullmatch(name)
+        if match is None:
+            continue
+        for nanoseconds in ("nsecs", "nsec", "nanosec", "nanosecs"):
+            partner = f"{name[: match.end('stem') + 1]}{nanoseconds}"
+            if partner in lower:
+                cells = (cell, lower[partner])
+                return TimeColumn(
+                    cells=cells, name=f"{names[cell]} + {names[cells[1]]}", unit="ns", clock="header_stamp"
+                )
+    return None
+
+
+def _spelled(unit: str | None) -> str | None:
+    return None if unit is None else _SPELLED.get(unit.lower()[:3], "s")
+
+
+def _unit_from_values(origin: float, elapsed: Float) -> str:
+    """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
+    for unit, per_second in UNITS.items():
+        if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
+            return unit
+    step = _median_step(elapsed)
+    return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
+
+
+def _median_step(elapsed: Float) -> float:
+    """Return the median step between stamps that differ; joints, or two recordings, may share theirs."""
+    in_order = not (elapsed[1:] < elapsed[:-1]).any()
+    lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
+    steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
+    return float(np.median(steps))

@@ -1,0 +1,211 @@
+"""Which topic, and which arm on it, to read: chosen if there is no doubt, otherwise left to the user."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from pathlib import Path
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.joint_samples import UNNAMED_ARM, Row, arm_name, arms_in
+from friction_audit.io.readers.message_decoder import MessageDecoder
+from friction_audit.io.readers.message_stream import MessageKind
+from friction_audit.io.readers.reader import SeveralArmsError, Topic
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding
+
+DRIVER_NODES = frozenset(
+    {
+        "franka_state_controller",
+        "franka_robot_state_broadcaster",
+        "joint_state_broadcaster",
+        "joint_state_controller",
+        "franka",
+    }
+)
+"""Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished."""
+
+NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Candidate:
+    """A topic whose messages can be read as joint states.
+
+    Attributes:
+        topic: Its name.
+        type: Its message type.
+        messages: Number of messages, or None when the file does not tell.
+        kind: Which fields are which channel.
+        decoders: Key of each connection -> its decoder.
+        rows: The first messages, decoded.
+    """
+
+    topic: str
+    type: str
+    messages: int | None
+    kind: MessageKind
+    decoders: Mapping[int, MessageDecoder]
+    rows: Sequence[Row] = field(default=())
+
+    @property
+    def arms(self) -> dict[str, tuple[str, ...]]:
+        """Prefix of each arm in the messages -> its joints."""
+        return arms_in([name for row in self.rows for name in row.names])
+
+    @property
+    def channels(self) -> tuple[str, ...]:
+        """Channels that have content in the first messages, in the order of the kind's table."""
+        return tuple(name for name in self.kind.fields if any(name in row.channels for row in self.rows))
+
+    @property
+    def has_torque(self) -> bool:
+        """True if there is a torque to judge friction by."""
+        return any(name in self.channels for name in TORQUE_CHANNELS)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """The topic chosen, the joints of the arm chosen, and what to say about it."""
+
+    candidate: Candidate
+    joints: tuple[str, ...]
+    findings: tuple[Finding, ...] = ()
+
+
+def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None) -> Choice:
+    """Choose the topic to read.
+
+    Args:
+        path: The log, for messages.
+        candidates: Topics that can be read, with their first messages.
+        topics: All topics in the file, for messages.
+        wanted: ``TOPIC`` or ``TOPIC#ARM`` as the user gave it, or None.
+
+    Raises:
+        InputError: If there is nothing to read, or the topic wanted is not there.
+        SeveralArmsError: If the file holds several arms and the user named none.
+    """
+    if wanted is not None:
+        name, _, arm = wanted.partition("#")
+        candidate = _named(path, candidates, topics, name)
+        return Choice(candidate, _arm_joints(path, candidate, arm))
+    measured = [c for c in candidates if c.arms and not NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
+    if not measured:
+        raise InputError(_nothing_to_read(path, candidates, topics))
+    if _several_arms(measured):
+        message = f"{path}: several arms in one log; choose one with {_choices(measured)}"
+        raise SeveralArmsError(message, _best_of_each_arm(measured))
+    best = min(measured, key=_preference)
+    return Choice(best, _arm_joints(path, best, ""), _chosen_finding(best, measured))
+
+
+def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
+    """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
+    first_hand = bool(DRIVER_NODES & set(candidate.topic.split("/")))
+    return not candidate.has_torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
+
+
+def _several_arms(candidates: Sequence[Candidate]) -> bool:
+    namespaces = {namespace(candidate.topic) for candidate in candidates} - {""}
+    prefixes = {arm for candidate in candidates for arm in candidate.arms} - {""}
+    return len(namespaces) > 1 or len(prefixes) > 1
+
+
+def namespace(topic: str) -> str:
+    """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
+    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+
+
+def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
+    """Return the best topic for each arm, arms told apart by the names of their joints, else by namespace."""
+    found: dict[str, str] = {}
+    for candidate in sorted(candidates, key=_preference):
+        for arm in candidate.arms:
+            found.setdefault(arm_name(arm) or namespace(candidate.topic), _topic(candidate, arm))
+    return [found[arm] for arm in sorted(found)]
+
+
+def _topic(candidate: Candidate, arm: str) -> str:
+    return f"{candidate.topic}#{arm or UNNAMED_ARM}" if len(candidate.arms) > 1 else candidate.topic
+
+
+def _choices(candidates: Sequence[Candidate]) -> str:
+    lines = []
+    for candidate in candidates:
+        count = "" if candidate.messages is None else f" ({candidate.messages} messages)"
+        lines += [f"--topic '{_topic(candidate, arm)}'{count}" for arm in candidate.arms]
+    return " or ".join(lines)
+
+
+def _arm_joints(path: Path, candidate: Candidate, wanted: str) -> tuple[str, ...]:
+    arms = {arm or UNNAMED_ARM: joints for arm, joints in candidate.arms.items()}
+    if not arms:
+        raise InputError(f"{path}: topic {candidate.topic} has no joints in its messages; choose another with --topic")
+    if wanted in arms:
+        return arms[wanted]
+    if wanted:
+        raise InputError(
+            f"{path}: no arm {wanted!r} on topic {candidate.topic}; it has {', '.join(arms)}; "
+            f"choose with {_choices([candidate])}"
+        )
+    if len(arms) > 1:
+        message = f"{path}: several arms on topic {candidate.topic}; choose one with {_choices([candidate])}"
+        raise SeveralArmsError(message, _best_of_each_arm([candidate]))
+    return next(iter(arms.values()))
+
+
+def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str) -> Candidate:
+    for candidate in candidates:
+        if candidate.topic.strip("/") == wanted.strip("/"):
+            return candidate
+    there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
+    if there is not None and there.messages == 0:
+        raise InputError(f"{path}: topic {there.name} has no messages; {list_topics(topics)}")
+    if there is not None:
+        raise InputError(
+            f"{path}: topic {there.name} of type {there.type} holds no joint state that can be read; expected fields "
+            f"q, dq and tau_J, or position, velocity and effort; {list_topics(topics)}"
+        )
+    near = get_close_matches(wanted, [topic.name for topic in topics], cutoff=0.5)
+    hint = f"did you mean {' or '.join(near)}? " if near else ""
+    raise InputError(f"{path}: no topic {wanted}; {hint}{list_topics(topics)}; choose one with --topic")
+
+
+def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
+    if not topics:
+        return f"{path}: no messages at all; expected a topic with joint states; check that the recording was running"
+    if candidates and not any(topic.messages for topic in topics if topic.name in {c.topic for c in candidates}):
+        names = ", ".join(dict.fromkeys(candidate.topic for candidate in candidates))
+        return (
+            f"{path}: 0 messages on {names}; expected joint states; {list_topics(topics)}; check that the robot was "
+            "running, and record anew"
+        )
+    if broken := next((candidate for candidate in candidates if not candidate.rows), None):
+        return (
+            f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "
+            f"{list_topics(topics)}; choose another one with --topic, or record anew"
+        )
+    return (
+        f"{path}: no topic with measured joint states; expected fields q, dq and tau_J, or position, velocity and "
+        f"effort; {list_topics(topics)}; name the fields with --topic and --map if one of them holds the joints"
+    )
+
+
+def list_topics(topics: Sequence[Topic]) -> str:
+    """List topics for a message."""
+    if not topics:
+        return "there are no topics"
+    return "topics are " + ", ".join(f"{topic.name} ({topic.type}{_count(topic.messages)})" for topic in topics)
+
+
+def _count(messages: int | None) -> str:
+    return "" if messages is None else f", {messages} messages"
+
+
+def _chosen_finding(best: Candidate, candidates: Sequence[Candidate]) -> tuple[Finding, ...]:
+    others = [c for c in candidates if c is not best]
+    if not others:
+        return ()
+    names = ", ".join(f"{c.topic} ({c.type}{_count(c.messages)})" for c in others)
+    message = f"{best.topic} ({best.type}{_count(best.messages)}) was read; also there: {names}; choose with --topic"
+    return (Finding(code="topic_chosen", message=message),)

@@ -1,0 +1,135 @@
+"""The columns of a log as tables have them."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import csv_text, encodable
+from friction_audit.io.tidy_table import Column, TidyTable
+from friction_audit.joint_log import Float, JointLog
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
+
+
+NANOSECONDS = 1_000_000_000
+
+UNKNOWN_START_NS = NANOSECONDS
+"""First stamp of a log whose clock does not tell the time; a stamp of 0 would mean 'not set' in ROS."""
+
+ColumnOf = Float | NDArray[np.int64] | NDArray[np.object_]
+"""Numbers, stamps or words."""
+
+
+def stamps_ns(log: JointLog) -> NDArray[np.int64]:
+    """Return the Unix time of every sample, shape (n,). [ns]"""
+    start = UNKNOWN_START_NS if log.source.start_s is None else round(log.source.start_s * NANOSECONDS)
+    return start + np.rint(log.t * NANOSECONDS).astype(np.int64)
+
+
+def joint_columns(
+    log: JointLog, name: Callable[[str, int], str], channels: tuple[str, ...] | None = None
+) -> dict[str, ColumnOf]:
+    """Return one column per channel and joint, joints of one channel side by side.
+
+    Args:
+        log: The log.
+        name: Name of the column of a channel and a joint (0-based).
+        channels: Which channels, or None for all that were recorded.
+    """
+    recorded = log.channels()
+    kept = [channel for channel in recorded if channels is None or channel in channels]
+    return {name(channel, j): recorded[channel][:, j] for channel in kept for j in range(len(log.joint_names))}
+
+
+def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
+    """Return ``time`` [s], then ``q_1``, ``q_2``, ... of every channel that was recorded."""
+    return {"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}
+
+
+def write_columns(lots: Iterable[Mapping[str, Sequence[Any]]], types: Mapping[str, type], path: Path) -> None:
+    """Write columns of numbers, words and flags, None where there is nothing.
+
+    Args:
+        lots: Columns by name, all of one length; of the rows that follow, the same columns.
+        types: What is in each: ``str``, ``int``, ``float`` or ``bool``.
+        path: Where to.
+    """
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
+    kinds = arrow_types()
+    schema = pa.schema([(name, kinds[kind]) for name, kind in types.items()])
+    with pq.ParquetWriter(path, schema, compression="zstd", write_page_checksum=True) as writer:
+        for columns in lots:
+            writer.write_table(pa.table(dict(columns), schema=schema))
+
+
+def arrow_types() -> "dict[type, pa.DataType]":
+    """Return what Arrow calls the kinds of columns."""
+    import pyarrow as pa
+
+    return {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+
+
+HEAD: dict[str, type] = {"joint": int, "name": str}
+"""Columns that every table begins with."""
+
+
+def write_table_csv(table: TidyTable, path: Path) -> None:
+    """Write a table as CSV; numbers in the shortest form that reads back to the bit, an empty cell for none."""
+    from pyarrow import csv
+
+    with csv.CSVWriter(path, _schema(table)) as writer:
+        for batch in _batches(table, csv_text):
+            writer.write_batch(batch)
+
+
+def write_table_parquet(table: TidyTable, path: Path) -> None:
+    """Write a table as Parquet, a row group per joint."""
+    import pyarrow.parquet as pq
+
+    with pq.ParquetWriter(path, _schema(table), compression="zstd") as writer:
+        for batch in _batches(table):
+            writer.write_batch(batch)
+
+
+def to_frame(table: TidyTable) -> "pd.DataFrame":
+    """Return a table as a pandas frame; NaN or None where there is nothing."""
+    import pyarrow as pa
+
+    frame: pd.DataFrame = pa.Table.from_batches(_batches(table), _schema(table)).to_pandas()
+    return frame
+
+
+def _schema(table: TidyTable) -> "pa.Schema":
+    import pyarrow as pa
+
+    kinds = arrow_types()
+    return pa.schema([(name, kinds[kind]) for name, kind in (HEAD | dict(table.types)).items()])
+
+
+def _batches(table: TidyTable, write_text: Callable[[str], str] = encodable) -> "Iterator[pa.RecordBatch]":
+    import pyarrow as pa
+
+    schema = _schema(table)
+    for rows in table.rows:
+        if len(rows):
+            head = [
+                pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows)),
+                pa.repeat(write_text(rows.name), len(rows)),
+            ]
+            columns = [_array(rows.columns[name], schema.field(name).type, write_text) for name in table.types]
+            yield pa.record_batch([*head, *columns], schema=schema)
+
+
+def _array(column: Column, kind: "pa.DataType", write_text: Callable[[str], str]) -> "pa.Array":
+    import pyarrow as pa
+
+    if pa.types.is_string(kind):
+        return pa.array([None if text is None else write_text(text) for text in column], type=kind)
+    return pa.array(column, type=kind, from_pandas=True)

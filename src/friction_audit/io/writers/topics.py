@@ -1,0 +1,108 @@
+"""TidyTables -> MCAP with a topic per table and joint: JSON messages with their schema, on the clock of the log.
+
+Foxglove and PlotJuggler show them beside the log that they were made from. What is known at a moment of the log is
+stamped with that moment, what the whole log says with its last sample.
+"""
+
+import heapq
+import json
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from friction_audit.errors import encodable
+from friction_audit.io.tidy_table import Column, JointRows, TidyTable
+from friction_audit.io.writers.mcap import Channel, write_channels
+from friction_audit.io.writers.tables import NANOSECONDS, UNKNOWN_START_NS
+from friction_audit.joint_log import Float, JointLog
+
+ROOT = "/friction_audit"
+"""What every topic begins with."""
+BLOCK = 8192
+"""Rows that are turned into messages at once."""
+JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Span:
+    """When a log was recorded, on its own clock.
+
+    Attributes:
+        start_ns: Unix time of its first sample, or one second where its clock does not tell the time. [ns]
+        duration_s: From the first sample to the last. [s]
+    """
+
+    start_ns: int
+    duration_s: float
+
+    def stamps(self, time_s: Float) -> list[int]:
+        """Return the Unix time of moments of the log, none outside it. [ns]"""
+        moments = np.clip(np.asarray(time_s, dtype=np.float64), 0.0, self.duration_s)
+        found: list[int] = (self.start_ns + np.rint(moments * NANOSECONDS).astype(np.int64)).tolist()
+        return found
+
+
+def span_of(log: JointLog) -> Span:
+    """Return when a log, or the part of it that was taken, was recorded."""
+    source = log.source
+    begun = UNKNOWN_START_NS / NANOSECONDS + source.skipped_s if source.start_s is None else source.start_s
+    return Span(start_ns=round(begun * NANOSECONDS), duration_s=log.duration_s)
+
+
+def write_topics(tables: Sequence[TidyTable], span: Span, path: Path) -> None:
+    """Write every table, a topic per joint, in the order of time."""
+    own = [(table, rows) for table in tables for rows in table.rows if len(rows)]
+    streams = [_messages(table, rows, span, place) for place, (table, rows) in enumerate(own)]
+    write_channels(path, [_channel(*one) for one in own], heapq.merge(*streams))
+
+
+def topic_of(table: str, joint: int) -> str:
+    """Return the topic of a table's rows of one joint."""
+    return f"{ROOT}/joint_{joint}/{table}"
+
+
+def _channel(table: TidyTable, rows: JointRows) -> Channel:
+    return Channel(
+        topic=topic_of(table.name, rows.joint),
+        schema=f"friction_audit.{table.name}",
+        schema_encoding="jsonschema",
+        schema_data=json.dumps(json_schema(table)).encode(),
+        encoding="json",
+        notes={"joint": str(rows.joint), "joint_name": encodable(rows.name)},
+    )
+
+
+def json_schema(table: TidyTable) -> dict[str, Any]:
+    """Return what a message of a table holds; a number that there is not is left out of the message."""
+    return {
+        "title": f"friction_audit.{table.name}",
+        "description": table.summary,
+        "type": "object",
+        "properties": {name: {"type": JSON_TYPES[kind]} for name, kind in table.types.items()},
+    }
+
+
+def _messages(table: TidyTable, rows: JointRows, span: Span, place: int) -> Iterator[tuple[int, int, bytes]]:
+    """Yield time [ns], place of the channel and message of every row."""
+    names = tuple(table.types)
+    for first in range(0, len(rows), BLOCK):
+        part = slice(first, first + BLOCK)
+        cells = [_plain(rows.columns[name][part], table.types[name]) for name in names]
+        last = np.full(len(cells[0]), span.duration_s)
+        stamps = span.stamps(last if table.time is None else np.asarray(rows.columns[table.time][part]))
+        for stamp, row in zip(stamps, zip(*cells, strict=True), strict=True):
+            told = {name: value for name, value in zip(names, row, strict=True) if value is not None}
+            yield stamp, place, json.dumps(told, separators=(",", ":")).encode()
+
+
+def _plain(column: Column, kind: type) -> list[Any]:
+    """Return cells as JSON knows them, None where there is nothing."""
+    if kind is float:
+        numbers = np.asarray(column, dtype=np.float64)
+        cells: list[Any] = numbers.tolist()
+        return cells if np.isfinite(numbers).all() else [one if math.isfinite(one) else None for one in cells]
+    return [None if value is None else kind(value) for value in column]

@@ -1,0 +1,148 @@
+"""The chain on one log, one line per step.
+
+A step loads what it needs when it is taken: who only gives settings, or only estimates, does not wait for the others.
+"""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from friction_audit.friction import estimate_friction
+from friction_audit.friction.history import FrictionHistory
+from friction_audit.friction.settings import FrictionSettings
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
+from friction_audit.preprocessing.torque_source import arm_for_hand, known_arm
+
+if TYPE_CHECKING:
+    from friction_audit.compensation.result import Replay
+    from friction_audit.compensation.settings import ReplaySettings
+    from friction_audit.diagnosis.result import Discrepancy
+    from friction_audit.diagnosis.settings import DiagnosisSettings
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class AuditSettings:
+    """All settings of the chain.
+
+    Attributes:
+        joints: Numbers (1..n) of the joints to look at, or None for all.
+        t_start_s: Start of the window, or None. [s]
+        t_stop_s: End of the window, or None. [s]
+        torque: The interaction torque.
+        cycles: The segmentation.
+        friction: The estimate.
+    """
+
+    joints: tuple[int, ...] | None = None
+    t_start_s: float | None = None
+    t_stop_s: float | None = None
+    torque: TorqueSettings = field(default_factory=TorqueSettings)
+    cycles: CycleSettings = field(default_factory=CycleSettings)
+    friction: FrictionSettings = field(default_factory=FrictionSettings)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Estimate:
+    """The result of ``estimate``: every step of the chain and the settings that made it."""
+
+    log: JointLog
+    interaction: Interaction
+    cycles: EnergyCycles
+    friction: FrictionHistory
+    settings: AuditSettings
+
+
+def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
+    """Estimate the friction of the joints of a log.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    from friction_audit.preprocessing import segment_cycles
+
+    log = log.take_window(settings.t_start_s, settings.t_stop_s)
+    hand = settings.cycles.cycles_from == "hand"
+    interaction = extract_interaction(log, settings.torque, joints=settings.joints, hand=hand)
+    cycles = segment_cycles(interaction, settings.cycles)
+    friction = estimate_friction(interaction, cycles, settings.friction, log.source.dead_torque)
+    return Estimate(log=log, interaction=interaction, cycles=cycles, friction=friction, settings=settings)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LogReplay:
+    """The result of ``replay``: what a compensator would have done, and the estimate beside it."""
+
+    estimate: Estimate
+    replay: "Replay"
+    settings: "ReplaySettings"
+
+
+def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
+    """Run a friction compensator on the joints of a log, as a controller would have.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    return replay_estimate(estimate_log(log, settings), replay_settings)
+
+
+def replay_estimate(
+    estimate: Estimate, settings: "ReplaySettings", *, joints: tuple[int, ...] | None = None
+) -> LogReplay:
+    """Run a friction compensator on a log that was estimated before, on some of its joints (by number) or on all."""
+    from friction_audit.compensation.replay import replay
+
+    found = replay(
+        estimate.interaction,
+        estimate.cycles,
+        estimate.friction,
+        settings,
+        robot=estimate.log.source.robot,
+        joints=joints,
+        hand_speed=_hand_speed(estimate),
+    )
+    return LogReplay(estimate=estimate, replay=found, settings=settings)
+
+
+def _hand_speed(estimate: Estimate) -> Float | None:
+    """Return the speed of the hand as a controller saw it, or None where each joint ends its own cycles. [m/s]
+
+    At every sample, from that sample alone; the smooth one of ``Interaction`` knows the future.
+    """
+    if estimate.settings.cycles.cycles_from != "hand":
+        return None
+    log = estimate.log
+    return arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Diagnosis:
+    """The result of ``diagnose``: what the declared model misses, and the estimate beside it."""
+
+    estimate: Estimate
+    discrepancy: "Discrepancy"
+    settings: "DiagnosisSettings"
+
+
+def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
+    """Find what the declared model of every joint of a log misses.
+
+    Raises:
+        UsageError: If the settings contradict the log.
+        InputError: If the log lacks a channel that the settings ask for.
+    """
+    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
+
+
+def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
+    """Find what the declared model misses on the joints of a log that was estimated before."""
+    from friction_audit.diagnosis.diagnose import diagnose
+
+    arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)
+    found = diagnose(estimate.log, estimate.interaction, estimate.cycles, estimate.friction, settings, arm)
+    return Diagnosis(estimate=estimate, discrepancy=found, settings=settings)

@@ -1,0 +1,139 @@
+"""How energy cycles are found."""
+
+import shlex
+from dataclasses import dataclass, fields
+from math import inf, isfinite
+from pathlib import Path
+
+from friction_audit.errors import UsageError
+
+THRESHOLDS = ("fixed", "auto")
+CYCLES_FROM = ("joint", "hand")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class CycleSettings:
+    """Settings of the segmentation; the defaults are the paper's (section V).
+
+    Attributes:
+        thresholds: ``"fixed"`` (the two below) or ``"auto"`` (from the log's own noise and speeds).
+        initiation_rad_s: Filtered speed above which a cycle begins. [rad/s]
+        termination_rad_s: Filtered speed below which it ends. [rad/s]
+        cutoff_hz: Corner of the low-pass filter on the velocity, for detection only. [Hz]
+        cycles_from: ``"joint"``: each joint has its own cycles; ``"hand"``: the end effector's speed defines them.
+        hand_initiation_m_s: Hand speed above which a cycle begins. [m/s]
+        hand_termination_m_s: Hand speed below which it ends. [m/s]
+        minimum_path_rad: With ``"hand"``, a cycle counts only if every joint selected has moved this far. [rad]
+        maximum_gap_s: A cycle with a longer hole in the log (and longer than 3.5 steps) is left out. [s]
+        closure_rad: A cycle whose ends are further apart is open in position. [rad]
+
+    Raises:
+        UsageError: If a number is out of range or a name unknown.
+    """
+
+    thresholds: str = "fixed"
+    initiation_rad_s: float = 0.2
+    termination_rad_s: float = 0.05
+    cutoff_hz: float = 20.0
+    cycles_from: str = "joint"
+    hand_initiation_m_s: float = 0.1
+    hand_termination_m_s: float = 0.025
+    minimum_path_rad: float = 0.1
+    maximum_gap_s: float = 0.05
+    closure_rad: float = 0.05
+
+    def __post_init__(self) -> None:
+        """Check names and ranges."""
+        if self.thresholds not in THRESHOLDS:
+            raise UsageError(f"--thresholds {self.thresholds}: expected one of {', '.join(THRESHOLDS)} or two numbers")
+        if self.cycles_from not in CYCLES_FROM:
+            raise UsageError(f"--cycles-from {self.cycles_from}: expected one of {', '.join(CYCLES_FROM)}")
+        for option, start, stop, unit in (
+            ("--thresholds", self.initiation_rad_s, self.termination_rad_s, "rad/s"),
+            ("--hand-thresholds", self.hand_initiation_m_s, self.hand_termination_m_s, "m/s"),
+        ):
+            if not inf > start > stop > 0:
+                raise UsageError(
+                    f"{option} {start:g},{stop:g}: expected initiation above termination and both above zero, in {unit}"
+                )
+        if not inf > self.minimum_path_rad >= 0:
+            raise UsageError(f"--min-path {self.minimum_path_rad:g}: expected an angle of zero or more, in rad")
+
+
+TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
+GRAVITIES = ("auto", "logged", "model", "none")
+INERTIAS = ("auto", "model", "none")
+DRIVES = ("auto", "hand", "robot")
+ROBOTS = ("auto", "panda", "fr3", "none")
+CHOICES = (
+    ("torque", TORQUES),
+    ("gravity", GRAVITIES),
+    ("inertia", INERTIAS),
+    ("drive", DRIVES),
+    ("robot", ROBOTS),
+)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueSettings:
+    """Choices of the interaction torque; ``"auto"`` leaves them to the log.
+
+    Attributes:
+        torque: Source channel, one of TORQUES.
+        gravity: Where gravity comes from, one of GRAVITIES.
+        inertia: Whether inertial and Coriolis torque is removed, one of INERTIAS.
+        drive: Who moves the joint, one of DRIVES.
+        robot: Whose rigid-body model may be used, one of ROBOTS.
+        urdf: A URDF that replaces the built-in model, or None.
+        payload: mass [kg] and centre of mass x, y, z [m] in the flange frame, or None.
+        gravity_vector: Gravity in the base frame. [m/s^2]
+        model_rate_hz: Rate at which the rigid-body model is evaluated. [Hz]
+
+    Raises:
+        UsageError: If a choice is not one of the names, or a number out of range.
+    """
+
+    torque: str = "auto"
+    gravity: str = "auto"
+    inertia: str = "auto"
+    drive: str = "auto"
+    robot: str = "auto"
+    urdf: Path | None = None
+    payload: tuple[float, float, float, float] | None = None
+    gravity_vector: tuple[float, float, float] = (0.0, 0.0, -9.81)
+    model_rate_hz: float = 50.0
+
+    def __post_init__(self) -> None:
+        """Check every choice against its names."""
+        for name, allowed in CHOICES:
+            if getattr(self, name) not in allowed:
+                raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
+        if not self.model_rate_hz > 0:
+            raise UsageError(f"--model-rate {self.model_rate_hz:g}: expected a rate above zero, in Hz")
+        if self.payload is not None and not (all(map(isfinite, self.payload)) and self.payload[0] > 0):
+            raise UsageError(
+                f"--payload {','.join(f'{value:g}' for value in self.payload)}: expected mass,x,y,z in kg and m with a "
+                "mass above zero"
+            )
+        if not all(map(isfinite, self.gravity_vector)) or not any(self.gravity_vector):
+            raise UsageError(
+                f"--gravity-vector {','.join(f'{g:g}' for g in self.gravity_vector)}: expected three finite numbers, "
+                "not all zero, in m/s^2; where nothing weighs, use --gravity none"
+            )
+
+    def command(self, log: str, *more: str, **changed: str | None) -> str:
+        """Return the command to paste that estimates a log with these choices.
+
+        Args:
+            log: Path of the log.
+            more: Further options.
+            changed: Choices to be made otherwise, by name.
+        """
+        words = ["friction-audit", "estimate", log]
+        for one in fields(self):
+            value = changed.get(one.name, getattr(self, one.name))
+            if value != one.default:
+                text = ",".join(f"{number:g}" for number in value) if isinstance(value, tuple) else str(value)
+                option = "--" + one.name.removesuffix("_hz").replace("_", "-")
+                words += [f"{option}={text}"] if text.startswith("-") else [option, text]
+        return f"`{shlex.join((*words, *more))}`"

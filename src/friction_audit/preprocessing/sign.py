@@ -1,0 +1,166 @@
+"""The proof of the sign: friction takes energy, so the net energy must rise.
+
+The energy itself proves little on a real log: paths are not closed, so gravity errors, torque offsets and inertia put
+more energy in than friction takes out. What friction alone does is to change its sign with the direction of motion.
+So per joint, over the samples that move,
+
+    F_m + u = f sgn(dq) + o + a sin q + b cos q + B ddq + noise
+
+and the sign is proved where f, the torque against the motion, is positive beyond its standard error; f times the path
+is the energy taken. The noise is not white (vibration, gravity of other joints), so the standard error is that of
+independent strokes: a stroke is the motion between two reversals.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.parallel import per_joint
+from friction_audit.preprocessing.interaction import SignEvidence
+
+RATE_HZ = 50.0
+"""Rate of the means that the proof works on: above the motion, and cheap for hours of log."""
+
+SLOWEST_RAD_S = 0.01
+FASTEST_RAD_S = 0.05
+SHARE_OF_PEAK = 0.2
+"""A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s."""
+
+STILL_RAD_S = 0.02
+"""A joint whose peak speed stays below this does not move."""
+
+SHARE_OF_FARTHEST = 0.1
+MINIMUM_STROKES = 4
+SIGNIFICANT = 2.0
+"""Standard errors."""
+LARGEST_SCORE = 5.0
+"""Standard errors beyond which a joint's score tells of gravity or inertia in its torque, not of more certainty."""
+BRIDGED_S = 0.1
+"""A step of the clock up to this is no hole here: the mean motion between two samples is well below 5 Hz."""
+
+Verdict = Literal["rises", "falls", "undecided", "still", "no_torque"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class CoarseLog:
+    """Means of a log over blocks of samples, m blocks.
+
+    Attributes:
+        samples: Samples per block.
+        t: Time, shape (m,). [s]
+        q: Position, shape (m, j). [rad]
+        dq: Velocity, shape (m, j). [rad/s]
+        whole: False where a block holds or touches a hole in the log, shape (m,).
+    """
+
+    samples: int
+    t: Float
+    q: Float
+    dq: Float
+    whole: NDArray[np.bool_]
+
+    def mean(self, signal: Float) -> Float:
+        """Return the block means of another signal of the log, shape (n, j) -> (m, j)."""
+        return _block_mean(signal, self.samples)
+
+
+def coarse_log(log: JointLog) -> CoarseLog:
+    """Return block means of a log at about RATE_HZ."""
+    rate_hz = log.rate_hz
+    samples = max(1, min(round(rate_hz / RATE_HZ), len(log.t) // 2))
+    t = _block_mean(log.t[:, None], samples)[:, 0]
+    hole = np.flatnonzero(np.diff(log.t) > max(BRIDGED_S, 3.0 / rate_hz))
+    whole = ~np.isin(np.arange(len(t)), np.append(hole, hole + 1) // samples)
+    return CoarseLog(samples=samples, t=t, q=_block_mean(log.q, samples), dq=_block_mean(log.dq, samples), whole=whole)
+
+
+def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = frozenset()) -> tuple[SignEvidence, ...]:
+    """Judge for every joint whether the net energy rises.
+
+    Args:
+        log: Motion.
+        torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
+        dead_torque: Numbers (1..j) of joints whose torque channel records nothing.
+    """
+    step = median_step(log.t)
+    found = per_joint(lambda joint: _judge(log, joint, step, torque[:, joint]), log.q.shape[1])
+    return tuple(replace(one, verdict="no_torque") if one.joint in dead_torque else one for one in found)
+
+
+def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
+    """Return the joints that move on their own account: at least a tenth as far as the one that goes farthest.
+
+    The others only give way while another joint is moved, and their noise shall not outvote it. Nor has a joint a
+    vote whose torque channel is dead.
+    """
+    moved = [one for one in evidence if one.verdict not in ("still", "no_torque")]
+    farthest = max((one.path_rad for one in moved), default=0.0)
+    return tuple(one for one in moved if one.path_rad >= SHARE_OF_FARTHEST * farthest)
+
+
+def most(evidence: tuple[SignEvidence, ...], verdict: Verdict) -> bool:
+    """Return True if the joints that vote have this verdict, ``"rises"`` or ``"falls"``, taken together.
+
+    Their scores are combined by Stouffer's method, so that a joint counts by its significance.
+    """
+    scores = np.array([one.score for one in voting(evidence) if np.isfinite(one.score)])
+    if not scores.size:
+        return False
+    combined = float(np.clip(scores, -LARGEST_SCORE, LARGEST_SCORE).sum() / np.sqrt(len(scores)))
+    return (combined if verdict == "rises" else -combined) > SIGNIFICANT
+
+
+def strokes_of(log: CoarseLog, joint: int) -> tuple[NDArray[np.bool_], Float, NDArray[np.int64]]:
+    """Return where a joint moves, shape (m,), and there the direction and the number of the stroke."""
+    speed = np.abs(log.dq[:, joint])
+    moving = (speed > np.clip(SHARE_OF_PEAK * speed.max(), SLOWEST_RAD_S, FASTEST_RAD_S)) & log.whole
+    direction = np.sign(log.dq[moving, joint])
+    return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
+
+
+def _judge(log: CoarseLog, joint: int, step: float, torque: Float) -> SignEvidence:
+    speed = np.abs(log.dq[:, joint])
+    moving, direction, stroke = strokes_of(log, joint)
+    verdict: Verdict = "undecided" if speed.max() >= STILL_RAD_S else "still"
+    against = error = float("nan")
+    if verdict != "still" and stroke.size > 0 and stroke[-1] + 1 >= MINIMUM_STROKES:
+        q = log.q[moving, joint]
+        ddq = np.gradient(log.dq[:, joint], log.t)[moving]
+        others = np.column_stack([np.ones(len(q)), np.sin(q), np.cos(q), ddq])
+        against, error = _coefficient(direction, others, torque[moving], stroke)
+        if abs(against) > SIGNIFICANT * error:
+            verdict = "rises" if against > 0 else "falls"
+    return SignEvidence(
+        joint=joint + 1,
+        verdict=verdict,
+        moving_s=step * int(np.count_nonzero(moving)),
+        path_rad=step * float(speed[moving].sum()),
+        against_motion_nm=against,
+        standard_error_nm=error,
+    )
+
+
+def _coefficient(column: Float, others: Float, torque: Float, stroke: NDArray[np.int64]) -> tuple[float, float]:
+    """Regress the torque on a column beside others (Frisch, Waugh and Lovell); the error is clustered by stroke."""
+    scaled = others / np.linalg.norm(others, axis=0).clip(min=np.finfo(float).tiny)
+    both = np.column_stack([column, torque])
+    # The normal equations will do: what the cut-off leaves out of the other columns is too small to matter.
+    fitted: Float = scaled @ (np.linalg.pinv(scaled.T @ scaled, rcond=1e-10, hermitian=True) @ (scaled.T @ both))
+    own, left = (both - fitted).T
+    square = float(own @ own)
+    if square < 1e-6 * len(own):
+        return float("nan"), float("nan")
+    value = float(own @ left) / square
+    scores = np.bincount(stroke, weights=own * (left - value * own))
+    strokes = len(scores)
+    # Few strokes fit the column, the offset and the place by themselves: three of them do not count.
+    return value, float(np.sqrt(scores @ scores * strokes / (strokes - 3)) / square)
+
+
+def _block_mean(signal: Float, samples: int) -> Float:
+    blocks = len(signal) // samples
+    whole = signal[: blocks * samples]
+    return np.column_stack(per_joint(lambda j: whole[:, j].reshape(blocks, samples).mean(axis=1), signal.shape[1]))

@@ -1,0 +1,303 @@
+"""What the interaction torque is made of: decided from what the log holds and what the user said."""
+
+from dataclasses import dataclass, replace
+from importlib.util import find_spec
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import JointLog
+from friction_audit.preprocessing.interaction import Caution, TorqueChoice
+from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.preprocessing.sign import CoarseLog
+from friction_audit.robot import Arm, load_arm
+
+CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
+"""Source of the torque -> channel of the log, in the order in which ``auto`` would like them."""
+
+PANDA_JOINTS = 7
+
+VENDOR_DISAGREES_NM = 1.0
+"""Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
+vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m."""
+
+REASONS = {
+    "asked": "asked for",
+    "interaction": "the log holds the interaction torque itself",
+    "logged": "measured torque without a filter, and gravity was logged",
+    "model": "measured torque without a filter, and a model of the arm is known",
+    "unfiltered": "measured torque and a model of the arm; tau_ext_hat_filtered is low-pass filtered, and a delay "
+    "of the torque looks like viscous friction",
+    "payload": "tau_J contradicts the Panda's model, so a payload is missing from it; the vendor's estimate knows it",
+    "tau_ext": "the vendor's estimate has gravity and inertia removed, and no model of this arm is known here",
+    "last": "the only torque that was logged",
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Plan:
+    """How the torque will be made.
+
+    Attributes:
+        source: Key of CHANNELS.
+        gravity: ``"logged"``, ``"model"``, ``"none"`` or ``"absent"``.
+        drives: Rows of the balance to try, in order; one if the user chose.
+        inertia: True if the robot row removes inertial and Coriolis torque.
+        arm: The rigid-body model, or None.
+        reason: Why this source.
+        warnings: What the user must know.
+    """
+
+    source: str
+    gravity: str
+    drives: tuple[str, ...]
+    inertia: bool
+    arm: Arm | None
+    reason: str
+    warnings: tuple[Caution, ...]
+
+
+def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Plan:
+    """Decide how the torque is made.
+
+    Raises:
+        UsageError: If the settings contradict each other or the log.
+    """
+    settings = _in_newton_metres(log, settings)
+    _check_settings(log, settings)
+    robot = known_robot(log, settings)
+    source, reason = _source(log, settings, robot)
+    if source != "tau_J":
+        return _plan_without_model(log, source, reason, settings)
+    arm = _arm_for_torque(log, settings, robot)
+    if reason == "unfiltered" and arm is not None and _payload_missing(log, coarse, settings, robot, arm):
+        return _plan_without_model(log, "tau_ext", "payload", settings)
+    gravity = _gravity(log, settings, arm)
+    warnings = _gravity_cautions(log, settings, gravity, robot)
+    inertia = arm is not None and settings.inertia != "none"
+    drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
+    if settings.inertia == "model":
+        drives = ("robot",)
+    return Plan(
+        source=source,
+        gravity=gravity,
+        drives=drives,
+        inertia=inertia,
+        arm=arm,
+        reason=REASONS[reason],
+        warnings=warnings,
+    )
+
+
+def _in_newton_metres(log: JointLog, settings: TorqueSettings) -> TorqueSettings:
+    """Leave gravity and inertia, which are in newton metres, in a torque that is not; refuse them if asked for."""
+    unit = log.source.torque_unit
+    if unit == "N m":
+        return settings
+    if settings.gravity in ("logged", "model") or settings.inertia == "model":
+        raise UsageError(
+            f"{log.source.path}: the torque column is a motor current [{unit}], gravity and inertia are in N m; leave "
+            "--gravity and --inertia away, or multiply the column by torque constant and gear ratio"
+        )
+    return replace(settings, gravity="none", inertia="none")
+
+
+def known_robot(log: JointLog, settings: TorqueSettings) -> str:
+    """Return whose model may be used: ``"urdf"``, ``"panda"``, ``"fr3"``, ``"none"`` or ``"unknown"``."""
+    if settings.urdf is not None:
+        return "urdf"
+    return log.source.robot if settings.robot == "auto" else settings.robot
+
+
+def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
+    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
+
+    Raises:
+        UsageError: If no model of this arm is known.
+    """
+    robot = known_robot(log, settings)
+    if robot in ("none", "unknown"):
+        raise UsageError(
+            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name its "
+            f"robot; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
+        )
+    return _load(log, settings)
+
+
+def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
+    where = log.source.path
+    if settings.torque != "auto" and getattr(log, CHANNELS[settings.torque]) is None:
+        logged = ", ".join(name for name, channel in CHANNELS.items() if getattr(log, channel) is not None)
+        raise UsageError(
+            f"{where}: --torque {settings.torque}: the log has no {CHANNELS[settings.torque]}; has: {logged}"
+        )
+    if settings.inertia == "model" and settings.drive == "hand":
+        raise UsageError(
+            "--inertia model with --drive hand: when a hand moves the arm the link's inertia is on the far side of the "
+            "sensor and not in its balance with friction; leave --inertia away, or say --drive robot"
+        )
+    wants_tau_J = settings.gravity in ("logged", "model") or settings.inertia == "model"
+    if wants_tau_J and settings.torque in ("interaction", "tau_ext"):
+        raise UsageError(
+            f"--torque {settings.torque} with --gravity {settings.gravity} and --inertia {settings.inertia}: that "
+            "torque holds neither gravity nor inertia; leave them away, or use --torque tau_J"
+        )
+    if settings.torque == "auto" and wants_tau_J and log.tau_J is None:
+        raise UsageError(f"{where}: --gravity and --inertia are about tau_J, and the log has none; leave them away")
+    if settings.gravity == "logged" and log.gravity is None:
+        raise UsageError(f"{where}: --gravity logged: the log has no gravity; map it (--map gravity=NAME) or use model")
+
+
+def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, str]:
+    """Choose the channel; the second word is a key of REASONS."""
+    if settings.torque != "auto":
+        return settings.torque, "asked"
+    if settings.gravity in ("logged", "model") or settings.inertia == "model":
+        return "tau_J", "asked"
+    known = robot in ("urdf", "panda")
+    external = log.tau_ext_hat_filtered is not None
+    ranking = (
+        ("interaction", "interaction", log.tau_interaction is not None),
+        ("tau_J", "logged", log.tau_J is not None and log.gravity is not None),
+        ("tau_J", "unfiltered" if external else "model", log.tau_J is not None and known),
+        ("tau_ext", "tau_ext", external),
+        ("tau_J", "last", True),
+    )
+    return next((source, reason) for source, reason, there in ranking if there)
+
+
+def _plan_without_model(log: JointLog, source: str, reason: str, settings: TorqueSettings) -> Plan:
+    drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
+    warnings: tuple[Caution, ...] = ()
+    if source == "tau_ext":
+        warnings = (
+            Caution(
+                code="tau_ext_filtered",
+                message="tau_ext_hat_filtered is low-pass filtered by the robot; its delay looks like viscous friction "
+                "(5 ms can add half to the viscous coefficient): trust Coulomb, compare viscous only with the like",
+            ),
+        )
+    if reason == "payload":
+        warnings += (
+            Caution(
+                code="payload_missing",
+                message=f"{log.source.path}: tau_J differs from the Panda's model by more than "
+                f"{VENDOR_DISAGREES_NM:g} N m where the vendor's own estimate does not; give what the arm carried "
+                "as --payload mass,x,y,z (the hand: 0.73,-0.01,0,0.03) to use tau_J",
+            ),
+        )
+    return Plan(
+        source=source,
+        gravity="absent",
+        drives=drives,
+        inertia=False,
+        arm=None,
+        reason=REASONS[reason],
+        warnings=warnings,
+    )
+
+
+def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm | None:
+    """Load the model if it is needed and the log or the user names it; no arm is assumed."""
+    demanded = settings.gravity == "model" or settings.inertia == "model"
+    without = settings.command(log.source.path, gravity="auto", inertia="auto", robot="none", urdf=None)
+    if robot in ("urdf", "panda"):
+        by_default = log.gravity is None and settings.gravity == "auto"
+        possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
+        useful = possible and settings.drive != "hand" and settings.inertia == "auto"
+        return _load(log, settings) if demanded or by_default or useful else None
+    if demanded:
+        raise UsageError(_no_model(log, settings, robot, without))
+    return None
+
+
+def _no_model(log: JointLog, settings: TorqueSettings, robot: str, without: str) -> str:
+    where = log.source.path
+    if robot == "fr3":
+        return (
+            f"{where}: an FR3, whose inertias differ from the Panda's by newton metres; the built-in model is a "
+            "Panda's: give the FR3's --urdf (with inertias), or --robot panda to use the Panda's all the same"
+        )
+    if robot == "none":
+        return f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
+    return (
+        f"{where}: --gravity model and --inertia model need a model of the arm, and the log does not name its robot "
+        f"(joints: {len(log.joint_names)}); {with_a_model(log, settings)}; without a model: {without}"
+    )
+
+
+def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
+    """Return the commands that name the arm of a log."""
+    where = log.source.path
+    panda = f"if it is a Panda: {settings.command(where, *more, robot='panda')}; "
+    other = f"by its URDF: {settings.command(where, *more, robot='auto', urdf='FILE')}"
+    return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
+
+
+def _load(log: JointLog, settings: TorqueSettings) -> Arm:
+    arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
+    return arm.matched(log.joint_names, log.source.path)
+
+
+def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings, robot: str, arm: Arm) -> bool:
+    """Compare with the vendor's estimate, which knows the payload configured in the robot."""
+    if robot != "panda" or settings.payload is not None or log.tau_J is None or log.tau_ext_hat_filtered is None:
+        return False  # the user described the arm, or there is nothing to compare
+    # What is left holds inertial torque too, which has no preferred sign: hence the median.
+    left = coarse.mean(log.tau_J) - coarse.mean(log.tau_ext_hat_filtered) - arm.gravity(coarse.q)
+    return bool((np.abs(np.median(left, axis=0)) > VENDOR_DISAGREES_NM).any())
+
+
+def _gravity(log: JointLog, settings: TorqueSettings, arm: Arm | None) -> str:
+    if settings.gravity != "auto":
+        return settings.gravity
+    if log.gravity is not None:
+        return "logged"
+    return "none" if arm is None else "model"
+
+
+def _gravity_cautions(log: JointLog, settings: TorqueSettings, gravity: str, robot: str) -> tuple[Caution, ...]:
+    if gravity != "none":
+        return ()
+    where = log.source.path
+    model = replace(settings, gravity="auto")
+    named = robot in ("urdf", "panda")
+    asked = " (--gravity none)" if settings.gravity == "none" else ""
+    by_model = f". To remove it by a model, {model.command(where) if named else with_a_model(log, model)}"
+    by_model = by_model if log.source.torque_unit == "N m" else ""
+    remaining = Caution(
+        code="gravity_in_torque",
+        message=f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
+        f"gravity is already removed from it: {removed_command(log, settings)}{by_model}",
+    )
+    if robot != "fr3":
+        return (remaining,)
+    return (
+        Caution(
+            code="fr3_no_model",
+            message=f"{log.source.path}: an FR3; the built-in model is a Panda's and is not applied unasked: give the "
+            "FR3's --urdf, or --robot panda to use the Panda's all the same",
+        ),
+        remaining,
+    )
+
+
+def removed_command(log: JointLog, settings: TorqueSettings) -> str:
+    """Return the command that reads tau_J as a torque from which gravity is removed already."""
+    column = log.source.channels.get("tau_J", "COLUMN")
+    plain = {"torque": "auto", "gravity": "auto", "inertia": "auto"}
+    return settings.command(log.source.path, "--map", f"tau_interaction={column}", **plain)
+
+
+def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> Arm | None:
+    """Return the model that the torque was made with, or that the log or the user names; None where none is known.
+
+    Raises:
+        UsageError: If a URDF was given that cannot be read.
+    """
+    robot = known_robot(log, settings)
+    panda = robot == "panda" and len(log.joint_names) == PANDA_JOINTS
+    if not (robot == "urdf" or panda or choice.robot != "none") or find_spec("pinocchio") is None:
+        return None
+    arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
+    return arm.matched(log.joint_names, log.source.path)

@@ -1,0 +1,156 @@
+"""The filtered velocity that detects cycles. It never enters an energy sum as the factor of a torque."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.preprocessing import kernels
+from friction_audit.preprocessing.interaction import Caution
+from friction_audit.preprocessing.sign import CoarseLog
+
+HIGHEST_SHARE_OF_RATE = 0.4
+"""A corner closer to the Nyquist frequency than this filters nothing worth filtering."""
+
+PADDING = 9
+"""Samples by which the signal is continued at each end, as scipy's sosfiltfilt does."""
+
+MINIMUM_LENGTH = 16
+
+
+def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
+    """Low-pass a velocity without phase shift (second-order Butterworth, forwards and backwards).
+
+    Args:
+        dq: Velocity, shape (n,). [rad/s]
+        rate_hz: Sampling rate. [Hz]
+        cutoff_hz: Corner of each pass. [Hz]
+
+    Returns:
+        Filtered velocity, shape (n,); ``dq`` itself where the rate is too low to filter. [rad/s]
+    """
+    if cutoff_hz >= HIGHEST_SHARE_OF_RATE * rate_hz or len(dq) < MINIMUM_LENGTH:
+        return dq
+    # Point reflections at both ends. scipy.signal would do the same, but loading it takes longer than this.
+    head, tail = 2 * dq[0] - dq[PADDING:0:-1], 2 * dq[-1] - dq[-2 : -PADDING - 2 : -1]
+    padded = np.concatenate([head, dq, tail])
+    kernels.low_pass_both_ways(padded, *_butterworth(cutoff_hz / rate_hz))
+    return padded[PADDING:-PADDING]
+
+
+def _butterworth(corner: float) -> tuple[float, float, float]:
+    """Return gain, a1 and a2 of the second-order filter, for a corner given in cycles per sample."""
+    k = math.tan(math.pi * corner)
+    whole = 1.0 + math.sqrt(2.0) * k + k * k
+    return k * k / whole, 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
+
+
+CERTAIN = 5.0
+"""Standard errors that a lag must differ from zero."""
+SHARE_OF_STEP = 0.5
+"""And so much of a step of the clock: channels of one message may be sampled in turn."""
+LATEST_S, LATEST_STEPS = 0.02, 2.0
+"""A driver's filter delays by no more, or by so many steps of a slow clock; beyond, dq is of another clock."""
+TOLERANCE = 0.1
+"""By so much of itself may the lag be found too large."""
+MOVED_RAD = 0.05
+"""The lag of a joint that moves less is that of its vibration."""
+FINE = 0.01
+"""Noise of a velocity from the position, of the usual speed, that is no loss."""
+
+
+def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
+    """Estimate how long velocities come behind the derivatives of their positions.
+
+    The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
+    the logged velocity has a noise of its own, and is the instrument.
+
+    Args:
+        logged: Velocities as logged, shape (n, j). [rad/s]
+        slope: Derivatives of the positions, shape (n, j). [rad/s]
+        bend: Second derivatives, shape (n, j). [rad/s^2]
+        change: Derivatives of the velocities, shape (n, j). [rad/s^2]
+
+    Returns:
+        Lag and its standard error, shape (j,) each; a joint that never accelerates has lag 0, error infinite. [s]
+    """
+    power = np.sum(change * bend, axis=0)
+    still = power <= 0.0
+    power = np.where(still, 1.0, power)
+    lag = np.where(still, 0.0, np.sum(change * (slope - logged), axis=0) / power)
+    left = np.mean((slope - logged - lag * bend) ** 2, axis=0) * np.sum(change**2, axis=0)
+    return lag, np.where(still, np.inf, np.sqrt(left) / power)
+
+
+def find_lag(coarse: CoarseLog, step_s: float) -> Float:
+    """Tell by how much each joint's velocity comes late, shape (j,); 0 where that cannot be told from nothing. [s]
+
+    Args:
+        coarse: Means of the log over short blocks.
+        step_s: Step of the log's clock. [s]
+    """
+    step = np.diff(coarse.t)[:, None]
+    slope = np.diff(coarse.q, axis=0) / step
+    whole = coarse.whole[:-2] & coarse.whole[1:-1] & coarse.whole[2:]
+    middle, reach = 0.5 * (slope[1:] + slope[:-1]), 0.5 * (step[1:] + step[:-1])
+    bend, change = np.diff(slope, axis=0) / reach, (coarse.dq[2:] - coarse.dq[:-2]) / (2.0 * reach)
+    if not whole.any():
+        return np.zeros(coarse.q.shape[1])
+    lag, error = lag_of(coarse.dq[1:-1][whole], middle[whole], bend[whole], change[whole])
+    return np.where((lag > CERTAIN * error) & (lag > SHARE_OF_STEP * step_s), lag, 0.0)
+
+
+def read_on_time(log: JointLog, lag: Float) -> JointLog:
+    """Return a log whose velocities belong to its positions.
+
+    A filter that delays also flattens, so a late velocity is replaced by the change of the position over as long a
+    memory, centred: (q(t + d) - q(t - d)) / 2 d. Where the position is too coarse for that, it is read earlier.
+
+    Args:
+        log: The log.
+        lag: How much later each velocity comes, shape (j,). [s]
+    """
+    dq = log.dq.copy()
+    for joint in np.flatnonzero(lag):
+        q, late = log.q[:, joint], lag[joint]
+        after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])
+        change = np.interp(after, log.t, q) - np.interp(before, log.t, q)
+        fine = _roughness(q) / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
+        dq[:, joint] = change / (after - before) if fine else np.interp(after, log.t, log.dq[:, joint])
+    return replace(log, dq=dq)
+
+
+def _roughness(q: Float) -> float:
+    """Root mean square of a position's noise and resolution, from second differences. [rad]"""
+    return float(np.sqrt(np.mean(np.diff(q, n=2) ** 2) / 6.0))
+
+
+def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:
+    """Return the log with its velocities on time, and what the user must know about it.
+
+    A velocity that comes later than any filter's is left as it is: which clock the torque is on is not known.
+    """
+    step_s = median_step(log.t)
+    lag = np.where(np.ptp(log.q, axis=0) > MOVED_RAD, find_lag(coarse, step_s), 0.0)
+    foreign = lag > max(LATEST_S * (1.0 + TOLERANCE), LATEST_STEPS * step_s)
+    late = np.where(foreign, 0.0, lag)
+    cautions = []
+    if late.any():
+        message = f"{_lags(late)} behind the change of q, as behind a filter; it is put on time"
+        cautions.append(Caution(code="dq_late", message=message))
+    if foreign.any():
+        message = (
+            f"{_lags(np.where(foreign, lag, 0.0))} behind the change of q, later than a filter makes it, so another "
+            "clock stamped it; it is used as logged, and all energies are wrong by it; log q, dq and torque in one "
+            "message, or shift the dq columns earlier by this much"
+        )
+        cautions.append(Caution(code="dq_other_clock", message=message))
+    return (read_on_time(log, late) if late.any() else log), tuple(cautions)
+
+
+def _lags(lag: Float) -> str:
+    late = np.flatnonzero(lag)
+    least, most = (f"{1e3 * value:.1f}" for value in (lag[late].min(), lag[late].max()))
+    much = least if least == most else f"{least} to {most}"
+    return f"joint{'s' if len(late) > 1 else ''} {', '.join(str(joint + 1) for joint in late)}: dq comes {much} ms"

@@ -1,1 +1,0 @@
-"""Courses of joints -> figures in the layout of the paper's."""

@@ -1,0 +1,171 @@
+"""Captions of the figures of a batch, and what each shows in words for those who do not see it."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from friction_audit.drift.report import ArmDrift, JointDrift
+from friction_audit.reporting.drawn_arm import as_drawn
+from friction_audit.reporting.drift_words import (
+    change_text,
+    coefficient_name,
+    count_of,
+    drift_verdict,
+    joint_verdict,
+    total_text,
+)
+from friction_audit.reporting.terminal.estimate import joint_label
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from friction_audit.reporting.html.page import Figure as PageFigure
+
+
+CAPTIONS = {
+    "changes": "Change from the reference to the last sessions with its 95 % interval. The grey bar holds the straight "
+    "changes that so many sessions would not have shown with 90 % power.",
+    "drift": "Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines "
+    "are levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow circles "
+    "are sessions that were not compared.",
+    "control": "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
+    "that does not change, together with 95 % probability; where a session tells too little, it is cut by the panel.",
+    "curves": "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the "
+    "range of its sessions, and the last session.",
+}
+"""How to read each figure."""
+TITLES = {
+    "changes": "Change of each joint",
+    "drift": "Coefficients over the sessions",
+    "control": "Control chart",
+    "curves": "Velocity-torque curves",
+}
+"""Title of each figure, in the order in which they are read."""
+LEADS = {
+    "changes": "Change of the coefficients of each joint",
+    "drift": "Friction coefficients of each joint over the sessions",
+    "control": "Deviation of each session from the reference, joint by joint",
+    "curves": "Torque against velocity of each joint in the first session, the reference and the last session",
+}
+
+
+def describe(arm: ArmDrift, figure: str) -> str:
+    """Return what a figure shows in words: of how many sessions, and what became of each joint."""
+    said = "; ".join(_joint(arm, joint, figure) for joint in arm.joints)
+    return f"{LEADS[figure]}, {count_of(len(arm.sessions), 'session')} of arm {arm.robot}. {said}."
+
+
+def _joint(arm: ArmDrift, joint: JointDrift, figure: str) -> str:
+    name = f"joint {joint_label(joint.joint, joint.name)}"
+    if figure == "curves":
+        return f"{name}: {joint_verdict(joint)}"
+    if figure == "control":
+        outside = sum(point.outside for found in joint.coefficients for point in found.control)
+        return f"{name}: {count_of(outside, 'point')} outside the limits"
+    return f"{name}: {', '.join(_coefficients(arm, joint))}"
+
+
+def _coefficients(arm: ArmDrift, joint: JointDrift) -> list[str]:
+    """Return what became of each coefficient, with its change and steps."""
+    words = []
+    for found in joint.coefficients:
+        steps = "".join(f", step at {change_text(arm, change)}" for change in found.change_points)
+        words.append(f"{coefficient_name(found.coefficient)} {drift_verdict(found)}, {total_text(found)}{steps}")
+    return words
+
+
+ON_A_SHEET = 8
+"""Joints of one figure of the page."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Drawing:
+    """A figure to be drawn; it can be given to another process.
+
+    Attributes:
+        name: Of its files, without the suffix; empty if it is for the page alone.
+        kind: Name of the kind of figure.
+        arm: The arm, with the joints to be drawn, and no more of it than is drawn.
+        joint: Number of the one joint to be drawn at column width, or None for a sheet.
+        formats: Suffixes of its files.
+        anchor: What its names in the page begin with; empty if it is for the files alone.
+        which: Joints of a sheet of some, for its title on the page; empty for all.
+    """
+
+    name: str
+    kind: str
+    arm: ArmDrift
+    joint: int | None = None
+    formats: tuple[str, ...] = ()
+    anchor: str = ""
+    which: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Drawn:
+    """What came of a drawing.
+
+    Attributes:
+        files: Content of its files by their names.
+        figure: What stands on the page, or None.
+    """
+
+    files: Mapping[str, bytes]
+    figure: "PageFigure | None"
+
+
+def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: Sequence[str]) -> Iterator[Drawing]:
+    """Yield what is to be drawn of the arms that have joints.
+
+    Args:
+        arms: All arms of a batch.
+        prefixes: What the names of each arm's files begin with, by the arm's name.
+        formats: Suffixes of the files.
+    """
+    for number, arm in enumerate(arms, start=1):
+        for kind in TITLES if arm.joints else ():
+            sheets = list(page_drawings(arm, f"arm-{number}", kind))
+            name, suffixes = f"{prefixes[arm.robot]}{kind}", tuple(formats)
+            if len(sheets) == 1 and len(arm.joints) > 1:
+                yield replace(sheets[0], name=name, formats=suffixes)
+                continue
+            yield from sheets
+            # A sheet of one joint is that joint's figure.
+            joint = arm.joints[0].joint if len(arm.joints) == 1 else None
+            yield Drawing(name=name, kind=kind, arm=as_drawn(arm, kind), joint=joint, formats=suffixes)
+
+
+def page_drawings(arm: ArmDrift, anchor: str, kind: str) -> Iterator[Drawing]:
+    """Yield the figures of a kind on the page; more joints than fit on a sheet of paper make several."""
+    for first in range(0, len(arm.joints), ON_A_SHEET):
+        part = as_drawn(replace(arm, joints=arm.joints[first : first + ON_A_SHEET]), kind)
+        some = f", joints {part.joints[0].joint} to {part.joints[-1].joint}"
+        yield Drawing(
+            name="",
+            kind=kind,
+            arm=part,
+            anchor=f"{anchor}-{kind}-{first + 1}",
+            which="" if len(part.joints) == len(arm.joints) else some,
+        )
+
+
+def draw(drawing: Drawing) -> Drawn:
+    """Draw a figure, and save it in all its forms."""
+    from friction_audit.reporting.figures.batch import BATCH_FIGURES
+    from friction_audit.reporting.figures.style import figure_bytes
+
+    (kind,) = (kind for kind in BATCH_FIGURES if kind.name == drawing.kind)
+    figure = kind.draw(drawing.arm, drawing.joint)
+    files = {}
+    for suffix in drawing.formats:
+        files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
+        figure.set_layout_engine("none")  # it has its place now; finding it takes half of the time
+    return Drawn(files=files, figure=_on_page(figure, drawing) if drawing.anchor else None)
+
+
+def _on_page(figure: "Figure", drawing: Drawing) -> "PageFigure":
+    from friction_audit.reporting.html.page import Figure as PageFigure
+    from friction_audit.reporting.html.svg import draw_inline
+
+    picture = draw_inline(figure, prefix=drawing.anchor, description=describe(drawing.arm, drawing.kind))
+    return PageFigure(picture=picture, title=f"{TITLES[drawing.kind]}{drawing.which}", caption=CAPTIONS[drawing.kind])

@@ -1,0 +1,178 @@
+"""A whole arm, its hand guided by a person or its joints moved by its own motors; Pinocchio does the dynamics."""
+
+from dataclasses import dataclass, field, replace
+from math import inf
+from typing import Any
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.robot import load_arm
+from friction_audit.simulation import reading
+from friction_audit.simulation.bench import Progress, make_motion, make_traces
+from friction_audit.simulation.clock import Streams, count_ticks, make_streams
+from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.mechanism import AnyCompensator, Mechanism, assemble, rotor_mass
+from friction_audit.simulation.motion import Commanded, intend_joints, plan_hand
+from friction_audit.simulation.operator import Hand
+from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
+from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors, require_within
+from friction_audit.simulation.simulation import Motion, Simulation, Truth
+
+CHUNK_TICKS = 1000
+"""So many ticks go by between two words about the progress."""
+
+BRAKE_NM = 1e6
+"""What a brake holds. [N m]"""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Servo:
+    """The position controller of every joint of an arm that moves by itself.
+
+    Attributes:
+        stiffness_nm_per_rad: Of every joint. [N m/rad]
+        damping_nms_per_rad: Of every joint. [N m s/rad]
+        motion: What the joints are commanded to do.
+    """
+
+    stiffness_nm_per_rad: float = 600.0
+    damping_nms_per_rad: float = 50.0
+    motion: Commanded = field(default_factory=Commanded)
+
+    def __post_init__(self) -> None:
+        """Check the signs."""
+        names = ("stiffness_nm_per_rad", "damping_nms_per_rad")
+        require_within("servo", 0.0, inf, **{name: getattr(self, name) for name in names})
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ArmSettings:
+    """A Panda, who moves it, one recording; the tuples have one entry per joint.
+
+    Attributes:
+        joints: Motors and friction.
+        hidden: What is hidden in each joint.
+        sensors: Sensors of each joint; the recorder is that of the first.
+        hand: The person's hand at the flange.
+        servo: The controller of an arm that moves by itself.
+        driven: False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move
+            it, nobody touches it, and friction is on the links' side.
+        compensator: A friction compensator active in every joint, the same or one for each, or None.
+        hand_cycles: True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B).
+        pose_rad: Pose at the start. [rad]
+        braked: Numbers of joints that do not move.
+        carried_kg: Mass at the flange that gravity compensation does not know of. [kg]
+        compensates_gravity: Whether the motors hold the arm against gravity.
+        logs_temperature: True: the log holds the temperature too.
+        duration_s: Length of the recording. [s]
+        rate_hz: Rate at which states are kept, up to that of the controller. [Hz]
+
+    Raises:
+        UsageError: If the numbers of joints disagree, or there is no such joint.
+    """
+
+    joints: tuple[JointParameters, ...] = PANDA_JOINTS
+    hidden: tuple[Hidden, ...] = (Hidden(),) * 7
+    sensors: tuple[Sensors, ...] = PANDA_SENSORS
+    hand: Hand = field(default_factory=Hand)
+    servo: Servo = field(default_factory=Servo)
+    driven: bool = False
+    compensator: AnyCompensator | None = None
+    hand_cycles: bool = True
+    pose_rad: tuple[float, ...] = READY_RAD
+    braked: tuple[int, ...] = ()
+    carried_kg: float = 0.0
+    compensates_gravity: bool = True
+    logs_temperature: bool = False
+    duration_s: float = 60.0
+    rate_hz: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Check the numbers of joints."""
+        count_ticks(self.duration_s, self.rate_hz)
+        require_within("arm", 0.0, 100.0, carried_kg=self.carried_kg)
+        counts = {len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)}
+        if counts != {len(PANDA_JOINTS)} or not set(self.braked) <= set(range(1, len(PANDA_JOINTS) + 1)):
+            raise UsageError(
+                f"arm: {len(self.joints)} joints, {len(self.hidden)} hidden, {len(self.sensors)} sensors, "
+                f"{len(self.pose_rad)} angles, braked {self.braked}: expected {len(PANDA_JOINTS)} of each, and braked "
+                f"joints from 1 to {len(PANDA_JOINTS)}"
+            )
+        if self.driven and any(hidden.unlogged_compensation.share != 0.0 for hidden in self.hidden):
+            raise UsageError(
+                "arm: unlogged_compensation takes a hand that moves the arm: of a robot that moves by itself the "
+                "sensor reads all that the motors give; expected driven=false"
+            )
+        if self.driven and self.compensator is not None:
+            raise UsageError("arm: a friction compensator takes a hand that guides the arm; expected driven=false")
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return tuple(joint for joint in range(1, len(self.joints) + 1) if joint not in self.braked)
+
+
+def simulate_arm(
+    settings: ArmSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
+) -> Simulation:
+    """Simulate a whole arm. The same settings and seed give the same log to the bit.
+
+    Args:
+        settings: The arm, who moves it, the sensors, what is hidden.
+        seed: Seed; without a compensator in the loop, the motion does not depend on the sensors.
+        path: Path that the log names as its source.
+        progress: Told how far the simulation is.
+    """
+    streams = make_streams(seed, len(settings.joints))
+    mechanism, gravity = move(settings, streams, progress)
+    motion = make_motion(mechanism, path, driven=settings.driven)
+    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
+    channels = _channels(settings, motion, mechanism, gravity)
+    names = load_arm().joint_names
+    log = reading.write_down(settings, channels, names, path, streams, robot="panda")
+    return Simulation(log=log, truth=truth)
+
+
+def _channels(settings: ArmSettings, motion: Motion, mechanism: Mechanism, gravity: Float) -> dict[str, Float]:
+    channels = reading.arm_channels(settings, motion, mechanism.loop, gravity, driven=settings.driven)
+    if not settings.driven:
+        channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
+    return channels | ({"temperature": reading.temperatures(settings, motion)} if settings.logs_temperature else {})
+
+
+def move(settings: ArmSettings, streams: Streams, progress: Progress | None = None) -> tuple[Mechanism, Float]:
+    """Move the arm from rest; return the mechanism with the truth written down, and what gravity compensation gave.
+
+    Masses, gravity and the hand's pull are those of the pose at each tick, for half a tick before it and after it.
+    """
+    from friction_audit.simulation.mechanics.tick import settle
+    from friction_audit.simulation.rigid_body import GuidedArm, ServoedArm
+
+    ticks = count_ticks(settings.duration_s, settings.rate_hz)
+    known = load_arm()
+    mechanism = assemble(_with_brakes(settings), ticks, np.array(settings.pose_rad), streams, driven=settings.driven)
+    rotor = rotor_mass(settings.joints, settings.hidden)
+    gravity = np.zeros((ticks + 1, len(settings.joints)))
+    if settings.driven:
+        command = intend_joints(settings.servo.motion, len(settings.joints), ticks, mechanism.clock.dt, streams.person)
+        drive: Any = ServoedArm(settings, known, mechanism, rotor, command)
+    else:
+        intended = plan_hand(settings.hand.path, ticks, mechanism.clock.dt, streams.person)
+        drive = GuidedArm(settings, known, mechanism, rotor, intended)
+    settle(mechanism.joints, mechanism.body, drive.load(np.array(settings.pose_rad)))
+    for k in range(ticks + 1):
+        drive.tick(k, gravity[k])
+        if progress is not None and k % CHUNK_TICKS == 0:
+            progress(k / ticks)
+    return mechanism, gravity
+
+
+def _with_brakes(settings: ArmSettings) -> ArmSettings:
+    """Let the brakes hold their joints, in which nothing hidden can then be felt."""
+    joints, hidden = list(settings.joints), list(settings.hidden)
+    for number in settings.braked:
+        joints[number - 1] = replace(joints[number - 1], coulomb_nm=BRAKE_NM)
+        hidden[number - 1] = Hidden()
+    return replace(settings, joints=tuple(joints), hidden=tuple(hidden))

@@ -1,0 +1,181 @@
+"""One joint on a bench, moved by a hand or by its own motor."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from friction_audit.compensation.compensators import Compensator
+from friction_audit.compensation.records import TRACE
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation import reading
+from friction_audit.simulation.clock import CONTROL_RATE_HZ, Streams, count_ticks, make_streams
+from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.mechanics import records as rows
+from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
+from friction_audit.simulation.motion import intend
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
+from friction_audit.simulation.simulation import Motion, Simulation, Truth, require_sane
+
+Progress = Callable[[float], None]
+"""Told the share that is done, 0 to 1."""
+
+CHUNK_TICKS = 20_000
+"""So many ticks go by between two words about the progress."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BenchSettings:
+    """One joint, who moves it, one recording.
+
+    Attributes:
+        joints: The joint.
+        hidden: What is hidden in it.
+        sensors: Its sensors and the recorder.
+        operator: Who moves it.
+        driven: False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves
+            the link, nobody touches it, and friction is on the link's side.
+        compensator: An active friction compensator whose torque is logged, or None.
+        gravity_nm: Gravity torque of the load with the link level; the motor holds it. [N m]
+        gravity_phase_rad: The gravity torque is that times sin(q + phase). [rad]
+        logs_sensor: True: the log holds the torque at the sensor and gravity; False: the interaction torque itself.
+        logs_temperature: True: the log holds the temperature too.
+        duration_s: Length of the recording. [s]
+        rate_hz: Rate at which states are kept, up to that of the controller. [Hz]
+    """
+
+    joints: tuple[JointParameters] = (JointParameters(),)
+    hidden: tuple[Hidden] = (Hidden(),)
+    sensors: tuple[Sensors] = (PANDA_SENSORS[0],)
+    operator: Operator = field(default_factory=Operator)
+    driven: bool = False
+    compensator: Compensator | None = None
+    gravity_nm: float = 0.0
+    gravity_phase_rad: float = 0.0
+    logs_sensor: bool = False
+    logs_temperature: bool = False
+    duration_s: float = 120.0
+    rate_hz: float = 1000.0
+
+    def __post_init__(self) -> None:
+        """Check the length of the recording and that the log can be made."""
+        count_ticks(self.duration_s, self.rate_hz)
+        if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
+            raise UsageError(
+                "simulation: a joint with a gravity load, or one that moves by itself, cannot log the interaction "
+                "torque; expected logs_sensor=true"
+            )
+        if self.driven and any(hidden.unlogged_compensation.share != 0.0 for hidden in self.hidden):
+            raise UsageError(
+                "simulation: unlogged_compensation takes a hand that moves the joint: where the motor moves it, the "
+                "sensor reads all that the motor gives; expected driven=false"
+            )
+        if self.driven and self.compensator is not None:
+            raise UsageError(
+                "simulation: a friction compensator takes a hand that moves the joint; expected driven=false"
+            )
+
+    @property
+    def moving(self) -> tuple[int, ...]:
+        """Numbers of the joints that move."""
+        return (1,)
+
+
+def simulate_bench(
+    settings: BenchSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
+) -> Simulation:
+    """Simulate one joint. The same settings and seed give the same log to the bit.
+
+    Args:
+        settings: The joint, who moves it, the sensors, what is hidden.
+        seed: Seed; without a compensator in the loop, the motion does not depend on the sensors.
+        path: Path that the log names as its source.
+        progress: Told how far the simulation is.
+    """
+    streams = make_streams(seed, 1)
+    mechanism = move(settings, streams, progress)
+    motion = make_motion(mechanism, path, driven=settings.driven)
+    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
+    channels = _channels(settings, motion, mechanism)
+    log = reading.write_down(settings, channels, ("joint1",), path, streams, robot="unknown")
+    return Simulation(log=log, truth=truth)
+
+
+def _channels(settings: BenchSettings, motion: Motion, mechanism: Mechanism) -> dict[str, Float]:
+    if settings.logs_sensor:
+        weight = settings.gravity_nm * np.sin(motion.q + settings.gravity_phase_rad)
+        channels = reading.arm_channels(settings, motion, mechanism.loop, weight, driven=settings.driven)
+    else:
+        channels = reading.bench_channels(settings, motion, mechanism.loop)
+    return channels | ({"temperature": reading.temperatures(settings, motion)} if settings.logs_temperature else {})
+
+
+def move(
+    settings: BenchSettings, streams: Streams, progress: Progress | None = None, *, start_rad: float = 0.0
+) -> Mechanism:
+    """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
+    from friction_audit.simulation.mechanics.tick import run_bench, settle
+
+    ticks = count_ticks(settings.duration_s, settings.rate_hz)
+    hand = settings.operator
+    intended = intend(hand.motion, ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
+    place = start_rad + intended.position
+    push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
+    mechanism = assemble(settings, ticks, np.array([start_rad]), streams, driven=settings.driven)
+    _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
+    gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
+    weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
+    settle(mechanism.joints, mechanism.body, np.array([-weight if settings.driven else weight]))
+    for first in range(0, ticks + 1, CHUNK_TICKS):
+        last = min(first + CHUNK_TICKS, ticks + 1)
+        run_bench(mechanism.parts, push, gravity, settings.driven, first, last, mechanism.out, mechanism.traced)
+        if progress is not None:
+            progress(last / (ticks + 1))
+    return mechanism
+
+
+def _hold(mechanism: Mechanism, hand: Operator, rotor: Float) -> None:
+    """Let the operator hold the outer side of the joint."""
+    body = mechanism.body
+    body.inner_mass[0, 0] = rotor[0, 0]
+    body.mass[0, 0] += hand.inertia_kg_m2
+    body.mass[body.inner[0], body.inner[0]] += rotor[0, 0]
+    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
+
+
+def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> Motion:
+    """Return the truth by its names.
+
+    Raises:
+        AnalysisError: If the simulation diverged; it names the path of the log that is not made.
+    """
+    row = np.swapaxes(mechanism.out, 0, 1)
+    ticks = np.arange(len(mechanism.out), dtype=np.float64)
+    link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
+    motion = Motion(
+        t=ticks * mechanism.clock.dt,
+        q=row[link],
+        dq=row[speed],
+        inner_q=row[rows.INNER],
+        inner_dq=row[rows.SPEED],
+        inner_ddq=row[rows.ACCELERATION],
+        interaction_nm=row[rows.PORT] + row[rows.SUPPORT],
+        support_nm=row[rows.SUPPORT],
+        port_nm=row[rows.PORT],
+        friction_nm=row[rows.FRICTION],
+        compensation_nm=row[rows.COMPENSATION],
+        passivity_nm=row[rows.PASSIVITY],
+        unlogged_nm=row[rows.UNLOGGED],
+        dissipated_j=row[rows.DISSIPATED],
+        warmth=row[rows.WARMTH],
+    )
+    return require_sane(motion, path)
+
+
+def make_traces(mechanism: Mechanism) -> dict[str, Float]:
+    """Return what the compensators knew, by name, shape (n + 1, j) each."""
+    if not mechanism.traced.shape[2]:
+        return {}
+    return {name: mechanism.traced[:, :, column] for column, name in enumerate(TRACE)}

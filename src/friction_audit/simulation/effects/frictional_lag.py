@@ -1,0 +1,92 @@
+"""Frictional lag: friction answers to a change of speed late."""
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import Effect, Parameter
+
+RELAXING, DELAYED = range(2)
+
+LONGEST_LAG_S = 0.05
+SAMPLE_S = 0.0005
+SLOTS = 104
+AGE, NEWEST, PREVIOUS, RING = range(4)
+LAG_MEMORY = RING + SLOTS
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FrictionalLag:
+    """Time by which friction lags behind the speed.
+
+    Attributes:
+        lag_s: The time. [s]
+        form: Index into the forms of the effect.
+    """
+
+    lag_s: float = 0.0
+    form: int = RELAXING
+
+
+@compiled()
+def speed(group: Any, memory: Float, speed: float, h: float) -> float:  # noqa: ANN401 - a record of numbers
+    """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
+
+    Relaxing is the first-order state of rate and state friction (Ruina 1983), delayed the pure time lag of Hess and
+    Soom (1990). Passive: the direction is that of the present motion.
+
+    Args:
+        group: The numbers of the effect.
+        memory: State, shape (LAG_MEMORY,), all zero at rest; changed in place.
+        speed: Present speed, not negative. [rad/s]
+        h: Time since the last call; 0 is allowed. [s]
+    """
+    if group.lag_s == 0.0:
+        return speed
+    if group.form == DELAYED:
+        remember(memory, speed, h)
+        return float(recall(memory, group.lag_s))
+    memory[PREVIOUS] -= (speed - memory[PREVIOUS]) * math.expm1(-h / group.lag_s)
+    return float(memory[PREVIOUS])
+
+
+@compiled()
+def remember(memory: Float, speed: float, h: float) -> None:
+    """Keep a sample of the speed every 0.5 ms, whatever the steps; between two calls the speed is linear in time."""
+    memory[AGE] += h
+    while memory[AGE] >= SAMPLE_S:
+        memory[AGE] -= SAMPLE_S
+        newest = (int(memory[NEWEST]) + 1) % SLOTS
+        memory[NEWEST] = newest
+        memory[RING + newest] = speed - (speed - memory[PREVIOUS]) * memory[AGE] / h
+    memory[PREVIOUS] = speed
+
+
+@compiled()
+def recall(memory: Float, lag_s: float) -> float:
+    """Return the speed of a time ago, linear between the samples. [rad/s]"""
+    newest = int(memory[NEWEST])
+    if lag_s <= memory[AGE]:
+        return float(memory[PREVIOUS] + (memory[RING + newest] - memory[PREVIOUS]) * lag_s / memory[AGE])
+    back = (lag_s - memory[AGE]) / SAMPLE_S
+    slot = int(back)
+    later = memory[RING + (newest - slot) % SLOTS]
+    earlier = memory[RING + (newest - slot - 1) % SLOTS]
+    return float(later + (earlier - later) * (back - slot))
+
+
+EFFECT = Effect(
+    name="frictional_lag",
+    family="velocity",
+    summary="friction answers late to a change of speed",
+    group=FrictionalLag,
+    strength="lag_s",
+    parameters=(
+        Parameter(
+            name="lag_s", usual=0.03, meaning="time by which friction lags behind the speed [s]", high=LONGEST_LAG_S
+        ),
+    ),
+    forms=("relaxing", "delayed"),
+)

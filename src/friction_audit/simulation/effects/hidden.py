@@ -1,0 +1,73 @@
+"""What is hidden in one joint: the group of every effect, each doing nothing unless told."""
+
+from dataclasses import dataclass
+
+from friction_audit.errors import UsageError
+from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb
+from friction_audit.simulation.effects.asymmetric_viscous import AsymmetricViscous
+from friction_audit.simulation.effects.backlash import Backlash
+from friction_audit.simulation.effects.cable_spring import CableSpring
+from friction_audit.simulation.effects.contact_event import ContactEvent
+from friction_audit.simulation.effects.friction_step import FrictionStep
+from friction_audit.simulation.effects.frictional_lag import FrictionalLag
+from friction_audit.simulation.effects.gravity_error import GravityError
+from friction_audit.simulation.effects.inertia_error import InertiaError
+from friction_audit.simulation.effects.inertial_coupling import InertialCoupling
+from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects.joint_limit_stop import JointLimitStop
+from friction_audit.simulation.effects.load_dependent_friction import LoadDependentFriction
+from friction_audit.simulation.effects.nonlinear_viscous import NonlinearViscous
+from friction_audit.simulation.effects.position_dependent_friction import PositionDependentFriction
+from friction_audit.simulation.effects.presliding import Presliding
+from friction_audit.simulation.effects.stiction import Stiction
+from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.effects.time_delay import TimeDelay
+from friction_audit.simulation.effects.torque_bias import TorqueBias
+from friction_audit.simulation.effects.torque_crosstalk import TorqueCrosstalk
+from friction_audit.simulation.effects.torque_drift import TorqueDrift
+from friction_audit.simulation.effects.torque_ripple import TorqueRipple
+from friction_audit.simulation.effects.unlogged_compensation import UnloggedCompensation
+from friction_audit.simulation.effects.warm_up import WarmUp
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Hidden:
+    """One group per effect, named as the effect.
+
+    Raises:
+        UsageError: If one effect would keep another from doing anything.
+    """
+
+    stribeck: Stribeck = Stribeck()
+    stiction: Stiction = Stiction()
+    nonlinear_viscous: NonlinearViscous = NonlinearViscous()
+    asymmetric_coulomb: AsymmetricCoulomb = AsymmetricCoulomb()
+    asymmetric_viscous: AsymmetricViscous = AsymmetricViscous()
+    presliding: Presliding = Presliding()
+    frictional_lag: FrictionalLag = FrictionalLag()
+    load_dependent_friction: LoadDependentFriction = LoadDependentFriction()
+    position_dependent_friction: PositionDependentFriction = PositionDependentFriction()
+    torque_ripple: TorqueRipple = TorqueRipple()
+    gravity_error: GravityError = GravityError()
+    cable_spring: CableSpring = CableSpring()
+    joint_limit_stop: JointLimitStop = JointLimitStop()
+    torque_bias: TorqueBias = TorqueBias()
+    torque_drift: TorqueDrift = TorqueDrift()
+    time_delay: TimeDelay = TimeDelay()
+    torque_crosstalk: TorqueCrosstalk = TorqueCrosstalk()
+    joint_elasticity: JointElasticity = JointElasticity()
+    backlash: Backlash = Backlash()
+    inertia_error: InertiaError = InertiaError()
+    inertial_coupling: InertialCoupling = InertialCoupling()
+    warm_up: WarmUp = WarmUp()
+    friction_step: FrictionStep = FrictionStep()
+    contact_event: ContactEvent = ContactEvent()
+    unlogged_compensation: UnloggedCompensation = UnloggedCompensation()
+
+    def __post_init__(self) -> None:
+        """Refuse stiction where bristles hold the joint: it never rests as a whole."""
+        if self.presliding.displacement_rad != 0.0 and self.stiction.excess_nm != 0.0:
+            raise UsageError(
+                "--effect presliding with --effect stiction in one joint: bristles have a break-away of their own and "
+                "stiction would do nothing; expected one of them, or stribeck for more friction at rest"
+            )

@@ -1,0 +1,64 @@
+"""Torque drift: the zero of the torque sensor moves during the recording."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects.effect import Effect, Parameter
+
+RAMP, RANDOM_WALK, THERMAL = range(3)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class TorqueDrift:
+    """A slowly growing error of the torque sensor, zero at the start.
+
+    Attributes:
+        torque_nm: Where it ends; of the random walk, the standard deviation there. [N m]
+        settling_s: Time constant of the thermal form. [s]
+        form: Index into the forms of the effect.
+    """
+
+    torque_nm: float = 0.0
+    settling_s: float = 20.0
+    form: int = RAMP
+
+
+def reading_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
+    """Return what is added to the interaction torque as read, shape (n,). [N m]
+
+    Args:
+        group: The drift.
+        t: Time, strictly increasing, shape (n,). [s]
+        rng: Random numbers; only a random walk of some strength draws any.
+    """
+    if group.torque_nm == 0.0:
+        return np.zeros_like(t)
+    elapsed = t - t[0]
+    if group.form == RANDOM_WALK:
+        steps = rng.normal(0.0, 1.0, len(t) - 1) * np.sqrt(np.diff(t) / elapsed[-1])
+        return group.torque_nm * np.concatenate(([0.0], np.cumsum(steps)))
+    if group.form == THERMAL:
+        return np.asarray(group.torque_nm * np.expm1(-elapsed / group.settling_s) / _settled(group, elapsed[-1]))
+    return np.asarray(group.torque_nm * (elapsed / elapsed[-1]))
+
+
+def _settled(group: TorqueDrift, duration: float) -> float:
+    """Return the (negative) share of the way that the exponential covers in the recording."""
+    return math.expm1(-duration / group.settling_s)
+
+
+EFFECT = Effect(
+    name="torque_drift",
+    family="sensors",
+    summary="the zero of the torque sensor moves during the recording",
+    group=TorqueDrift,
+    strength="torque_nm",
+    parameters=(
+        Parameter(name="torque_nm", usual=0.3, meaning="error at the end of the recording [N m]", low=-math.inf),
+        Parameter(name="settling_s", usual=20.0, meaning="time constant of the thermal form [s]", low=1e-3),
+    ),
+    forms=("ramp", "random_walk", "thermal"),
+)

@@ -1,0 +1,180 @@
+"""Where transmissions stand when a recording begins: twisted by the load that they carry."""
+
+import math
+
+import numpy as np
+
+from friction_audit.compensation.kernels import FIND, trace
+from friction_audit.compensation.kernels import step as compensate
+from friction_audit.compensation.records import Record
+from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects import backlash, joint_elasticity, unlogged_compensation, warm_up
+from friction_audit.simulation.mechanics.body import FREE
+from friction_audit.simulation.mechanics.load import load_drive, load_joint
+from friction_audit.simulation.mechanics.records import (
+    ACCELERATION,
+    COMPENSATION,
+    DISSIPATED,
+    FRICTION,
+    INNER,
+    OUTER,
+    OUTER_SPEED,
+    PASSIVITY,
+    PORT,
+    SPEED,
+    SUPPORT,
+    UNLOGGED,
+    WARMTH,
+)
+from friction_audit.simulation.mechanics.step import accelerate, slide
+from friction_audit.simulation.sensors import BINARY_NOISE_DIGITS
+
+HALVINGS = 60
+"""So often an interval is halved until nothing is left of it."""
+
+
+@compiled()
+def _twist(joint: Record, load_nm: float) -> float:
+    """Return the twist at which a transmission carries a load (bisection). [rad]"""
+    elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
+    soft = elastic.compliance_rad_per_nm != 0.0
+    # A hardening gear is at most twice as soft as its compliance says.
+    low, high = 0.0, 2.0 * abs(load_nm) * (elastic.compliance_rad_per_nm + flanks.contact_compliance_rad_per_nm)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        torque = joint_elasticity.torque_nm(elastic, middle) if soft else backlash.contact_nm(flanks, middle)
+        if torque < abs(load_nm):
+            low = middle
+        else:
+            high = middle
+    return float(math.copysign(0.5 * (low + high + flanks.gap_rad), load_nm))
+
+
+@compiled()
+def settle(joints: Record, body: Record, load_nm: Float) -> None:
+    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their play.
+
+    Args:
+        joints: Records of the joints, shape (n,).
+        body: Coordinates, at rest; changed.
+        load_nm: Torque from the outer side that the inner one bears, shape (n,). [N m]
+    """
+    for j in range(len(joints)):
+        c = body.inner[j]
+        if c != j and load_nm[j] != 0.0:
+            body.y[c] = body.y[j] + _twist(joints[j], load_nm[j])
+
+
+SCALE = 10.0**BINARY_NOISE_DIGITS
+
+
+@compiled()
+def quantised(value: float, step: float) -> float:
+    """Round to a multiple of a step, to the bit as ``sensors.quantise`` does it; a step of 0 changes nothing."""
+    if step == 0.0:
+        return value
+    return float(np.rint(np.rint(value / step) * step * SCALE) / SCALE)
+
+
+@compiled()
+def advance(
+    joints: Record,
+    states: Record,
+    events: Float,
+    body: Record,
+    clock: Record,
+    t: float,
+    since: float,
+) -> None:
+    """Move on by half a tick."""
+    h = 0.5 * clock.dt / clock.substeps
+    for i in range(clock.substeps):
+        slide(joints, states, events, body, since + i * h, t + i * h, h, clock.duration)
+
+
+@compiled()
+def evaluate(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float) -> None:
+    """Find accelerations, friction and the torques at the sensors at an instant."""
+    load_drive(body, 0.0, 0.0)
+    for j in range(len(joints)):
+        load_joint(joints[j], states[j], events[j], body, j, 0.0, t, clock.duration)
+    accelerate(body, 0.0)
+    for j in range(len(joints)):
+        c = body.inner[j]
+        if body.mode[c] == 0.0:
+            body.friction[j] = body.reaction[c]
+        else:
+            sign = 1.0 if body.mode[c] == FREE else body.mode[c]
+            body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
+        torque = body.friction[j] - body.behind[j]
+        for k in range(len(joints)):
+            torque += body.inner_mass[j, k] * body.a[body.inner[k]]
+        body.port[j] = torque
+
+
+@compiled()
+def keep(states: Record, body: Record, out: Float) -> None:
+    """Write the truth of an instant into ``out``, shape (ROWS, n)."""
+    for j in range(len(states)):
+        c = body.inner[j]
+        out[OUTER, j], out[OUTER_SPEED, j], out[INNER, j], out[SPEED, j] = body.y[j], body.v[j], body.y[c], body.v[c]
+        out[ACCELERATION, j], out[PORT, j], out[SUPPORT, j] = body.a[c], body.port[j], body.support[j]
+        out[FRICTION, j], out[COMPENSATION, j] = body.friction[j], states[j].compensation_nm - states[j].passivity_nm
+        out[PASSIVITY, j] = states[j].passivity_nm
+        out[UNLOGGED, j], out[DISSIPATED, j] = states[j].unlogged_nm, states[j].dissipated_j
+        out[WARMTH, j] = states[j].warmth
+
+
+@compiled()
+def control(joints: Record, states: Record, body: Record, loop: Record, clock: Record, k: int, cut: int) -> None:
+    """Read the sensors at tick k and set the compensators' torques for the time up to the next tick."""
+    for j in range(len(joints)):
+        state, hidden = states[j], joints[j].hidden
+        power = body.friction[j] * body.v[body.inner[j]]
+        state.port_nm = body.port[j]
+        state.warmth = warm_up.advance(hidden.warm_up, state.warmth, power, clock.dt)
+        velocity = quantised(body.v[j] + loop.velocity_noise[k, j], loop.velocity_step[j])
+        state.unlogged_nm = unlogged_compensation.torque_nm(hidden.unlogged_compensation, velocity)
+        read = quantised(-body.port[j] - loop.torque_noise[k, j], loop.torque_step[j])
+        interaction = body.support[j] - read
+        state.compensation_nm = compensate(loop.settings[j], loop.memory[j], velocity, interaction, clock.dt, cut)
+        state.passivity_nm = loop.memory[j].passivity_nm
+
+
+@compiled()
+def run_bench(
+    parts: Record, push: Float, gravity: Float, driven: bool, first: int, last: int, out: Float, traced: Float
+) -> None:
+    """Run one joint from tick ``first`` to before ``last``; see ``bench.move``.
+
+    Args:
+        parts: What moves, a ``rows.Parts`` of one joint; changed.
+        push: Torque of the drive with the joint at zero, at every tick, shape (ticks + 1,). [N m]
+        gravity: Amplitude [N m] and phase [rad] of the load's gravity torque, held by the motor.
+        driven: If True the load is on the inner side, else on the outer one.
+        first: First tick.
+        last: Tick to end before.
+        out: Receives the truth, shape (ticks + 1, ROWS, 1).
+        traced: Receives what the compensator knew, shape (ticks + 1, 1, columns), or no columns at all.
+    """
+    joints, states, events, body, loop, clock = parts
+    half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
+    for k in range(first, last):
+        t = k * clock.dt
+        place = body.y[link] + (half * body.v[link] if k > 0 else 0.0)
+        weight = gravity[0] * np.sin(place + gravity[1])
+        body.support[0] = -weight if driven else weight
+        body.push[0] = push[k] - body.support[0]
+        before, after = push[k] - push[max(k - 1, 0)], push[min(k + 1, len(push) - 1)] - push[k]
+        body.push_rate[0] = 0.5 * (before + after) / clock.dt
+        body.push_bend[0] = (after - before) / clock.dt**2
+        if k > 0:
+            advance(joints, states, events, body, clock, t - half, -half)
+        evaluate(joints, states, events, body, clock, t)
+        keep(states, body, out[k])
+        control(joints, states, body, loop, clock, k, FIND)
+        if traced.shape[2] > 0:
+            trace(loop.memory[0], traced[k, 0])
+        if k + 1 < len(push):
+            advance(joints, states, events, body, clock, t, 0.0)

@@ -1,0 +1,188 @@
+"""The minimum-jerk course from 0 to 1 (Flash and Hogan, 1985): at rest, and without acceleration, at both ends."""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.motion.motion import tick_times
+from friction_audit.simulation.settings import require_order, require_positive, require_within
+
+PEAK = 1.875
+"""Its steepest slope, half-way: the peak speed of a stroke of length 1 in time 1."""
+
+REST_S = 0.5
+"""Rest before the first stroke of a motion and after the last. [s]"""
+
+SHORTEST_S = 0.01
+"""Nobody starts a stroke and ends it in less. [s]"""
+
+
+def course(x: Float) -> Float:
+    """Return the share of the way covered at the share x of the time, in [0, 1]."""
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
+
+
+def slope(x: Float) -> Float:
+    """Return the derivative of the course at x in [0, 1]."""
+    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
+
+
+def area(x: Float) -> Float:
+    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
+    inside = np.clip(x, 0.0, 1.0)
+    return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
+
+
+def rising(x: Float) -> Float:
+    """Return the course for any x: 0 below 0 and 1 above 1."""
+    return course(np.clip(x, 0.0, 1.0))
+
+
+def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
+    return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
+
+
+WHERE = "hand path"
+
+SHORTEST_M = 1e-3
+"""A hand that reaches less far stands still. [m]"""
+
+SMALL_RAD = 1e-3
+"""Below this angle, the series of the Jacobian are exact to rounding."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class HandPath:
+    """Minimum-jerk strokes between via points drawn in a ball around the start, the orientation turning along.
+
+    A person before the arm swings it to the sides further than up and down or to and fro. The defaults move all joints
+    of a Panda that starts in its ready pose, the first one the least, and keep its limits.
+
+    Attributes:
+        reach_m: Radius of the ball of positions around the start. [m]
+        sideways: The ball is so many times as wide along y, to the sides.
+        rotation_rad: Radius of the ball of rotation vectors around the start orientation. [rad]
+        stroke_s: Shortest and longest duration of a stroke, where neither the speed nor the reach cuts it. [s]
+        speed_m_s: Slowest and fastest peak speed; slower where the shortest stroke or the turn asks for it. [m/s]
+        turning_rad_s: No stroke turns faster. [rad/s]
+        pause_s: Shortest and longest pause between two strokes. [s]
+
+    Raises:
+        UsageError: If a number has the wrong sign, a pair the wrong order, or the rotation is half a turn or more.
+    """
+
+    reach_m: float = 0.12
+    sideways: float = 2.5
+    rotation_rad: float = 0.6
+    stroke_s: tuple[float, float] = (0.9, 1.8)
+    speed_m_s: tuple[float, float] = (0.15, 0.6)
+    turning_rad_s: float = 1.2
+    pause_s: tuple[float, float] = (0.2, 0.7)
+
+    def __post_init__(self) -> None:
+        """Check signs, the order of the pairs and the rotation."""
+        require_positive(WHERE, sideways=self.sideways, turning_rad_s=self.turning_rad_s, slowest_m_s=self.speed_m_s[0])
+        require_within(WHERE, SHORTEST_M, inf, reach_m=self.reach_m)
+        require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
+        require_within(WHERE, 0, inf, rotation_rad=self.rotation_rad, shortest_pause_s=self.pause_s[0])
+        require_order(WHERE, stroke_s=self.stroke_s, speed_m_s=self.speed_m_s, pause_s=self.pause_s)
+        if self.rotation_rad >= pi:
+            raise UsageError(f"{WHERE}: rotation_rad {self.rotation_rad:g}: expected less than half a turn")
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class HandMotion:
+    """The intended motion of the hand at the controller's ticks, shape (n + 1, 3) each, in the world's axes.
+
+    Attributes:
+        position: Offset from the start. [m]
+        rotation: Rotation vector r; the orientation is exp(r) times the start orientation. [rad]
+        velocity: Derivative of the position. [m/s]
+        angular: Angular velocity. [rad/s]
+    """
+
+    position: Float
+    rotation: Float
+    velocity: Float
+    angular: Float
+
+
+def plan_hand(settings: HandPath, ticks: int, dt: float, rng: np.random.Generator) -> HandMotion:
+    """Draw the strokes that fit between a rest at the start and a rest at the end; at rest if not one fits."""
+    pose, rate = _follow(_draw_strokes(settings, ticks * dt, rng), tick_times(ticks, dt))
+    return HandMotion(
+        position=np.ascontiguousarray(pose[:, :3]),
+        rotation=np.ascontiguousarray(pose[:, 3:]),
+        velocity=np.ascontiguousarray(rate[:, :3]),
+        angular=angular_velocity(pose[:, 3:], rate[:, 3:]),
+    )
+
+
+def angular_velocity(rotation: Float, derivative: Float) -> Float:
+    """Return the angular velocity in the world's axes, by the left Jacobian of the rotation group.
+
+    Args:
+        rotation: Rotation vectors, shape (n, 3). [rad]
+        derivative: Their derivatives by time, shape (n, 3). [rad/s]
+    """
+    angle = np.linalg.norm(rotation, axis=1)
+    safe = np.maximum(angle, SMALL_RAD)
+    first = np.where(angle > SMALL_RAD, 2 * (np.sin(safe / 2) / safe) ** 2, 0.5 - angle**2 / 24)
+    second = np.where(angle > SMALL_RAD, (safe - np.sin(safe)) / safe**3, 1 / 6 - angle**2 / 120)
+    across = np.cross(rotation, derivative)
+    result: Float = derivative + first[:, np.newaxis] * across + second[:, np.newaxis] * np.cross(rotation, across)
+    return result
+
+
+def _follow(strokes: Float, t: Float) -> tuple[Float, Float]:
+    """Return pose and its derivative at the times t, shape (n, 6) each. [m, rad; m/s, rad/s]"""
+    if not len(strokes):
+        return np.zeros((len(t), 6)), np.zeros((len(t), 6))
+    current = strokes[latest(strokes[:, 0], t)]
+    start, lasts, origin, change = current[:, :1], current[:, 1:2], current[:, 2:8], current[:, 8:]
+    x = np.clip((t[:, np.newaxis] - start) / lasts, 0.0, 1.0)
+    return origin + course(x) * change, slope(x) / lasts * change
+
+
+def _draw_strokes(settings: HandPath, duration_s: float, rng: np.random.Generator) -> Float:
+    """Draw strokes, shape (m, 14): start [s], duration [s], origin (6) and change (6) of the pose [m, rad]."""
+    rows: list[Float] = []
+    start, pose = REST_S, np.zeros(6)
+    while True:
+        lasts, change = _draw_stroke(settings, pose, rng)
+        if start + lasts > duration_s - REST_S:
+            break
+        rows.append(np.concatenate(([start, lasts], pose, change)))
+        start += lasts + rng.uniform(*settings.pause_s)
+        pose = pose + change
+    return np.asarray(rows).reshape(-1, 14)
+
+
+def _draw_stroke(settings: HandPath, pose: Float, rng: np.random.Generator) -> tuple[float, Float]:
+    """Draw duration [s] and change, shape (6,) [m, rad], of a stroke towards a via point, as far as it gets."""
+    change = _draw_via(settings, pose[:3], rng) - pose
+    distance = float(np.linalg.norm(change[:3]))
+    speed = float(np.exp(rng.uniform(*np.log(settings.speed_m_s))))
+    length = min(distance, speed * rng.uniform(*settings.stroke_s) / PEAK)
+    change *= length / distance
+    turn = float(np.linalg.norm(change[3:]))
+    return max(PEAK * length / speed, PEAK * turn / settings.turning_rad_s, settings.stroke_s[0]), change
+
+
+def _draw_via(settings: HandPath, place: Float, rng: np.random.Generator) -> Float:
+    """Draw a via point, shape (6,) [m, rad], at least half the reach away from the place."""
+    while True:
+        position = settings.reach_m * _draw_in_ball(rng) * (1.0, settings.sideways, 1.0)
+        if np.linalg.norm(position - place) >= settings.reach_m / 2:
+            return np.concatenate((position, settings.rotation_rad * _draw_in_ball(rng)))
+
+
+def _draw_in_ball(rng: np.random.Generator) -> Float:
+    """Draw a point of the unit ball, evenly distributed, shape (3,)."""
+    direction = rng.standard_normal(3)
+    point: Float = direction / np.linalg.norm(direction) * rng.random() ** (1 / 3)
+    return point

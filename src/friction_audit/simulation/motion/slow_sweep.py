@@ -1,0 +1,136 @@
+"""Slow sweep: constant speeds from very slow to fast, there and back, for what friction does near rest."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import cycle
+from math import inf
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation.motion.hand_path import REST_S, area, latest, rising
+from friction_audit.simulation.motion.motion import Intention, Motion, tick_times
+from friction_audit.simulation.settings import require_order, require_positive, require_room, require_within
+
+Target = tuple[float, float]
+"""A place to go to [rad] and the speed to go with [rad/s]."""
+
+MOST = 1000
+"""No pass has more speeds or more small reversals: it would outlast every recording."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class SlowSweep:
+    """Strokes of constant speed from the start to one side and back, at the next speed to the other side and back.
+
+    The speeds come in an order drawn anew for every pass, so that speed and time are not mistaken for each other. A
+    pass with the usual settings takes less than a minute.
+
+    Attributes:
+        speeds_rad_s: Slowest and fastest speed. [rad/s]
+        steps: Number of speeds in a pass, evenly spaced on a logarithmic scale.
+        range_rad: Lowest and highest position, relative to the start. [rad]
+        longest_s: A stroke turns back after this time although the range goes on. [s]
+        dwell_s: Rest after every stroke. [s]
+        ease_s: Time in which a stroke reaches its speed, and in which it loses it. [s]
+        reversals: Number of small reversals at the start of every pass.
+        reversal_rad: Smallest and largest way of a small reversal, drawn evenly on a logarithmic scale. [rad]
+        reversal_s: Way divided by speed of a small reversal. [s]
+
+    Raises:
+        UsageError: If a number has the wrong sign, a pair the wrong order, or the range is too narrow for the fastest
+            speed or for the reversals.
+    """
+
+    speeds_rad_s: tuple[float, float] = (0.01, 1.0)
+    steps: int = 7
+    range_rad: tuple[float, float] = (-0.6, 0.6)
+    longest_s: float = 3.0
+    dwell_s: float = 0.3
+    ease_s: float = 0.2
+    reversals: int = 0
+    reversal_rad: tuple[float, float] = (1e-3, 3e-2)
+    reversal_s: float = 0.5
+
+    def __post_init__(self) -> None:
+        """Check signs, the order of the pairs and the room."""
+        where = MOTION.name
+        require_positive(where, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
+        require_positive(where, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
+        require_within(where, 1, MOST, steps=self.steps)
+        require_within(where, 0, MOST, reversals=self.reversals)
+        require_within(where, 0, inf, dwell_s=self.dwell_s)
+        pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
+        require_order(where, **pairs)
+        shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
+        if self.ease_s > shortest:
+            raise UsageError(
+                f"{where}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
+                "longest_s or, with reversals, reversal_s"
+            )
+        wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
+        require_room(where, self.range_rad, wide, wide)
+
+
+def intend(settings: SlowSweep, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
+    """Return the strokes that fit, ending at 0; at rest throughout if the first there and back does not fit."""
+    start, way, speed = _plan(settings, ticks * dt, rng)
+    t, ease = tick_times(ticks, dt), settings.ease_s
+    if not len(start):
+        return Intention(position=np.zeros_like(t), velocity=np.zeros_like(t))
+    stroke = latest(start, t)
+    signed = np.copysign(speed, way)[stroke]
+    rise = (t - start[stroke]) / ease
+    fall = rise - (np.abs(way) / speed)[stroke] / ease
+    origin = (np.cumsum(way) - way)[stroke]
+    position = origin + signed * ease * (area(rise) - area(fall))
+    return Intention(position=position, velocity=signed * (rising(rise) - rising(fall)))
+
+
+def _plan(settings: SlowSweep, duration_s: float, rng: np.random.Generator) -> tuple[Float, Float, Float]:
+    """Return start [s], signed way [rad] and speed [rad/s] of the strokes that fit, each of shape (m,)."""
+    start: list[float] = []
+    way: list[float] = []
+    speed: list[float] = []
+    now = REST_S
+    for targets in _excursions(settings, rng):
+        places, speeds = np.array(targets).T
+        ways = np.diff(places, prepend=0.0)
+        lasts = np.abs(ways) / speeds + settings.ease_s + settings.dwell_s
+        if now + lasts.sum() - settings.dwell_s > duration_s - REST_S:
+            break
+        start.extend(now + np.cumsum(lasts) - lasts)
+        way.extend(ways)
+        speed.extend(speeds)
+        now += float(lasts.sum())
+    return np.array(start), np.array(way), np.array(speed)
+
+
+def _excursions(settings: SlowSweep, rng: np.random.Generator) -> Iterator[list[Target]]:
+    """Yield excursions that leave 0 and come back to it, without end."""
+    speeds = np.geomspace(*settings.speeds_rad_s, settings.steps)
+    sides = cycle(settings.range_rad)
+    while True:
+        if settings.reversals:
+            yield _reversals(settings, rng)
+        for speed in rng.permutation(speeds):
+            far = float(speed) * settings.longest_s
+            yield [(float(np.clip(next(sides), -far, far)), float(speed)), (0.0, float(speed))]
+
+
+def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
+    """Draw small reversals to and fro about 0; a way, but for the first and the last, is within the limits."""
+    smallest, largest = np.log(settings.reversal_rad)
+    half = np.exp(rng.uniform(smallest, largest, settings.reversals)) / 2
+    places = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
+    ways = np.abs(np.diff(places, prepend=0.0))
+    return [(float(place), float(way / settings.reversal_s)) for place, way in zip(places, ways, strict=True)]
+
+
+MOTION = Motion(
+    name="slow-sweep",
+    summary="constant speeds from very slow to fast, there and back",
+    settings=SlowSweep,
+    intend=intend,
+)

@@ -1,0 +1,178 @@
+"""The arm's masses and forces at each tick, from Pinocchio, put on the coordinates of the mechanics."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from friction_audit.compensation.hand_cycles import CYCLE_STATE
+from friction_audit.joint_log import Float
+from friction_audit.robot import STANDARD_GRAVITY, Arm
+from friction_audit.simulation.mechanics import arm_tick
+from friction_audit.simulation.mechanism import Mechanism
+from friction_audit.simulation.motion import HandMotion, Intention
+
+if TYPE_CHECKING:
+    from friction_audit.simulation.arm import ArmSettings
+
+HAND_INERTIA_KG_M2 = 0.002
+"""Of the hand about any axis through the flange; a guess that hardly matters. [kg m^2]"""
+
+
+class RigidBody:
+    """The true arm, what its controller knows of it, and the mechanism that moves.
+
+    Attributes:
+        settings: What is simulated.
+        mechanism: What moves.
+        rotor: Mass matrix of the motors, shape (n, n). [kg m^2]
+    """
+
+    def __init__(self, settings: "ArmSettings", known: Arm, mechanism: Mechanism, rotor: Float, held_kg: float) -> None:
+        import pinocchio as pin
+
+        self.settings, self.mechanism, self.rotor = settings, mechanism, rotor
+        self._pin = pin
+        self._known, self._known_data = known.model, known.model.createData()
+        self._model = known.model.copy()
+        self._frame = self._model.getFrameId(known.flange)
+        self._load_flange(settings.carried_kg, held_kg)
+        self._data = self._model.createData()
+        self._parts = mechanism.parts
+        self._half = 0.5 * mechanism.clock.dt
+        self._last = len(mechanism.out) - 1
+        self._joints = len(settings.joints)
+        # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
+        body, n = mechanism.body, self._joints
+        link = body.inner[:n] if settings.driven else slice(n)
+        self._link, self._y, self._v, self._a = link, body.y, body.v, body.a
+
+    def _load_flange(self, carried_kg: float, held_kg: float) -> None:
+        flange = self._model.frames[self._frame]
+        turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
+        inertia = self._pin.Inertia(carried_kg + held_kg, np.zeros(3), turning)
+        self._model.appendBodyToJoint(flange.parentJoint, inertia, flange.placement)
+
+    def predict(self, k: int) -> tuple[Float, Float]:
+        """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
+        ahead = self._half if k > 0 else 0.0
+        y, v, a = self._y[self._link], self._v[self._link], self._a[self._link]
+        return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
+
+    def support(self, q: Float) -> Float:
+        """Return the torque with which the controller holds the arm against gravity, as far as it knows, shape (n,)."""
+        if not self.settings.compensates_gravity:
+            return np.zeros(self._joints)
+        held: Float = self._pin.computeGeneralizedGravity(self._known, self._known_data, q)
+        return held
+
+    def load(self, q: Float) -> Float:
+        """Return what the inner sides bear at rest, the motors gravity compensation or the links their weight."""
+        return -self.compute(q, np.zeros(self._joints))[1] if self.settings.driven else self.support(q)
+
+    def compute(self, q: Float, dq: Float) -> tuple[Float, Float]:
+        """Return mass matrix and Coriolis plus gravity torque of the true arm."""
+        self._pin.computeAllTerms(self._model, self._data, q, dq)
+        return self._data.M, self._data.nle
+
+
+class GuidedArm(RigidBody):
+    """An arm whose hand is guided."""
+
+    def __init__(
+        self, settings: "ArmSettings", known: Arm, mechanism: Mechanism, rotor: Float, intended: HandMotion
+    ) -> None:
+        super().__init__(settings, known, mechanism, rotor, settings.hand.mass_kg)
+        hand = settings.hand
+        self._springs = np.repeat([hand.stiffness_n_per_m, hand.turning_stiffness_nm_per_rad], 3)
+        self._dampers = np.repeat([hand.damping_ns_per_m, hand.turning_damping_nms_per_rad], 3)
+        self._lift = -hand.mass_kg * np.array([*STANDARD_GRAVITY, 0.0, 0.0, 0.0])
+        self._target = np.hstack([intended.velocity, intended.angular])
+        self._place, self._orientation = self._intend(intended)
+        self._cycle = np.zeros(CYCLE_STATE)
+        self._axes = self._pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+
+    def _intend(self, intended: HandMotion) -> tuple[Float, Float]:
+        """Return intended places, shape (ticks + 1, 3), and orientations, shape (ticks + 1, 3, 3)."""
+        from scipy.spatial.transform import Rotation
+
+        self._pin.framesForwardKinematics(self._model, self._data, np.array(self.settings.pose_rad))
+        start = self._data.oMf[self._frame]
+        return start.translation + intended.position, Rotation.from_rotvec(
+            intended.rotation
+        ).as_matrix() @ start.rotation
+
+    def tick(self, k: int, gravity: Float) -> None:
+        """Move on from half a tick before tick k to half a tick after it."""
+        q, dq = self.predict(k)
+        mass, bias = self.compute(q, dq)
+        pin, data = self._pin, self._data
+        pin.updateFramePlacement(self._model, data, self._frame)
+        jacobian = pin.getFrameJacobian(self._model, data, self._frame, self._axes)
+        flange = data.oMf[self._frame]
+        turn = pin.log3(self._orientation[k] @ flange.rotation.T)
+        off = np.concatenate([self._place[k] - flange.translation, turn])
+        target = self._target[k]
+        pull = self._springs * off + self._dampers * target + self._lift
+        gravity[:] = self.support(q)
+        arm_tick.guide(
+            self.mechanism.body,
+            mass,
+            bias,
+            jacobian,
+            self._springs,
+            self._dampers,
+            pull,
+            self._springs * target,
+            q,
+            self.rotor,
+            gravity,
+        )
+        told = self.settings.compensator is not None and self.settings.hand_cycles
+        arm_tick.tick(
+            self._parts,
+            jacobian,
+            self._cycle,
+            told,
+            k,
+            self._last,
+            self.mechanism.out,
+            self.mechanism.traced,
+        )
+
+
+class ServoedArm(RigidBody):
+    """An arm that moves by itself."""
+
+    def __init__(
+        self, settings: "ArmSettings", known: Arm, mechanism: Mechanism, rotor: Float, command: Intention
+    ) -> None:
+        super().__init__(settings, known, mechanism, rotor, 0.0)
+        servo = settings.servo
+        self._command = replace(command, position=command.position + np.array(settings.pose_rad))
+        body = mechanism.body
+        body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
+        body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
+        self._jacobian, self._cycle = np.zeros((6, self._joints), order="F"), np.zeros(CYCLE_STATE)
+
+    def tick(self, k: int, gravity: Float) -> None:
+        """Move on from half a tick before tick k to half a tick after it."""
+        q, dq = self.predict(k)
+        mass, bias = self.compute(q, dq)
+        gravity[:] = self.support(q)
+        body, servo, n = self.mechanism.body, self.settings.servo, self._joints
+        place, speed = self._command.position[k], self._command.velocity[k]
+        body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
+        body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
+        body.support[:n] = -bias
+        arm_tick.load_masses(body, self.rotor, mass)
+        arm_tick.tick(
+            self._parts,
+            self._jacobian,
+            self._cycle,
+            False,  # noqa: FBT003 - compiled code takes no keywords
+            k,
+            self._last,
+            self.mechanism.out,
+            self.mechanism.traced,
+        )

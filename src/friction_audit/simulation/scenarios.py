@@ -1,0 +1,223 @@
+"""What a scenario is: settings with a name."""
+
+from dataclasses import dataclass, replace
+from math import inf
+
+from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
+from friction_audit.simulation.arm import ArmSettings
+from friction_audit.simulation.bench import BenchSettings
+from friction_audit.simulation.dispatch import AnySettings
+from friction_audit.simulation.effects.friction_step import FrictionStep
+from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.panda_joint import HandGuidedPanda
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Scenario:
+    """A situation that can be simulated by its name.
+
+    Attributes:
+        name: As on the command line.
+        summary: One line.
+        settings: What is simulated; every number of it can be set.
+        figure: The figure of the paper that it belongs to, or None.
+    """
+
+    name: str
+    summary: str
+    settings: AnySettings
+    figure: str | None = None
+
+
+NMS_PER_RAD_OF_NS_PER_MM = 0.01
+"""Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then
+0.10 N m s/rad, about what a joint of a Panda has. Every claim is a ratio and would hold with any other factor."""
+
+_TEN, _TWENTY, _THIRTY = (ns_per_mm * NMS_PER_RAD_OF_NS_PER_MM for ns_per_mm in (10.0, 20.0, 30.0))
+
+# A firm grip: the turning points are then those of the intended sinusoid to within two ticks, whatever friction is.
+_FIRM_HAND = Operator(
+    stiffness_nm_per_rad=400.0, damping_nms_per_rad=8.0, motion=Sinusoid(amplitude_rad=0.5, period_s=4.0)
+)
+
+
+# Critically damped: what jumps at the turning points of Fig. 9 is friction, and the hand does not ring.
+_DAMPED_HAND = replace(_FIRM_HAND, damping_nms_per_rad=30.0)
+
+
+def _sinusoidal(
+    viscous_nms_per_rad: float,
+    duration_s: float,
+    compensator: EnergyCompensator | FixedCompensation | None = None,
+    *,
+    coulomb_nm: float = 0.0,
+    hidden: Hidden | None = None,
+    operator: Operator = _FIRM_HAND,
+) -> BenchSettings:
+    """Return an ideal joint with a sinusoidal operator; every 2 s an energy cycle ends."""
+    joint = JointParameters(inertia_kg_m2=0.3, coulomb_nm=coulomb_nm, viscous_nms_per_rad=viscous_nms_per_rad)
+    return BenchSettings(
+        joints=(joint,),
+        hidden=(hidden or Hidden(),),
+        sensors=(IDEAL_SENSORS,),
+        operator=operator,
+        compensator=compensator,
+        duration_s=duration_s,
+    )
+
+
+def _over_compensated(*, passivity: bool) -> EnergyCompensator:
+    """Return a compensator that applies 30 Ns/mm from the second cycle on, until its passivity controller has acted."""
+    forced = Coefficients(viscous_nms_per_rad=_THIRTY)
+    return EnergyCompensator(model="viscous", zero_crossings=True, forced=forced, passivity=passivity)
+
+
+# Coulomb friction and sensors of a Panda's joint 1. Its published viscous friction (0.075 N m s/rad) cannot give the
+# 1.5 N m of Fig. 8(c) at any speed the joint reaches, and no compensator that acts on the velocity lowers the torque
+# that breaks it away; viscous friction, inertia and strokes are chosen so that the peak is 1.5 N m.
+_PERSON = Operator(
+    motion=StopAndGo(stroke_s=(1.8, 3.0), speed_rad_s=1.0, speed_limits_rad_s=(0.3, 1.6), range_rad=(-1.5, 1.5))
+)
+
+
+def _experiment(compensator: EnergyCompensator | None) -> BenchSettings:
+    """Return the experiment with a single joint of the robot."""
+    joint = JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.311, viscous_nms_per_rad=0.6)
+    return BenchSettings(
+        joints=(joint,),
+        sensors=(PANDA_SENSORS[0],),
+        operator=_PERSON,
+        compensator=compensator,
+        duration_s=40.0,
+    )
+
+
+_COMBINED_OF_TWO = EnergyCompensator(model="combined", window=2)
+_DOUBLES_AT_6_S = Hidden(friction_step=FrictionStep(change=1.0, at_share=0.6))
+_COULOMB_NM = 0.3
+_TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TEN, dead_band_rad_s=0.0)
+
+PAPER_SCENARIOS: tuple[Scenario, ...] = (
+    Scenario(
+        name="fig3",
+        summary="viscous friction, nobody compensates: the energy that a person puts in",
+        settings=_sinusoidal(_TEN, 8.0),
+        figure="Fig. 3",
+    ),
+    Scenario(
+        name="fig6",
+        summary="viscous friction that doubles at 6 s, compensated by its estimate",
+        settings=_sinusoidal(
+            _TEN, 10.0, EnergyCompensator(model="viscous", zero_crossings=True), hidden=_DOUBLES_AT_6_S
+        ),
+        figure="Fig. 6",
+    ),
+    Scenario(
+        name="fig7-unprotected",
+        summary="viscous friction compensated by half as much again, without passivity controller",
+        settings=_sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=False)),
+        figure="Fig. 7",
+    ),
+    Scenario(
+        name="fig7",
+        summary="viscous friction compensated by half as much again, until the passivity controller acts",
+        settings=_sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=True)),
+        figure="Fig. 7",
+    ),
+    Scenario(
+        name="fig8",
+        summary="a joint as in the paper's experiment, moved by a person, nobody compensates",
+        settings=_experiment(None),
+        figure="Fig. 8",
+    ),
+    Scenario(
+        name="fig9-friction",
+        summary="Coulomb and viscous friction, nobody compensates: plateaus over the velocity",
+        settings=_sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        figure="Fig. 9",
+    ),
+    Scenario(
+        name="fig9-compensated",
+        summary="Coulomb and viscous friction compensated by their true values: an ellipse over the velocity",
+        settings=_sinusoidal(_TEN, 8.0, _TRUE_VALUES, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        figure="Fig. 9",
+    ),
+    Scenario(
+        name="fig10",
+        summary="the same, combined friction compensated from the last two cycles",
+        settings=_experiment(_COMBINED_OF_TWO),
+        figure="Fig. 10",
+    ),
+    Scenario(
+        name="fig10-unguarded",
+        summary="the same, even from two cycles that are too alike to tell the coefficients apart",
+        settings=_experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
+        figure="Fig. 10",
+    ),
+    Scenario(
+        name="fig12",
+        summary="a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
+        settings=ArmSettings(compensator=_COMBINED_OF_TWO, duration_s=30.0),
+        figure="Fig. 12",
+    ),
+    Scenario(
+        name="fig13",
+        summary="a Panda guided by the same hand, nobody compensates: what methods are compared with",
+        settings=ArmSettings(duration_s=30.0),
+        figure="Fig. 13",
+    ),
+)
+"""The figures of the paper, in their order."""
+
+
+_SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
+
+_ONE_JOINT = (
+    Scenario(
+        name="joint",
+        summary="one joint moved by hand, stop and go; a rig logs the interaction torque",
+        settings=BenchSettings(),
+    ),
+    Scenario(
+        name="joint-sine",
+        summary="one joint moved by hand along a sinusoid of varying width",
+        settings=BenchSettings(operator=Operator(motion=Sinusoid(spread=0.3)), duration_s=60.0),
+    ),
+    Scenario(
+        name="joint-slow",
+        summary="one joint moved by hand at slow, steady speeds, with small reversals",
+        settings=BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
+    ),
+    Scenario(
+        name="joint-loaded",
+        summary="one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
+        settings=BenchSettings(gravity_nm=10.0, logs_sensor=True),
+    ),
+    Scenario(
+        name="joint-driven",
+        summary="one joint moved by its motor along a sum of sines, a lever of 10 N m on it; nobody touches it",
+        settings=BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
+    ),
+)
+
+_PANDA = (
+    Scenario(
+        name="panda-joint",
+        summary="a Panda whose joint 1 is moved by hand while the others stand still",
+        settings=HandGuidedPanda(),
+    ),
+    Scenario(
+        name="panda", summary="a Panda guided by the hand at its flange, all joints moving", settings=ArmSettings()
+    ),
+    Scenario(
+        name="panda-driven",
+        summary="a Panda that moves by itself, every joint along a sum of sines; nobody touches it",
+        settings=ArmSettings(driven=True),
+    ),
+)
+
+SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
+"""All scenarios, in the order of the help text."""

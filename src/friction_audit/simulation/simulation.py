@@ -1,0 +1,123 @@
+"""What a simulation gives: the log as it was recorded, and everything that the log does not say."""
+
+import hashlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float, JointLog, Source
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Motion:
+    """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints.
+
+    Attributes:
+        t: Time, shape (n + 1,). [s]
+        q: Position of the link, shape (n + 1, j), as all that follow. [rad]
+        dq: Its velocity; exactly 0 where friction holds a rigid joint. [rad/s]
+        inner_q: Position of the side on which friction acts; q itself in a rigid joint. [rad]
+        inner_dq: Velocity of that side. [rad/s]
+        inner_ddq: Acceleration of that side. [rad/s^2]
+        interaction_nm: Interaction torque F_m at the sensor. [N m]
+        support_nm: Torque that holds the arm against gravity. [N m]
+        port_nm: Torque that passes through the sensor towards the side on which friction acts. [N m]
+        friction_nm: Friction torque tau_f; at rest whatever holds the joint. [N m]
+        compensation_nm: Torque of the compensator in force at the tick. [N m]
+        passivity_nm: Torque of its passivity controller. [N m]
+        unlogged_nm: Torque of a compensator that the log does not name. [N m]
+        dissipated_j: Energy that friction has taken so far; bristles give a little of it back. [J]
+        warmth: 0 cold, 1 warm.
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    inner_q: Float
+    inner_dq: Float
+    inner_ddq: Float
+    interaction_nm: Float
+    support_nm: Float
+    port_nm: Float
+    friction_nm: Float
+    compensation_nm: Float
+    passivity_nm: Float
+    unlogged_nm: Float
+    dissipated_j: Float
+    warmth: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Truth:
+    """What the log does not say.
+
+    Attributes:
+        settings: Everything that was simulated.
+        seed: The seed.
+        motion: The motion, free of noise.
+        compensators: What each joint's compensator knew at every tick, by the names in ``replay.records.TRACE``, shape
+            (n + 1, j) each; empty without one.
+    """
+
+    settings: Any
+    seed: int
+    motion: Motion
+    compensators: Mapping[str, Float]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Simulation:
+    """A synthetic log and its truth."""
+
+    log: JointLog
+    truth: Truth
+
+
+def make_log(t: Float, channels: Mapping[str, Float], names: tuple[str, ...], path: str, *, robot: str) -> JointLog:
+    """Return a log whose source tells nothing about how it was made."""
+    # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
+    columns = {name: np.asfortranarray(channel + 0.0) for name, channel in channels.items()}
+    digest = hashlib.sha256(t.tobytes())
+    for column in columns.values():
+        digest.update(column.tobytes(order="F"))
+    source = Source(path=path, sha256=digest.hexdigest(), format="simulation", robot=robot, clock="robot_time")
+    return JointLog(t=t, **columns, joint_names=names, source=source)
+
+
+FASTEST_RAD_S = 1e3
+"""No joint of an arm turns a hundredth as fast. [rad/s]"""
+
+STRONGEST_NM = 1e6
+"""No joint of an arm holds a thousandth of it. [N m]"""
+
+ADVICE = "set masses, stiffnesses and torques closer to those of a joint, or leave the effect out"
+
+
+def require_sane(motion: Motion, path: str) -> Motion:
+    """Return a motion that did not diverge.
+
+    Raises:
+        AnalysisError: If a velocity or a torque is not finite or beyond all joints; at the first such instant.
+    """
+    speeds = (motion.dq, motion.inner_dq)
+    torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
+    _require(speeds, FASTEST_RAD_S, "speed", "rad/s", motion.t, path)
+    _require(torques, STRONGEST_NM, "torque", "N m", motion.t, path)
+    return motion
+
+
+def _require(signals: tuple[Float, ...], limit: float, what: str, unit: str, t: Float, path: str) -> None:
+    """Refuse what is not finite or above the limit; written so that NaN, which compares as false, is caught."""
+    if all(-limit <= signal.min() and signal.max() <= limit for signal in signals):
+        return
+    bad = np.array([~(np.abs(signal) <= limit) for signal in signals])
+    _, ticks, joints = np.nonzero(bad)
+    first = ticks.argmin()
+    joint, instant = joints[first] + 1, t[ticks[first]]
+    raise AnalysisError(
+        f"{path}: the simulation diverged: joint {joint} has a {what} above {limit:g} {unit} at {instant:.3f} s, or "
+        f"none that is a number; nothing was written; {ADVICE}"
+    )

@@ -1,0 +1,166 @@
+"""The whole comparison, short."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.comparison import METHODS, Comparison, compare
+from friction_audit.compensation.comparison.experiment import FIGURES, choose_best, draw
+from friction_audit.compensation.comparison.methods import BEST, PAPER, Joint, Tuning
+from friction_audit.compensation.comparison.result import MEASURES, Curve, Point, tell_rows
+from friction_audit.compensation.compensators import Compensator, FixedCompensation
+from friction_audit.reporting.terminal.compare import compare_table
+from tests.comparison.conftest import CHOSEN, SEEDS, compared, short_joint
+
+
+def test_every_method_has_its_rows_in_order() -> None:
+    rows = compared().rows
+    assert list(dict.fromkeys(row.method for row in rows)) == list(CHOSEN)
+    for name in CHOSEN:
+        roles = [row.role for row in rows if row.method == name]
+        assert roles[0] == "paper"
+        assert roles.count("best") == (0 if name in ("none", "oracle") else 1)
+    assert all(len(row.outcomes) == SEEDS for row in rows)
+
+
+def test_nobody_is_reported_who_was_tuned_for() -> None:
+    assert not set(compared().seeds) & set(compared().tuning_seeds)
+
+
+def test_by_hand_is_half_of_the_boldest_that_holds() -> None:
+    (curve,) = (one for one in compared().curves if one.method == "torque_regulation")
+    assert curve.limited
+    assert curve.boldest_stable is not None
+    row = compared().row("torque_regulation", "paper")
+    assert row is not None
+    assert f"{1 / (1 + curve.boldest_stable / 2):.2g}" in row.tuning.name
+    assert row.margin.value > 1.4
+    assert row.tuning_losses == 0
+
+
+def test_the_best_is_the_flattest_that_holds() -> None:
+    for curve in compared().curves:
+        held = [point for point in curve.points if point.stable]
+        best = min(held, key=lambda point: abs(point.energy_slope_w.value))
+        row = compared().row(curve.method, "best")
+        assert row is not None
+        assert row.tuning.name == best.tuning.name
+
+
+def test_what_was_found() -> None:
+    slopes = {
+        row.method: row.interval(lambda outcome: outcome.energy_slope_w).value
+        for row in compared().rows
+        if row.role == "paper"
+    }
+    assert slopes["none"] > 0.1
+    assert slopes["none"] > slopes["torque_regulation"] > abs(slopes["oracle"])
+    assert abs(slopes["disturbance_observer"]) < 0.1 * slopes["none"]
+    assert abs(slopes["energy"]) < 0.2 * slopes["none"]
+
+
+def test_same_seeds_same_numbers() -> None:
+    some = [method for method in METHODS if method.name in ("none", "oracle")]
+    again = compare(short_joint(), SEEDS, some)
+    for row in again.rows:
+        before = compared().row(row.method, "paper")
+        assert before is not None
+        assert row.outcomes == before.outcomes
+
+
+def test_figures_have_their_names() -> None:
+    figures = draw(compared())
+    assert tuple(figures) == FIGURES
+    assert all(axes.has_data() for figure in figures.values() for axes in figure.axes if axes.get_visible())
+
+
+def test_what_is_told_is_what_was_measured() -> None:
+    for told, row in zip(tell_rows(compared()), compared().rows, strict=True):
+        assert set(MEASURES) < set(told)
+        slopes = [outcome.energy_slope_w for outcome in row.outcomes if outcome.stable]
+        assert told["energy_slope_w"]["value"] == pytest.approx(np.mean(slopes))  # type: ignore[index]
+
+
+def test_progress_rises_to_one() -> None:
+    told: list[float] = []
+    compare(short_joint(), SEEDS, METHODS[:1], told.append)
+    assert told == sorted(told)
+    assert told[-1] <= 1.0
+
+
+def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
+    (method,) = (one for one in METHODS if one.name == "torque_regulation")
+    hopeless = replace(method, sweeps=(replace(method.sweeps[0], values=(40.0, 80.0)),))
+    comparison = compare(short_joint(), SEEDS, [METHODS[0], hopeless])
+    paper, best = (comparison.row("torque_regulation", role) for role in (PAPER, BEST))
+    assert paper is not None
+    assert best is not None
+    assert paper.tuning.name == hopeless.sweeps[0].at(20.0).name
+    assert paper.tuning_losses == best.tuning_losses == len(comparison.tuning_seeds)
+    assert best.stable_share == 0.0
+    assert best.margins == (0.0,)
+    assert "no setting tried is stable" in table_of(comparison)
+    assert tuple(draw(comparison)) == FIGURES
+
+
+def table_of(comparison: Comparison) -> str:
+    lines = compare_table(tell_rows(comparison), len(comparison.seeds), len(comparison.tuning_seeds))
+    return "\n".join(str(line) for line in lines)
+
+
+def point(slopes_w: Sequence[float], losses: int) -> Point:
+    """Return a point of a sweep whose first persons lost the loop."""
+    (some,) = (row.outcomes[0] for row in compared().rows if row.method == "none")
+    outcomes = tuple(
+        replace(some, stable=n >= losses, energy_slope_w=slope, lost_s=3.0 if n < losses else inf)
+        for n, slope in enumerate(slopes_w)
+    )
+    return Point(value=slopes_w[0], tuning=Tuning(name=f"{slopes_w}", meaning="", make=idle), outcomes=outcomes)
+
+
+def idle(joint: Joint) -> Compensator:  # noqa: ARG001 - what every tuning takes
+    return FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+
+@pytest.mark.parametrize(
+    ("tried", "best", "losses"),
+    [
+        # Flat, but lost with one person: the steeper one that holds with all.
+        ([((0.0, 0.0, 0.0), 1), ((0.1, 0.1, 0.1), 0)], 1, 0),
+        # Slopes of both signs are not flat.
+        ([((-0.2, 0.0, 0.2), 0), ((0.1, 0.1, 0.1), 0)], 1, 0),
+        # Nothing holds with all: with most.
+        ([((0.0, 0.0, 0.0), 2), ((0.3, 0.3, 0.3), 1)], 1, 1),
+        # What was lost says nothing of the slope.
+        ([((9.0, 0.1, 0.1), 1), ((0.2, 0.2, 0.2), 1)], 0, 1),
+    ],
+)
+def test_best_is_what_no_tuning_person_loses(
+    tried: list[tuple[tuple[float, ...], int]], best: int, losses: int
+) -> None:
+    points = [point(slopes_w, lost) for slopes_w, lost in tried]
+    curve = Curve(method="energy", label="proposed", name="any", axis="any", points=tuple(points))
+    (method,) = (one for one in METHODS if one.name == "energy")
+    chosen = choose_best(method, [curve])
+    assert chosen.tuning is points[best].tuning
+    assert chosen.tuning_losses == losses
+
+
+def test_margins_are_looked_for_as_told() -> None:
+    joint = short_joint()
+    one = compare(replace(joint, plan=replace(joint.plan, margin_seeds=1)), SEEDS, METHODS[:1])
+    assert one.margin_seeds == (0,)
+    assert one.rows[0].margins == (inf,)
+    none = compare(replace(joint, plan=replace(joint.plan, margin_seeds=0)), SEEDS, METHODS[:1])
+    assert none.rows[0].margins == ()
+    assert np.isnan(none.rows[0].margin.value)
+    assert "margin:" not in table_of(none)
+
+
+def test_few_values_of_a_sweep_are_evenly_chosen() -> None:
+    (curve,) = (one for one in compared().curves if one.method == "torque_regulation")
+    (sweep,) = (method.sweeps[0] for method in METHODS if method.name == "torque_regulation")
+    assert [each.value for each in curve.points] == list(sweep.values[::2])

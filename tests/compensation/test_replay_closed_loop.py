@@ -1,0 +1,154 @@
+"""Replay with the recorded torque or the same operator: the fitted joint moves otherwise than recorded."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.compensators import EnergyCompensator, TorqueRegulation
+from friction_audit.compensation.rivals import Rival
+from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings, energy_compensator
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.motion import Sinusoid, StopAndGo
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+
+JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+SINUSOID = Operator(motion=Sinusoid(spread=0.3))
+BENCH = BenchSettings(joints=(JOINT,), sensors=(IDEAL_SENSORS,), operator=SINUSOID, duration_s=60.0)
+TRUE_HAND = OperatorImpedance(inertia_kg_m2=0.3, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
+COMPENSATOR = energy_compensator()
+
+
+@cache
+def log_of(settings: BenchSettings) -> JointLog:
+    return simulate_bench(settings, 1).log
+
+
+def replay(log: JointLog, settings: ReplaySettings) -> LogReplay:
+    return replay_log(log, AuditSettings(), settings)
+
+
+@pytest.mark.parametrize("operator", [SINUSOID, Operator(motion=StopAndGo())], ids=["sinusoid", "stop and go"])
+def test_the_same_operator_is_foretold(operator: Operator) -> None:
+    """What the simulator makes of operator, joint and compensator, replay foretells from the log without one."""
+    bench = replace(BENCH, operator=operator)
+    joint = replay(
+        log_of(bench), ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=COMPENSATOR)
+    ).replay.joints[0]
+    happened = log_of(replace(bench, compensator=COMPENSATOR))
+    assert joint.model_error < 1e-3
+    assert joint.replayed is not None
+    assert joint.numbers is not None
+    assert happened.tau_compensation is not None
+    np.testing.assert_allclose(joint.replayed.dq, happened.dq[:, 0], atol=5e-3)
+    np.testing.assert_allclose(joint.replayed.compensation_nm, happened.tau_compensation[:, 0], atol=0.03)
+    assert joint.numbers.dissipation_removed_updated > 0.99
+
+
+def test_the_operator_is_fitted_from_quick_reversals() -> None:
+    noisy = replace(BENCH, sensors=(PANDA_SENSORS[0],), duration_s=120.0)
+    for log, bound in ((log_of(replace(BENCH, duration_s=120.0)), 0.08), (log_of(noisy), 0.2)):
+        joint = replay(log, ReplaySettings(assume="same-operator", compensator=COMPENSATOR)).replay.joints[0]
+        hand = joint.operator
+        assert hand is not None, joint.reason
+        assert hand.reversals >= 20
+        assert hand.inertia.value == pytest.approx(0.3, rel=bound)
+        assert hand.damping.value == pytest.approx(9.0, rel=bound)
+        assert hand.stiffness.value == pytest.approx(60.0, rel=bound)
+        for number, truth in ((hand.inertia, 0.3), (hand.damping, 9.0), (hand.stiffness, 60.0)):
+            assert number.low < truth < number.high
+
+
+def test_a_person_who_pauses_cannot_be_fitted() -> None:
+    log = log_of(replace(BENCH, operator=Operator(motion=StopAndGo())))
+    found = replay(log, ReplaySettings(assume="same-operator")).replay
+    assert "quick reversals" in found.joints[0].reason
+    assert "--operator" in found.joints[0].reason
+    assert [caution.code for caution in found.warnings] == ["not_replayed"]
+
+
+def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
+    joint = replay(log_of(BENCH), ReplaySettings(assume="same-torque", compensator=COMPENSATOR)).replay.joints[0]
+    history, replayed = joint.history, joint.replayed
+    assert history is not None
+    assert replayed is not None
+    assert joint.fitted is not None
+    assert joint.fitted.inertia.value == pytest.approx(0.3, rel=0.01)
+    assert joint.model_error < 1e-3
+    np.testing.assert_allclose(replayed.interaction_nm, joint.without.interaction_nm, atol=1e-9)
+    assert np.abs(replayed.dq[20000:]).mean() > 1.2 * np.abs(joint.without.dq[20000:]).mean()
+    np.testing.assert_allclose(history.coulomb_estimated_nm[3:], 0.3, rtol=0.03)
+    np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[3:], 0.07, rtol=0.1)
+
+
+def test_a_recorded_compensator_does_not_disturb_the_same_operator() -> None:
+    compensated = log_of(replace(BENCH, compensator=COMPENSATOR))
+    nothing = EnergyCompensator(factor=0.0)
+    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=nothing)
+    joint = replay(compensated, settings).replay.joints[0]
+    assert joint.replayed is not None
+    np.testing.assert_allclose(joint.replayed.dq, log_of(BENCH).dq[:, 0], atol=0.02)
+
+
+def test_over_compensation_is_taken_back_in_closed_loop() -> None:
+    too_much = EnergyCompensator(window=4, factor=1.5)
+    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=too_much)
+    passivity = replay(log_of(BENCH), settings).replay.joints[0].passivity
+    assert passivity is not None
+    assert passivity.injected_j > 0.0
+    assert passivity.lowest_j < 0.0
+    assert passivity.violations == 0
+    bare = replace(settings, compensator=replace(too_much, passivity=False))
+    passivity = replay(log_of(BENCH), bare).replay.joints[0].passivity
+    assert passivity is not None
+    assert passivity.violations > 1000
+
+
+def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
+    rival = Rival(name="torque-regulation", desired_inertia_kg_m2=0.02)
+    found = replay(log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=rival)).replay
+    joint = found.joints[0]
+    assert joint.numbers is not None
+    assert joint.replayed is not None
+    assert 0.0 < joint.numbers.diverged_s < 60.0
+    assert joint.replayed.t[-1] < joint.numbers.diverged_s
+    assert np.isfinite(joint.replayed.dq).all()
+    assert "diverged" in {caution.code for caution in found.warnings}
+
+
+@pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance-observer", "torque-regulation"])
+def test_rivals_are_tuned_from_the_log(name: str) -> None:
+    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=Rival(name=name))
+    joint = replay(log_of(BENCH), settings).replay.joints[0]
+    assert joint.numbers is not None, joint.reason
+    assert np.isnan(joint.numbers.diverged_s)
+    assert joint.numbers.dissipation_removed > (0.4 if name == "torque-regulation" else 0.8)
+
+
+def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
+    log = log_of(BENCH)
+    assert log.tau_interaction is not None
+    ddq = np.gradient(log.dq[:, 0], log.t)
+    massless = replace(log, tau_interaction=log.tau_interaction - 0.3 * ddq[:, None])
+    joint = replay(massless, ReplaySettings(assume="same-torque")).replay.joints[0]
+    assert "inertia is not determined" in joint.reason
+
+
+def test_contradictions_are_refused() -> None:
+    with pytest.raises(UsageError, match="--assume wrong"):
+        ReplaySettings(assume="wrong")
+    with pytest.raises(UsageError, match="--operator"):
+        ReplaySettings(operator=TRUE_HAND)
+    with pytest.raises(UsageError, match="same-motion holds fixed"):
+        ReplaySettings(rival=Rival(name="disturbance-observer"))
+    with pytest.raises(UsageError, match="same-motion holds fixed"):
+        ReplaySettings(compensator=TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2))
+    with pytest.raises(UsageError, match="--compensator magic"):
+        Rival(name="magic")
+    with pytest.raises(UsageError, match="--operator -1,9,60"):
+        OperatorImpedance(inertia_kg_m2=-1.0, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)

@@ -1,0 +1,285 @@
+"""Replay with a model file: its joint moves otherwise than recorded, or its friction is applied."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation import replay as replay_module
+from friction_audit.compensation.compensators import JointModelCompensation
+from friction_audit.compensation.feed_forward import UNABLE, feed_of, friction_terms, refusal, straighten, tell_friction
+from friction_audit.compensation.records import fresh_memory
+from friction_audit.compensation.result import JointReplay
+from friction_audit.compensation.rivals import Rival
+from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
+from friction_audit.compensation.tabled_loop import MovedJoint, modelled_joint
+from friction_audit.dynamics.torque_tables import tabulate
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
+from friction_audit.effects.term import Motion
+from friction_audit.effects.terms import TERMS
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, replay_log
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.from_model import with_model
+from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+
+SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+HAND = OperatorImpedance(inertia_kg_m2=0.3, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)
+BENCH = BenchSettings(
+    joints=(JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07),),
+    sensors=(IDEAL_SENSORS,),
+    operator=Operator(motion=Sinusoid(spread=0.3)),
+    duration_s=40.0,
+)
+VALUES: dict[str, tuple[float, ...]] = {
+    "coulomb": (0.3,),
+    "viscous": (0.07,),
+    "offset": (0.1,),
+    "torque_bias": (0.1,),
+    "stribeck": (0.15, 0.1, 1.5),
+    "nonlinear_viscous": (0.15, 0.6, 0.01, 0.0),
+    "asymmetric_coulomb": (0.1,),
+    "asymmetric_viscous": (0.02,),
+    "unlogged_compensation": (0.1, 0.05, 0.0, 0.0),
+    "inertia_error": (0.05,),
+    "presliding": (0.3, 0.004, 1.0, 0.005),
+    "position_dependent_friction": (0.1, 0.05, 6.0, 0.2, 20.0),
+    "torque_ripple": (0.0, 0.08, 40.0),
+    "cable_spring": (0.4, 0.0, 0.0, 0.3, 0.0),
+    "joint_limit_stop": (0.5, 0.5, 0.1, 0.1, 0.4, -0.1, 1.5),
+    "gravity_error": (0.3, 0.1, *([0.0] * 15)),
+    "friction_step": (0.15, 0.02, 20.0, 0.0),
+    "torque_drift": (0.1, 0.05, 0.02, 0.01, 0.0),
+    "warm_up": (0.1, 0.02, 30.0, 0.0),
+}
+"""Numbers of a term that can run in the loop, by its name."""
+
+
+def with_term(name: str) -> JointModel:
+    kept = tuple(term for term in SIMPLE.terms if term.name != name)
+    return replace(SIMPLE, terms=(*kept, FittedTerm(name, VALUES[name])))
+
+
+def file_of(*joints: JointModel | None) -> ModelFile:
+    names = tuple(f"joint{number}" for number in range(1, len(joints) + 1))
+    return ModelFile(path="model.toml", model=ArmModel(names=names, joints=joints))
+
+
+@cache
+def log_of(model: JointModel, *, noisy: bool = False) -> JointLog:
+    bench = replace(BENCH, sensors=(PANDA_SENSORS[0],)) if noisy else BENCH
+    return simulate_bench(with_model(bench, file_of(model).model), 1).log
+
+
+def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool = False) -> JointReplay:
+    settings = ReplaySettings(
+        assume=assume,
+        operator=HAND if assume == "same-operator" else None,
+        joint_model=file_of(model),
+        rival=Rival(name="model") if applied else None,
+    )
+    return replay_log(log, AuditSettings(), settings).replay.joints[0]
+
+
+def motion_of(log: JointLog) -> Motion:
+    q, dq = log.q[:, 0], log.dq[:, 0]
+    return Motion(t=log.t, q=np.ascontiguousarray(q), dq=dq, ddq=np.gradient(dq, log.t))
+
+
+def assert_same(one: JointReplay, other: JointReplay, tolerance: float) -> None:
+    assert one.replayed is not None
+    assert other.replayed is not None
+    assert one.history is not None
+    assert other.history is not None
+    for name in ("dq", "interaction_nm", "compensation_nm"):
+        np.testing.assert_allclose(getattr(one.replayed, name), getattr(other.replayed, name), atol=tolerance)
+    np.testing.assert_allclose(one.history.friction_j, other.history.friction_j, atol=tolerance)
+
+
+@pytest.mark.parametrize("assume", ["same-torque", "same-operator"])
+def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) -> None:
+    log = log_of(SIMPLE, noisy=True)
+    settings = ReplaySettings(assume=assume, operator=HAND if assume == "same-operator" else None)
+    fitted = replay_log(log, AuditSettings(), settings).replay.joints[0]
+    assert fitted.fitted is not None
+    given = run(log, assume, fitted.fitted.model)
+    assert given.fitted is None
+    assert given.simulated
+    assert given.model == fitted.fitted.model
+    assert given.model_error == pytest.approx(fitted.model_error, rel=1e-9)
+    assert_same(given, fitted, 1e-9)
+
+
+@pytest.mark.parametrize("assume", ["same-torque", "same-operator"])
+def test_tables_move_a_simple_joint_as_its_equation_does(assume: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    log = log_of(SIMPLE)
+    exact = run(log, assume, SIMPLE)
+
+    def tabled(model: JointModel, motion: Motion) -> MovedJoint:
+        return MovedJoint(model=model, tables=tabulate(model.inertia_kg_m2, model.terms, motion)[0])
+
+    monkeypatch.setattr(replay_module, "modelled_joint", tabled)
+    assert_same(run(log, assume, SIMPLE), exact, 1e-4)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stribeck",
+        "presliding",
+        "cable_spring",
+        *(
+            pytest.param(name, marks=pytest.mark.thorough)
+            for name in ("position_dependent_friction", "torque_ripple", "torque_bias")
+        ),
+    ],
+)
+def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
+    """Without a compensator the true model gives the recording again; the simple one fitted to it does not."""
+    joint = run(log_of(with_term(name)), "same-operator", with_term(name), applied=True)
+    assert joint.numbers is not None, joint.reason
+    assert joint.model_error < 1e-3
+    assert joint.numbers.dissipation_removed > 0.999
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "stribeck",
+        *(pytest.param(name, marks=pytest.mark.thorough) for name in ("presliding", "position_dependent_friction")),
+    ],
+)
+def test_terms_that_the_fitted_joint_lacks_are_missed_in_its_motion(name: str) -> None:
+    settings = ReplaySettings(assume="same-torque")
+    log = log_of(with_term(name))
+    without = replay_log(log, AuditSettings(), settings).replay.joints[0].model_error
+    assert run(log, "same-torque", with_term(name)).model_error < 0.02 * without
+
+
+def test_the_true_model_buys_more_than_the_energy_compensator() -> None:
+    model = with_term("stribeck")
+    log = log_of(model, noisy=True)
+    energy = replay_log(log, AuditSettings(), ReplaySettings()).replay.joints[0].numbers
+    better = run(log, "same-motion", model, applied=True)
+    assert energy is not None
+    assert better.numbers is not None
+    assert isinstance(better.compensator, JointModelCompensation)
+    assert [term.name for term in better.compensator.terms] == ["coulomb", "viscous", "stribeck"]
+    assert better.numbers.dissipation_removed > 0.985
+    assert better.numbers.dissipation_removed > energy.dissipation_removed_updated > energy.dissipation_removed
+
+
+def test_the_sensor_feels_a_constant_torque_that_is_no_friction() -> None:
+    log = log_of(with_term("torque_bias"))
+    for name in ("torque_bias", "offset"):
+        model = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, VALUES["torque_bias"])))
+        joint = run(log, "same-torque", model, applied=True)
+        assert joint.numbers is not None
+        np.testing.assert_allclose(
+            joint.without.interaction_nm[50:], np.asarray(log.tau_interaction)[50:, 0], atol=1e-9
+        )
+        assert joint.numbers.dissipation_removed > 0.999
+
+
+def test_nothing_later_than_the_tick_is_applied() -> None:
+    model = replace(SIMPLE, terms=(*SIMPLE.terms, *(FittedTerm(n, VALUES[n]) for n in ("presliding", "friction_step"))))
+    log = log_of(SIMPLE)
+    whole = run(log, "same-motion", model, applied=True)
+    part = run(log.take_window(None, 30.0), "same-motion", model, applied=True)
+    assert whole.replayed is not None
+    assert part.replayed is not None
+    shared = len(part.replayed.t)
+    assert shared < len(whole.replayed.t)
+    np.testing.assert_allclose(part.replayed.compensation_nm, whole.replayed.compensation_nm[:shared], atol=2e-3)
+
+
+@pytest.mark.parametrize("speed", [-0.5, -0.03, -0.005, 0.0, 0.02, 0.4])
+def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
+    """Coulomb 0.3 N m, 0.1 N m more forwards, viscous 0.07 N m s/rad, beyond 0.01 rad/s rising over 0.03 rad/s."""
+    terms = (*SIMPLE.terms, FittedTerm("asymmetric_coulomb", (0.1,)))
+    n = 1000
+    motion = Motion(
+        t=np.asarray(np.arange(n) * 1e-3, np.float64),
+        q=np.linspace(0, 0.1, n),
+        dq=np.linspace(-1, 1, n),
+        ddq=np.zeros(n),
+    )
+    memory, feed = fresh_memory(1), feed_of(terms, motion)
+    tell_friction(memory[0], feed, 0.05, speed, 10)
+    expected = 0.3 * np.sign(speed) + 0.1 + 0.07 * speed
+    assert float(memory["modelled_nm"][0]) == pytest.approx(np.sign(speed) * expected if speed else 0.4, abs=1e-6)
+    assert float(memory["bristle_nm"][0]) == 0.0
+
+
+def test_tables_go_on_in_a_straight_line() -> None:
+    n = 200
+    motion = Motion(
+        t=np.asarray(np.arange(n) * 1e-2, np.float64), q=np.linspace(0, 1, n), dq=np.linspace(-1, 1, n), ddq=np.zeros(n)
+    )
+    memory, feed = fresh_memory(1), feed_of(SIMPLE.terms, motion)
+    tell_friction(memory[0], feed, 0.5, 20.0, 3)
+    assert float(memory["modelled_nm"][0]) == pytest.approx(0.3 + 0.07 * 20.0)
+    damped = straighten(feed.tables, damping_nms_per_rad=2.0)
+    np.testing.assert_allclose(damped.place_per_speed, [[2.07] * n, [-2.07] * n])
+
+
+def test_every_term_runs_or_is_refused_by_name() -> None:
+    assert sorted([*VALUES, *UNABLE, "inertia"]) == sorted(term.name for term in TERMS)
+    motion = motion_of(log_of(SIMPLE))
+    for name in VALUES:
+        joint = modelled_joint(with_term(name), motion)
+        assert isinstance(joint, MovedJoint), joint
+
+
+@pytest.mark.parametrize("name", sorted(UNABLE))
+def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
+    term = next(term for term in TERMS if term.name == name)
+    values = tuple(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters)
+    model = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, values)))
+    joint = run(log_of(SIMPLE), "same-torque", model)
+    assert joint.numbers is None
+    assert f"{name}: {UNABLE[name]}" in joint.reason
+    of_friction = {"stiction", "frictional_lag", "load_dependent_friction"}
+    assert bool(refusal(friction_terms(model))) == (name in of_friction)
+
+
+@pytest.mark.parametrize(
+    ("model", "message"),
+    [
+        (None, "no model of it"),
+        (replace(SIMPLE, inertia_kg_m2=-0.001), "an inertia of -0.001"),
+        (replace(with_term("torque_ripple"), inertia_kg_m2=0.0), "an inertia of 0 "),
+        (replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm("asymmetric_coulomb", (0.5,)))), "friction pushes"),
+        (
+            replace(SIMPLE, terms=(FittedTerm("gravity_error", (0.0,) * 5 + (1.0,) + (0.0,) * 10 + (2.0,)),)),
+            "gravity_error: it needs the model of the arm",
+        ),
+        (replace(SIMPLE, terms=(FittedTerm("warm_up", (0.1, 0.0, 30.0, 0.01)),)), "warm_up: it needs the temperature"),
+    ],
+)
+def test_a_joint_that_cannot_be_simulated_says_why(model: JointModel | None, message: str) -> None:
+    joint = run(log_of(SIMPLE), "same-torque", model)
+    assert joint.numbers is None
+    assert message in joint.reason
+
+
+@pytest.mark.parametrize(
+    ("model", "message"), [(None, "no model of it"), (JointModel(inertia_kg_m2=0.3), "no term of friction")]
+)
+def test_a_joint_without_friction_to_apply_says_why(model: JointModel | None, message: str) -> None:
+    assert message in run(log_of(SIMPLE), "same-motion", model, applied=True).reason
+
+
+def test_contradictions_are_refused() -> None:
+    with pytest.raises(UsageError, match="give it by --joint-model"):
+        ReplaySettings(rival=Rival(name="model"))
+    with pytest.raises(UsageError, match="not used with --assume same-motion"):
+        ReplaySettings(joint_model=file_of(SIMPLE))
+    with pytest.raises(UsageError, match="1 joints, and the log has a joint 2"):
+        file_of(SIMPLE).joint(2)
+    with pytest.raises(UsageError, match="no term of friction"):
+        JointModelCompensation(terms=())

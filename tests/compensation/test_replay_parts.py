@@ -1,0 +1,132 @@
+"""Parts of a replay by hand: steps of friction, convergence, cycles of the hand, sums, limits."""
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.friction_step import find_step
+from friction_audit.compensation.hand_cycles import hand_cuts
+from friction_audit.compensation.limits import Limits, limits_of
+from friction_audit.compensation.measures import dissipation_removed, first_right, first_updated, share_left
+from friction_audit.compensation.records import ESTIMATED, TOO_FEW
+from friction_audit.compensation.result import ReplayHistory, Signals, net_energy_j
+from friction_audit.compensation.tally import largest_sum, sum_up
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+
+
+def history(friction: list[float], left: list[float], status: list[int] | None = None) -> ReplayHistory:
+    m = len(friction)
+    edges = np.arange(m + 1)
+    nothing = np.zeros(m)
+    return ReplayHistory(
+        start=edges[:-1],
+        stop=edges[1:],
+        start_s=edges[:-1].astype(np.float64),
+        stop_s=edges[1:].astype(np.float64),
+        friction_j=np.array(friction),
+        net_energy_j=np.array(left),
+        path_rad=np.ones(m),
+        square_speed_rad2_s=np.ones(m),
+        coulomb_applied_nm=nothing,
+        viscous_applied_nms_per_rad=nothing,
+        coulomb_estimated_nm=nothing,
+        viscous_estimated_nms_per_rad=nothing,
+        acted=nothing == 1.0,
+        status=np.array(status or [ESTIMATED] * m),
+    )
+
+
+def test_what_a_cycle_gives_out_counts_as_left_over() -> None:
+    found = history([1.0, 1.0, 2.0], [1.0, -0.5, 0.5])
+    np.testing.assert_array_equal(share_left(found), [1.0, 0.5, 0.25])
+    assert dissipation_removed(found) == pytest.approx(0.5)
+    assert dissipation_removed(found, 2) == pytest.approx(0.75)
+    assert np.isnan(dissipation_removed(found, 3))
+    assert np.isnan(dissipation_removed(history([-1.0], [0.0])))
+
+
+def test_the_second_update_is_counted_from_estimates() -> None:
+    found = history([1.0] * 5, [0.0] * 5, [TOO_FEW, ESTIMATED, TOO_FEW, ESTIMATED, ESTIMATED])
+    assert first_updated(found) == 4
+    assert first_updated(history([1.0], [0.0])) == 1
+
+
+def test_right_means_three_in_a_row() -> None:
+    left = [1.0, 0.05, 0.5, 0.1, -0.1, 0.0, 0.9]
+    assert first_right(history([1.0] * 7, left)) == 3
+    assert first_right(history([1.0] * 7, left), 4) is None
+    assert first_right(history([1.0, 1.0], [0.0, 0.0])) is None
+
+
+def cycles(after: float, at: int, count: int = 24) -> tuple[Float, Float, Float]:
+    """Return path, squared speed and friction of strokes at changing speed, of which friction changes at one."""
+    path = 0.5 + 0.2 * np.sin(np.arange(count))
+    speed = 0.8 + 0.3 * np.cos(2.0 * np.arange(count))
+    factor = np.where(np.arange(count) < at, 1.0, after)
+    return path, path * speed, factor * path * (0.3 + 0.1 * speed)
+
+
+@pytest.mark.parametrize("after", [0.5, 1.5, 2.0])
+def test_a_step_is_found_where_it_is(after: float) -> None:
+    rng = np.random.default_rng(1)
+    path, square, friction = cycles(after, 10)
+    found = find_step(path, square, friction * (1.0 + 0.02 * rng.standard_normal(len(path))))
+    assert found is not None
+    row, change = found
+    assert row == 10
+    assert change == pytest.approx(after, rel=0.05)
+
+
+def test_neither_speed_nor_noise_nor_warming_up_is_a_step() -> None:
+    rng = np.random.default_rng(2)
+    path, square, friction = cycles(1.0, 10)
+    assert find_step(path, square, friction) is None
+    for _ in range(20):
+        assert find_step(path, square, friction * (1.0 + 0.2 * rng.standard_normal(len(path)))) is None
+    assert find_step(path, square, friction * np.linspace(2.0, 1.0, len(path))) is None
+    assert find_step(path[:5], square[:5], friction[:5]) is None
+    assert find_step(0.0 * path, square, friction) is None
+
+
+def test_the_hand_ends_cycles_when_all_joints_have_moved() -> None:
+    t: Float = np.arange(4001, dtype=np.float64) * 1e-3
+    speed = np.abs(np.sin(np.pi * t))
+    dq = np.stack([np.sin(np.pi * t), np.where(t < 1.0, 0.0, np.sin(np.pi * t))], axis=1)
+
+    def cuts(minimum_path_rad: float) -> list[float]:
+        found = hand_cuts(t, speed, dq, thresholds=(0.1, 0.025), rest_rad_s=0.01, minimum_path_rad=minimum_path_rad)
+        return [float(t[i]) for i in np.flatnonzero(found)]
+
+    # The second joint stands still in the first second: its cycle is the first two.
+    np.testing.assert_allclose(cuts(0.1), [2.0, 3.0, 4.0], atol=0.02)
+    np.testing.assert_allclose(cuts(0.0), [1.0, 2.0, 3.0, 4.0], atol=0.02)
+    assert cuts(10.0) == []
+
+
+def test_sums_by_hand() -> None:
+    t, dq, torque = np.array([0.0, 1.0, 3.0]), np.array([1.0, 1.0, 1.0]), np.array([0.0, 2.0, -4.0])
+    work, rms, peak = sum_up(t, dq, torque)
+    assert (work, peak) == (-1.0, 4.0)
+    assert rms == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
+    np.testing.assert_array_equal(net_energy_j(t, dq, torque), [0.0, 1.0, -1.0])
+    assert largest_sum(torque, np.array([0.0, 1.0, 1.0])) == 3.0
+
+
+def test_damping_is_torque_against_velocity() -> None:
+    nothing = np.zeros(3)
+    signals = Signals(
+        t=np.arange(3.0),
+        dq=np.array([0.0, 2.0, -1.0]),
+        interaction_nm=nothing,
+        compensation_nm=nothing,
+        passivity_nm=np.array([0.0, -1.0, 3.0]),
+    )
+    np.testing.assert_array_equal(signals.damping_nms_per_rad, [0.0, 0.5, 3.0])
+
+
+def test_limits_are_those_of_the_arm() -> None:
+    assert limits_of("panda", 5) == Limits(torque_nm=12.0, rate_nm_s=1000.0)
+    assert limits_of("fr3", 4).torque_nm == 87.0
+    assert limits_of("unknown", 1) == limits_of("panda", 8) == Limits()
+    with pytest.raises(UsageError, match="above zero"):
+        Limits(torque_nm=0.0)

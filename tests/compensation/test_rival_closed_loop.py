@@ -1,0 +1,90 @@
+"""The rivals in the hand of the same person, on the same joint."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.compensators import (
+    DisturbanceObserver,
+    FixedCompensation,
+    Guard,
+    LugreCompensation,
+    TorqueRegulation,
+)
+from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
+from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, guided, work_j
+
+ORACLE = FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
+LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
+OBSERVER = DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0)
+REGULATION = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15)
+
+
+@pytest.fixture(scope="module")
+def uncompensated_j() -> float:
+    return work_j(guided(None))
+
+
+def eccentricity(compensator: Any) -> float:
+    """Return by how much the curve of velocity and torque differs from an ellipse: spread of its radius over mean."""
+    motion = guided(compensator)
+    steady = slice(4000, 12000)
+    dq, torque = motion.dq[steady, 0], motion.interaction_nm[steady, 0]
+    radius = np.hypot(dq, torque / (INERTIA * np.pi / 2))
+    return float(np.std(radius) / np.mean(radius))
+
+
+def test_an_oracle_leaves_an_ellipse() -> None:
+    assert eccentricity(replace(ORACLE, dead_band_rad_s=0.0)) < 0.03
+    assert eccentricity(ORACLE) < 0.1
+    assert eccentricity(None) > 0.2
+
+
+def test_an_oracle_leaves_no_friction_and_nobody_beats_it(uncompensated_j: float) -> None:
+    best = abs(work_j(guided(ORACLE)))
+    assert best < 5e-3 * uncompensated_j
+    for rival in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PUBLISHED[0]):
+        assert best < abs(work_j(guided(rival))) < uncompensated_j
+
+
+@pytest.mark.parametrize("right", [ORACLE, LUGRE, fit_sigmoid(COULOMB, VISCOUS, steepness_s_per_rad=40.0)])
+def test_twenty_percent_too_little_leaves_twenty_percent(right: Any, uncompensated_j: float) -> None:
+    left = work_j(guided(right.scaled(0.8))) / uncompensated_j
+    assert left == pytest.approx(0.2 + work_j(guided(right)) / uncompensated_j, abs=0.03)
+
+
+@pytest.mark.parametrize("right", [LUGRE, fit_sigmoid(COULOMB, VISCOUS)])
+def test_a_guard_takes_back_what_over_compensation_put_in(right: Any) -> None:
+    over = right.scaled(1.6)
+    wild, guarded = (
+        guided(replace(over, guard=Guard(passivity=passivity)), duration_s=12.0) for passivity in (False, True)
+    )
+    assert work_j(wild) < -0.1
+    assert work_j(guarded) > -2e-3
+
+
+def test_a_sigmoid_has_no_room_for_viscous_friction(uncompensated_j: float) -> None:
+    """The nearest one is too high at the speeds a hand is mostly at: it puts energy in."""
+    assert -0.06 * uncompensated_j < work_j(guided(fit_sigmoid(COULOMB, VISCOUS))) < -0.02 * uncompensated_j
+
+
+def test_published_friction_falls_short_at_low_speed() -> None:
+    for joint in PUBLISHED:
+        torque, _ = feed(joint, [0.05], 0.0)
+        assert torque[0] < 0.4 * joint.plateaus_nm[0]
+
+
+def test_who_shapes_inertia_lowers_the_peak() -> None:
+    free, shaped = (np.abs(guided(one).interaction_nm).max() for one in (None, REGULATION))
+    assert shaped < 0.7 * free
+
+
+def test_an_observer_without_dead_band_holds_through_the_turn() -> None:
+    published = replace(OBSERVER, dead_band_rad_s=0.0, ramp_rad_s=0.0)
+    motion = guided(published, duration_s=8.0)
+    sliding = np.abs(motion.dq[:, 0]) > 0.3
+    late = sliding & (np.arange(len(sliding)) * TICK_S > 2.0)
+    friction = motion.friction_nm[late, 0]
+    assert np.abs(motion.compensation_nm[late, 0] - friction).max() < 0.02

@@ -1,0 +1,162 @@
+"""What every compensator keeps to, over the tuple of them."""
+
+from dataclasses import fields, replace
+from pathlib import Path
+from types import NoneType
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from friction_audit.compensation.compensators import (
+    COMPENSATORS,
+    Compensator,
+    CompensatorKind,
+    DisturbanceObserver,
+    EnergyCompensator,
+    FixedCompensation,
+    Guard,
+    JointModelCompensation,
+    LugreCompensation,
+    SigmoidCompensation,
+    TorqueRegulation,
+    guards,
+    kind_of,
+)
+from friction_audit.compensation.kernels import FIND, step, trace
+from friction_audit.compensation.records import MEMORY, SETTINGS, TRACE, fresh_memory
+from friction_audit.effects.joint_model import FittedTerm
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.simulation import PANDA_SENSORS
+from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, fresh, guided
+
+EXAMPLES: dict[str, Compensator | None] = {
+    "none": None,
+    "fixed": FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS),
+    "energy": EnergyCompensator(),
+    "sigmoid": SigmoidCompensation(height_nm=0.6, steepness_s_per_rad=9.0, shift_rad_s=0.03),
+    "lugre": LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=0.4, viscous_nms_per_rad=VISCOUS),
+    "disturbance_observer": DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0),
+    "torque_regulation": TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0),
+    "joint_model": JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),
+}
+RIVALS = [name for name, made in EXAMPLES.items() if hasattr(made, "guard")]
+each = pytest.mark.parametrize("kind", COMPENSATORS, ids=lambda kind: kind.name)
+
+
+def test_names_and_codes_are_unique() -> None:
+    assert list(EXAMPLES) == [kind.name for kind in COMPENSATORS]
+    assert [kind.code for kind in COMPENSATORS] == list(range(len(COMPENSATORS)))
+
+
+def relieve(compensator: Compensator | None, dq: Any, total_nm: Any) -> Float:
+    """Return the torques of a compensator that takes its part of a given total; the sensor feels the rest."""
+    settings, memory = fresh(compensator)
+    torques = [0.0]
+    for v, torque in zip(dq, total_nm, strict=True):
+        torques.append(step(settings, memory, v, torque - torques[-1], TICK_S, FIND))
+    assert memory["unstable"] == 0
+    return np.array(torques)
+
+
+@each
+def test_a_compensator_is_of_its_kind(kind: CompensatorKind) -> None:
+    example = EXAMPLES[kind.name]
+    assert kind_of(example) is kind
+    assert isinstance(example, kind.settings)
+
+
+@each
+def test_at_rest_nothing_pushes(kind: CompensatorKind) -> None:
+    torque, _ = feed(EXAMPLES[kind.name], np.zeros(50), 0.0)
+    assert_array_equal(torque, 0.0)
+
+
+@each
+def test_noise_gives_finite_torques_and_the_same_ones_again(kind: CompensatorKind) -> None:
+    rng = np.random.default_rng(1)
+    dq = np.sin(np.pi * np.arange(3000) * TICK_S) + 0.003 * rng.standard_normal(3000)
+    total = 0.3 * np.sign(dq) + 0.05 * rng.standard_normal(3000)
+    first, second = (relieve(EXAMPLES[kind.name], dq, total) for _ in range(2))
+    assert np.abs(first).max() < 2.0
+    assert_array_equal(first, second)
+
+
+@each
+def test_standstill_is_still_under_noise(kind: CompensatorKind) -> None:
+    motion = guided(EXAMPLES[kind.name], sensors=PANDA_SENSORS[0])
+    last = slice(-1000, None)
+    assert np.ptp(motion.q[last]) < 1e-3
+    assert np.abs(motion.compensation_nm[last]).max() < COULOMB + 0.2
+
+
+@each
+def test_the_closed_loop_repeats_itself(kind: CompensatorKind) -> None:
+    first, second = (guided(EXAMPLES[kind.name], sensors=PANDA_SENSORS[0], duration_s=3.0) for _ in range(2))
+    assert_array_equal(first.compensation_nm, second.compensation_nm)
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_numbers_of_the_wrong_size_are_refused(name: str) -> None:
+    example: Any = EXAMPLES[name]
+    for item in fields(example):
+        if item.type is float:
+            with pytest.raises(UsageError, match=item.name):
+                replace(example, **{item.name: np.nan})
+
+
+@pytest.mark.parametrize("name", [item.name for item in fields(Guard) if item.type is float])
+def test_guards_refuse_numbers_below_zero(name: str) -> None:
+    with pytest.raises(UsageError, match=name):
+        replace(Guard(), **{name: -1.0})  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_rivals_keep_to_their_limits(name: str) -> None:
+    example: Any = replace(EXAMPLES[name], guard=Guard(max_torque_nm=0.05, max_torque_rate_nm_s=10.0))  # type: ignore[type-var]
+    torque, _ = feed(example, np.linspace(0.0, 1.0, 100), 2.0)
+    assert np.abs(torque).max() == pytest.approx(0.05)
+    assert np.abs(np.diff(torque)).max() <= 0.01 + 1e-12
+
+
+@pytest.mark.parametrize("name", RIVALS)
+def test_the_passivity_controller_guards_any_rival(name: str) -> None:
+    example: Any = EXAMPLES[name]
+    dq, against = np.full(200, 0.5), -0.4
+    assert feed(example, dq, against)[1]["dissipated_j"] == 0.0
+    guarded = replace(example, guard=Guard(passivity=True))
+    assert feed(guarded, dq, against)[1]["dissipated_j"] > 0.0
+    assert guards(guarded)
+    assert not guards(example)
+
+
+def test_who_is_guarded() -> None:
+    assert guards(EnergyCompensator())
+    assert not guards(EnergyCompensator(passivity=False))
+    assert not guards(EXAMPLES["fixed"])
+    assert not guards(None)
+
+
+def test_the_trace_is_in_the_order_of_its_names() -> None:
+    memory = fresh_memory(1)
+    for number, name in enumerate(TRACE):
+        memory[name] = number
+    row = np.empty(len(TRACE))
+    trace(memory[0], row)
+    assert_array_equal(row, np.arange(len(TRACE)))
+    assert set(TRACE) <= set(MEMORY.names or ())
+
+
+def test_every_group_has_its_place_in_the_records() -> None:
+    for kind in COMPENSATORS:
+        assert (kind.group is not None) == (kind.name in (SETTINGS.names or ()))
+        assert kind.settings is NoneType or kind.settings.__doc__
+
+
+def test_every_kind_has_its_section_in_the_documentation() -> None:
+    page = Path(__file__).parents[2] / "docs" / "compensators.md"
+    headings = [line.removeprefix("## ") for line in page.read_text().splitlines() if line.startswith("## ")]
+    names = [kind.name for kind in COMPENSATORS]
+    assert headings[: len(names)] == names

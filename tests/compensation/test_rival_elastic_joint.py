@@ -1,0 +1,70 @@
+"""Torque feedback in a joint whose gear twists: the limit from eigenvalues, against the simulator."""
+
+from dataclasses import replace
+from math import inf, sqrt
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.compensators.elastic_joint import ElasticJoint, largest_torque_gain
+from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation, stability_limit
+from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.motion import Sinusoid
+from tests.compensation.rival_bench import TICK_S
+
+INERTIA, HAND = 0.3, 0.3
+REDUCED = 0.15
+
+
+def rings(regulation: TorqueRegulation, compliance: float, damping_ratio: float) -> bool:
+    """Return True if what noise sets ringing grows, with next to nobody there to damp it."""
+    settings = BenchSettings(
+        joints=(JointParameters(inertia_kg_m2=INERTIA, coulomb_nm=0.0, viscous_nms_per_rad=0.0),),
+        hidden=(
+            Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=compliance, damping_ratio=damping_ratio)),
+        ),
+        sensors=(replace(IDEAL_SENSORS, torque_noise_nm=0.02),),
+        operator=Operator(
+            inertia_kg_m2=HAND,
+            stiffness_nm_per_rad=20.0,
+            damping_nms_per_rad=0.05,
+            motion=Sinusoid(amplitude_rad=0.01, ease_s=0.5),
+        ),
+        compensator=regulation,
+        duration_s=30.0,
+    )
+    return bool(np.abs(simulate_bench(settings, 0).truth.motion.compensation_nm).max() > 30.0)
+
+
+@pytest.mark.parametrize("cutoff_hz", [inf, 100.0, 30.0])
+@pytest.mark.parametrize(("compliance", "damping_ratio"), [(1e-4, 0.03), (2e-4, 0.03), (1e-5, 0.03)])
+def test_the_loop_rings_just_below_the_limit(compliance: float, damping_ratio: float, cutoff_hz: float) -> None:
+    settings = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA, cutoff_hz=cutoff_hz)
+    limit = stability_limit(
+        settings,
+        inertia_kg_m2=INERTIA,
+        outer_inertia_kg_m2=HAND,
+        period_s=TICK_S,
+        stiffness_nm_per_rad=1.0 / compliance,
+        damping_nms_per_rad=2.0 * damping_ratio * sqrt(REDUCED / compliance),
+    )
+    assert not rings(replace(settings, desired_inertia_kg_m2=1.05 * limit), compliance, damping_ratio)
+    assert rings(replace(settings, desired_inertia_kg_m2=0.95 * limit), compliance, damping_ratio)
+
+
+def test_without_damping_no_late_feedback_is_stable() -> None:
+    joint = ElasticJoint(INERTIA, HAND, 1e4, 0.0)
+    assert largest_torque_gain(joint, 0.5, TICK_S) < 1e-3
+
+
+def test_damping_makes_room() -> None:
+    gains = [largest_torque_gain(ElasticJoint(INERTIA, HAND, 1e4, damping), 0.3, TICK_S) for damping in (1, 3, 9)]
+    assert gains == sorted(gains)
+    assert gains[0] > 0.1
+
+
+def test_a_soft_gear_and_a_slow_filter_leave_the_loop_alone() -> None:
+    assert largest_torque_gain(ElasticJoint(INERTIA, HAND, 1e-6, 10.0), 1e-6, TICK_S) == inf

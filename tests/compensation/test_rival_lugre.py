@@ -1,0 +1,80 @@
+"""LuGre as a compensator, against its solution by hand."""
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.compensation.compensators.lugre import LugreCompensation
+from friction_audit.errors import UsageError
+from tests.compensation.rival_bench import TICK_S, feed
+
+LUGRE = LugreCompensation(
+    coulomb_nm=0.3,
+    breakaway_nm=0.5,
+    viscous_nms_per_rad=0.07,
+    stribeck_rad_s=0.05,
+    stiffness_nm_per_rad=300.0,
+    damping_nms_per_rad=0.2,
+)
+
+
+def level(dq: float) -> float:
+    return 0.3 + 0.2 * float(np.exp(-((dq / 0.05) ** 2)))
+
+
+@pytest.mark.parametrize("speed", [-1.0, -0.05, 0.02, 0.4])
+@pytest.mark.parametrize("dt", [1e-3, 2e-2])
+def test_bristles_bend_exponentially_at_any_tick(speed: float, dt: float) -> None:
+    ticks = 40
+    torque, memory = feed(LUGRE, np.full(ticks, speed), 0.0, dt)
+    bend = np.sign(speed) * level(speed) / 300 * (1 - np.exp(-300 * abs(speed) * np.arange(ticks) * dt / level(speed)))
+    rate = speed - 300 * abs(speed) * bend / level(speed)
+    assert memory["bristle_rad"] == pytest.approx(bend[-1], rel=1e-9)
+    assert_allclose(torque, 300 * bend + 0.2 * rate + 0.07 * speed, rtol=1e-9)
+
+
+def test_steady_sliding_is_the_stribeck_curve() -> None:
+    for speed in (-0.5, 0.03, 2.0):
+        torque, _ = feed(LUGRE, np.full(3000, speed), 0.0)
+        assert torque[-1] == pytest.approx(np.sign(speed) * level(speed) + 0.07 * speed, rel=1e-6)
+
+
+def test_before_it_slides_it_is_a_spring_that_holds() -> None:
+    moving, resting = np.full(100, 1e-3), np.zeros(500)
+    torque, memory = feed(LUGRE, np.concatenate([moving, resting]), 0.0)
+    travel = 99.5 * 1e-3 * TICK_S
+    assert memory["bristle_rad"] == pytest.approx(travel, rel=0.05)
+    assert_allclose(torque[-499:], 300 * memory["bristle_rad"], rtol=1e-12)
+
+
+def test_very_stiff_bristles_stay_bounded() -> None:
+    stiff = LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.3, viscous_nms_per_rad=0.0, stiffness_nm_per_rad=1e6)
+    torque, _ = feed(stiff, 2.0 * np.sign(np.sin(np.arange(200))), 0.0)
+    assert np.abs(torque[1:]).max() <= 0.3 * (1 + 1e-9) + 0.3
+
+
+@pytest.mark.parametrize(
+    ("breakaway", "viscous", "damping", "passive"),
+    [
+        (0.5, 0.14, 0.2, True),
+        (0.5, 0.13, 0.2, False),  # 0.2 (0.5 - 0.3) / 0.3 = 0.1333
+        (0.5, 0.0, 0.0, True),
+        (0.3, 0.0, 5.0, True),
+    ],
+)
+def test_passivity_of_the_parameters(breakaway: float, viscous: float, damping: float, passive: bool) -> None:
+    one = LugreCompensation(
+        coulomb_nm=0.3, breakaway_nm=breakaway, viscous_nms_per_rad=viscous, damping_nms_per_rad=damping
+    )
+    assert one.is_passive == passive
+    assert one.scaled(1.2).is_passive == passive
+
+
+def test_scaled_torques() -> None:
+    dq = np.linspace(-0.5, 0.5, 200)
+    assert_allclose(feed(LUGRE.scaled(0.8), dq, 0.0)[0], 0.8 * feed(LUGRE, dq, 0.0)[0], rtol=1e-9)
+
+
+def test_it_does_not_stick_less_than_it_slides() -> None:
+    with pytest.raises(UsageError, match="breakaway_nm"):
+        LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.2, viscous_nms_per_rad=0.0)

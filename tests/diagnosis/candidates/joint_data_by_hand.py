@@ -1,0 +1,54 @@
+"""Joints by hand: a motion, no simulator."""
+
+import numpy as np
+
+from friction_audit.diagnosis.candidate import Baseline
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.joint_log import Float
+
+STEP_S = 0.005
+
+
+def joint_data(q: Float, dq: Float, ddq: Float, *, joints: int = 3, joint: int = 1, seed: int = 0) -> JointData:
+    """A joint with noise for a torque and neighbours that move in their own way."""
+    n = len(q)
+    rng = np.random.default_rng(seed)
+    t: Float = np.arange(n, dtype=np.float64) * STEP_S
+    turned = np.concatenate([[0], np.cumsum(np.diff(np.sign(dq)) != 0)])
+    return JointData(
+        joint=joint,
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        torque=rng.normal(size=n),
+        gravity=np.cos(q),
+        temperature=25.0 + t / 60.0,
+        others_dq=rng.normal(size=(n, joints)),
+        others_ddq=rng.normal(size=(n, joints)),
+        others_torque=rng.normal(size=(n, joints)),
+        cycle=turned.astype(np.int64),
+        moving=np.abs(dq) > 0.01,
+        valid=np.ones(n, dtype=bool),
+        dead_speed_rad_s=0.01,
+    )
+
+
+def two_sines(duration_s: float = 60.0) -> JointData:
+    """Strokes of different length and speed."""
+    t = np.arange(0.0, duration_s, STEP_S)
+    q, dq, ddq = np.zeros_like(t), np.zeros_like(t), np.zeros_like(t)
+    for size, w in ((0.7, 2.0), (0.4, 3.3)):
+        q += size * np.sin(w * t)
+        dq += size * w * np.cos(w * t)
+        ddq -= size * w**2 * np.sin(w * t)
+    return joint_data(q, dq, ddq)
+
+
+def at_rest(n: int = 2000) -> JointData:
+    return joint_data(np.full(n, 0.3), np.zeros(n), np.zeros(n))
+
+
+def baseline(data: JointData) -> Baseline:
+    torque = 0.3 * data.ddq + 0.3 * np.clip(data.dq / 0.01, -1, 1) + 0.07 * data.dq
+    return Baseline(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07, torque=torque)

@@ -1,0 +1,222 @@
+"""Delay, elasticity, backlash and lag by hand: each explained by its own candidate, by no other as well."""
+
+from dataclasses import replace
+from math import pi, sqrt
+
+import numpy as np
+import pytest
+
+from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidates import backlash, frictional_lag, joint_elasticity, presliding, time_delay
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.joint_log import Float
+from tests.diagnosis.candidates.explained import share_explained
+from tests.diagnosis.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
+
+DATA = two_sines(30.0)
+BASE = baseline(DATA)
+SUBSTEPS = 10
+RIVALS = (time_delay, joint_elasticity, backlash, frictional_lag, presliding)
+
+
+def far_side_torque(stiffness: float, damping: float, half_gap: float, inertia: float = 0.3) -> Float:
+    """An inertia with the baseline's friction behind a spring with a dead zone: explicit steps, a ramp for the sign."""
+    h = STEP_S / SUBSTEPS
+    # From half a sample before to half a sample after each, at a constant speed beyond both ends.
+    number = np.arange(len(DATA.q))
+    at = (np.arange(len(DATA.q) * SUBSTEPS) + 0.5) / SUBSTEPS - 0.5
+    speed = np.interp(at, number, DATA.dq)
+    fine = np.interp(at, number, DATA.q) + (at - np.clip(at, 0, number[-1])) * STEP_S * speed
+    theta, omega, total = fine[0], speed[0], np.zeros(len(fine))
+    for i, (q, v) in enumerate(zip(fine.tolist(), speed.tolist(), strict=True)):
+        twist = q - theta
+        engaged = max(abs(twist) - half_gap, 0.0)
+        push = (stiffness * engaged if twist > 0 else -stiffness * engaged) + (
+            damping * (v - omega) if engaged else 0.0
+        )
+        push = push if push * twist > 0 or half_gap == 0.0 else 0.0
+        friction = 0.3 * max(-1.0, min(1.0, omega / 2e-3)) + 0.07 * omega
+        omega += h * (push - friction) / inertia
+        theta += h * omega
+        total[i] = push
+    return np.asarray(total.reshape(-1, SUBSTEPS).mean(axis=1))
+
+
+def best_rival(own: Candidate, torque: Float) -> float:
+    return max(share_explained(r.CANDIDATE, DATA, torque) for r in RIVALS if r.CANDIDATE is not own)
+
+
+def seen(torque: Float) -> Float:
+    """What a regression sees of a torque: half of its amplitude at 24 Hz."""
+    window = np.hanning(9)
+    return np.asarray(np.convolve(torque, window / window.sum(), mode="same"))
+
+
+def share_seen(candidate: Candidate, torque: Float) -> float:
+    """The share of a torque that a candidate explains, both as a regression sees them."""
+
+    def columns(data: JointData, base: Baseline, shape: Shape) -> Float:
+        return seen(candidate.columns(data, base, shape)[:, 0])[:, None]
+
+    return share_explained(replace(candidate, columns=columns), DATA, seen(torque))
+
+
+@pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
+def test_a_late_torque_is_a_delay(delay: float) -> None:
+    torque = np.interp(DATA.t - delay, DATA.t, BASE.torque)
+    own = share_explained(time_delay.CANDIDATE, DATA, torque)
+    assert own > 0.97
+    assert best_rival(time_delay.CANDIDATE, torque) < own - 0.1
+
+
+def test_a_spring_is_an_elasticity() -> None:
+    torque = far_side_torque(1e3, 2.0, 0.0)
+    own = share_explained(joint_elasticity.CANDIDATE, DATA, torque)
+    assert own > 0.8
+    assert best_rival(joint_elasticity.CANDIDATE, torque) < own - 0.1
+
+
+def test_a_dead_zone_is_a_backlash() -> None:
+    """Of one width the grid has more than of another: flanks that strike a moment late ring out of step."""
+    widths = (2e-3, 4e-3, 5e-3)
+    torques = [far_side_torque(1e4, 20.0, 0.5 * width) for width in widths]
+    own = [share_seen(backlash.CANDIDATE, torque) for torque in torques]
+    assert np.median(own) > 0.9
+    rate = sqrt(1e4 / BASE.inertia_kg_m2)
+    flanks = {"contact_hz": rate / (2.0 * pi), "flank_damping_ratio": 20.0 / (2.0 * BASE.inertia_kg_m2 * rate)}
+    for width, share, torque in zip(widths, own, torques, strict=True):
+        truth = replace(backlash.CANDIDATE, shapes=({"gap_rad": width, **flanks},))
+        assert share_seen(truth, torque) > max(share, 0.94)
+        assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < share - 0.3
+
+
+@pytest.mark.parametrize(
+    ("candidate", "link"), [(joint_elasticity.CANDIDATE, (600.0, 1.5, 0.0)), (backlash.CANDIDATE, (1e4, 20.0, 2e-3))]
+)
+def test_a_rotor_before_the_transmission_is_not_behind_it(
+    candidate: Candidate, link: tuple[float, float, float]
+) -> None:
+    stiffness, damping, half_gap = link
+    torque = 0.12 * DATA.ddq + far_side_torque(stiffness, damping, half_gap, 0.18)
+    shapes = candidate.tried(DATA)
+    one, several = (
+        share_seen(replace(candidate, shapes=tuple(s for s in shapes if ("far_share" in s) == lighter)), torque)
+        for lighter in (False, True)
+    )
+    assert several > 0.8
+    assert several > one + 0.05
+
+
+def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:
+    loaded = replace(DATA, load=10.0 * np.sin(DATA.q))
+    borne = baseline(DATA).torque + 10.0 * np.sin(DATA.q)
+    late = np.interp(loaded.t - 0.01, loaded.t, borne) - borne
+    assert share_explained(time_delay.CANDIDATE, loaded, late) > 0.95
+    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(loaded)} == {0.0, 1.0}
+    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(replace(DATA, load=None))} == {0.0}
+
+
+def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
+    speed = np.abs(DATA.dq)
+    seen = np.zeros_like(speed)
+    for k in range(1, len(speed)):
+        seen[k] = seen[k - 1] + STEP_S / 0.06 * (speed[k - 1] - seen[k - 1])
+    torque = np.sign(DATA.dq) * 0.15 * (np.exp(-seen / 0.2) - np.exp(-speed / 0.2))
+    own = share_explained(frictional_lag.CANDIDATE, DATA, torque)
+    assert own > 0.9
+    assert best_rival(frictional_lag.CANDIDATE, torque) < own - 0.1
+
+
+def test_factors_agree_with_what_the_column_was_built_for() -> None:
+    step = {"delay_step_s": 0.01}
+    assert time_delay.CANDIDATE.admissible(np.array([0.009]), step)
+    assert not time_delay.CANDIDATE.admissible(np.array([0.002]), step)
+    assert not time_delay.CANDIDATE.admissible(np.array([-0.01]), step)
+    spring = {"spring_nm_per_rad": 1e3}
+    assert joint_elasticity.CANDIDATE.admissible(np.array([1.1e-3]), spring)
+    assert not joint_elasticity.CANDIDATE.admissible(np.array([1e-4]), spring)
+    assert not backlash.CANDIDATE.admissible(np.array([0.1]), {})
+    assert not frictional_lag.CANDIDATE.admissible(np.array([-0.5]), {})
+
+
+def test_one_stroke_back_and_forth_is_not_enough() -> None:
+    once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
+    assert "reversals" in str(backlash.CANDIDATE.untestable(once, baseline(once)))
+
+
+def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() -> None:
+    rate = 2 * np.pi * 28.0
+    shiver = 1e-4 * np.sin(rate * DATA.t)
+    shaken = replace(
+        DATA, q=DATA.q + shiver, dq=DATA.dq + 1e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
+    )
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2}
+
+    def change(shape: Shape) -> float:
+        still, moved = (
+            joint_elasticity.CANDIDATE.columns(one, baseline(one), shape)[400:-400] for one in (DATA, shaken)
+        )
+        return float(np.sqrt(np.mean((moved - still) ** 2) / np.mean(still**2)))
+
+    assert change(spring) > 1.0
+    assert change({**spring, "motion_below_hz": 18.0}) < 0.1
+
+
+@pytest.mark.parametrize("near_kg_m2", [1e6, 0.3, 0.1])
+def test_a_spring_along_a_smooth_motion_may_be_softer_than_it_is_told(near_kg_m2: float) -> None:
+    """Two masses ring as if the one behind were on a stiffer spring whose other end is held."""
+    stiffness, far_kg_m2 = 3000.0, 0.3
+    as_if_held = stiffness * far_kg_m2 * (1.0 / far_kg_m2 + 1.0 / near_kg_m2)
+    held = {"spring_nm_per_rad": as_if_held}
+    least, most = joint_elasticity.told_too_stiff({**held, "motion_below_hz": 18.0})["spring_nm_per_rad"]
+    assert least * as_if_held <= stiffness * (1.0 + 1e-9)
+    assert stiffness <= most * as_if_held
+    assert not joint_elasticity.told_too_stiff(held)
+
+
+def test_springs_that_ring_slowly_are_tried_along_the_measured_motion_only() -> None:
+    smooth = [shape for shape in joint_elasticity.CANDIDATE.tried(DATA) if "motion_below_hz" in shape]
+    assert smooth
+    ringing = [np.sqrt(shape["spring_nm_per_rad"] / 0.3) / (2 * np.pi) for shape in smooth]
+    assert min(ringing) > 18.0
+
+
+def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
+    noise = 1e-4 * np.random.default_rng(0).standard_normal(len(DATA.q))
+    moved = replace(DATA, torque=BASE.torque)
+    stiffest, coarsest = (
+        max(shape["spring_nm_per_rad"] for shape in joint_elasticity.CANDIDATE.tried(one))
+        for one in (moved, replace(moved, q=DATA.q + noise))
+    )
+    assert stiffest == joint_elasticity.STIFFEST_NM_PER_RAD
+    # Twice 0.3 N m twist it by less than twice the noise; one that rings below 25 Hz is seen by its ringing.
+    assert coarsest < 0.3 * (2 * np.pi * 25.0) ** 2 * 1.01
+
+
+@pytest.mark.parametrize("damping", [0.05, 0.5])
+def test_a_damped_far_side_forgets_what_a_position_sensor_shivers(damping: float) -> None:
+    rate = 2 * np.pi * 12.0
+    shiver = 3e-4 * np.sin(rate * DATA.t)
+    shaken = replace(
+        DATA, q=DATA.q + shiver, dq=DATA.dq + 3e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
+    )
+    spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "damping_ratio": damping}
+    still, moved = (joint_elasticity.CANDIDATE.columns(one, baseline(one), spring)[400:] for one in (DATA, shaken))
+    amplified = np.std(moved - still) / np.std(spring["spring_nm_per_rad"] * BASE.inertia_kg_m2 * rate**2 * shiver)
+    # At its resonance a far side multiplies by one over twice the damping ratio, a little less beside its friction.
+    assert (amplified > 3.0) == (damping < 0.1)
+
+
+def test_noise_of_the_position_shifts_the_strikes_of_a_play_but_not_along_a_smooth_motion() -> None:
+    torque = seen(far_side_torque(1e4, 20.0, 2e-3) - BASE.torque)[400:-400]
+    noise = 3e-5 * np.random.default_rng(0).standard_normal(len(DATA.q))
+    speed = np.gradient(noise, STEP_S)
+    noisy = replace(DATA, q=DATA.q + noise, dq=DATA.dq + speed, ddq=DATA.ddq + np.gradient(speed, STEP_S))
+    sharp = {"gap_rad": 4e-3, "contact_hz": 29.0}
+
+    def correlation(shape: Shape) -> float:
+        column = seen(backlash.CANDIDATE.columns(noisy, baseline(noisy), shape)[:, 0])[400:-400]
+        return float(np.corrcoef(column, torque)[0, 1])
+
+    assert correlation(sharp) < 0.8
+    assert correlation({**sharp, "motion_below_hz": 18.0}) > 0.9

@@ -1,0 +1,129 @@
+"""Break-away by hand: a torque that rises steadily, a path that grows as the cube of the time since."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.diagnosis.breakaway import STANDSTILL_S, find_breakaways, signed_rest, torque_known
+from friction_audit.joint_log import Float
+
+STEP_S = 1.0 / 400.0
+T: Float = np.arange(800, dtype=np.float64) * STEP_S
+DEAD = 3e-3
+LEVEL, RISE, INERTIA = 0.3, 2.0, 0.5
+
+
+def start(onset_s: float, direction: float = 1.0, excess: float = 0.0) -> tuple[Float, Float, Float]:
+    """Position, velocity and torque of a joint that breaks away when its rising torque passes level plus excess."""
+    u = np.maximum(T - onset_s, 0.0)
+    jump, rate = excess / INERTIA, RISE / INERTIA
+    q, dq = jump * u**2 / 2 + rate * u**3 / 6, jump * u + rate * u**2 / 2
+    return direction * q, direction * dq, direction * (LEVEL + excess + RISE * (T - onset_s))
+
+
+@settings(deadline=None)
+@given(onset_s=st.floats(0.3, 1.5), direction=st.sampled_from([-1.0, 1.0]))
+def test_a_smooth_start_reads_the_level_of_sliding(onset_s: float, direction: float) -> None:
+    q, dq, torque = start(onset_s, direction)
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    assert found.direction.tolist() == [direction]
+    assert T[found.onset[0]] == pytest.approx(onset_s, abs=STEP_S)
+    assert found.of(torque)[0] == pytest.approx(direction * LEVEL, abs=RISE * STEP_S)
+
+
+@pytest.mark.parametrize("excess", [0.05, 0.1, 0.3])
+def test_stiction_is_told_too_low_by_what_the_torque_rises_meanwhile(excess: float) -> None:
+    q, dq, torque = start(1.0, excess=excess)
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    early = 1.0 - T[found.onset[0]]
+    assert 0.0 <= early < 0.02
+    assert found.of(torque)[0] == pytest.approx(LEVEL + excess - RISE * early)
+
+
+def test_noise_of_position_and_torque_leaves_the_mean_where_it_is() -> None:
+    rng = np.random.default_rng(0)
+    read = []
+    for onset_s in np.linspace(0.5, 1.5, 40):
+        q, dq, torque = start(onset_s)
+        noisy_q, noisy_dq = q + 1e-6 * rng.standard_normal(len(q)), dq + DEAD / 5 * rng.standard_normal(len(q))
+        found = find_breakaways(noisy_q, noisy_dq, DEAD, STEP_S)
+        read += found.of(torque + 0.02 * rng.standard_normal(len(q))).tolist()
+    assert len(read) >= 30
+    assert np.mean(read) == pytest.approx(LEVEL, abs=3 * np.std(read) / np.sqrt(len(read)))
+
+
+def test_torque_that_bends_is_carried_on_exactly() -> None:
+    q, dq, _ = start(1.0)
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    at = T[found.onset]
+    bent = 1.0 + 3.0 * T - 7.0 * T**2
+    assert found.weights.sum() == pytest.approx(1.0)
+    assert found.of(np.column_stack([bent, T])) == pytest.approx(np.column_stack([1.0 + 3.0 * at - 7.0 * at**2, at]))
+    assert found.samples[0, -1] < found.onset[0]
+    assert (found.samples.shape[1] - 1) * STEP_S == pytest.approx(STANDSTILL_S)
+
+
+def test_a_joint_that_creeps_has_none() -> None:
+    q, dq, _ = start(1.0)
+    assert len(find_breakaways(q + 0.5 * DEAD * T, dq, DEAD, STEP_S).onset) == 0
+    assert len(find_breakaways(q + 0.02 * DEAD * T, dq, DEAD, STEP_S).onset) == 1
+
+
+def test_a_joint_that_turns_around_has_none() -> None:
+    q, dq = -np.cos(2 * np.pi * T), 2 * np.pi * np.sin(2 * np.pi * T)
+    assert len(find_breakaways(q, dq, DEAD, STEP_S).onset) == 0
+
+
+def test_a_count_of_the_encoder_before_the_start_is_none() -> None:
+    q, dq, _ = start(1.0)
+    counted = q + 1e-4 * (T >= 0.9)
+    assert 0.0 < T[find_breakaways(q, dq, DEAD, STEP_S).onset[0]] - 1.0 + 2 * STEP_S < 4 * STEP_S
+    assert len(find_breakaways(counted, dq, DEAD, STEP_S).onset) == 0
+
+
+def test_a_twitch_is_no_start() -> None:
+    q, dq, _ = start(1.0)
+    still = np.where(dq < 1.5 * DEAD, dq, 0.0)
+    assert len(find_breakaways(q, still, DEAD, STEP_S).onset) == 0
+
+
+def test_a_recording_that_never_moves_has_none() -> None:
+    found = find_breakaways(np.zeros(50), np.zeros(50), DEAD, STEP_S)
+    assert found.of(np.zeros(50)).shape == (0,)
+    assert found.of(np.zeros((50, 3))).shape == (0, 3)
+
+
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_the_standstill_takes_the_direction_of_the_motion_and_no_acceleration(direction: float) -> None:
+    q, dq, _ = start(1.0, direction)
+    noise = DEAD / 5 * np.random.default_rng(0).standard_normal(len(q))
+    found = find_breakaways(q, dq + noise, DEAD, STEP_S)
+    held, ddq = signed_rest(dq + noise, noise / STEP_S, found, DEAD)
+    before = slice(found.first[0], found.certain[0])
+    assert held[before] == pytest.approx(direction * DEAD)
+    assert np.all(ddq[found.samples] == 0.0)
+    outside = np.setdiff1d(np.arange(len(q)), np.arange(before.start, before.stop))
+    assert np.array_equal(held[outside], (dq + noise)[outside])
+    again = find_breakaways(q, held, DEAD, STEP_S)
+    assert np.array_equal(again.samples, found.samples)
+    assert np.array_equal(again.certain, found.certain)
+
+
+@pytest.mark.parametrize("direction", [-1.0, 1.0])
+def test_a_start_by_a_motor_that_held_the_other_way_tells_nothing(direction: float) -> None:
+    q, dq, _ = start(1.0, direction)
+    torque = direction * (LEVEL + 0.5 * RISE * (T - 1.0))
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    jumps = np.where(T < 1.0, -direction * LEVEL, direction * (LEVEL + 100.0 * (T - 1.0)))
+    falls = np.where(T < 1.0, torque, 0.8 * torque)
+    assert [torque_known(each, found, STEP_S).tolist() for each in (torque, jumps, falls)] == [[True], [False], [True]]
+
+
+@pytest.mark.parametrize(("fall", "known"), [(0.0, False), (0.05, False), (0.3, True)])
+def test_a_start_under_a_fast_torque_tells_something_where_that_falls_behind_it(fall: float, known: bool) -> None:
+    q, dq, _ = start(1.0, excess=0.3)
+    found = find_breakaways(q, dq, DEAD, STEP_S)
+    rising = LEVEL + 0.3 + 10.0 * (T - T[found.onset[0]])
+    behind = LEVEL + 0.3 - fall
+    assert torque_known(np.where(T[found.onset[0]] < T, behind, rising), found, STEP_S).tolist() == [known]

@@ -1,0 +1,54 @@
+"""Contacts that the simulator hides in a stop-and-go motion are told, wherever they come, and only noise is left."""
+
+import numpy as np
+import pytest
+
+from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.simulation import BenchSettings, simulate
+from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.effects.contact_event import draw_events
+from friction_audit.simulation.hide import hide
+
+SEED = 3
+BENCH = BenchSettings()
+TOUCHED = hide(BENCH, ("contact_event",))
+EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_streams(SEED, 1).events[0])
+"""All of them stand out by 30 and more standard deviations; half turn the joint, stop it or set it in motion."""
+
+
+@pytest.fixture(scope="module")
+def found() -> JointDiscrepancy:
+    return diagnosed(TOUCHED)
+
+
+def diagnosed(settings: BenchSettings) -> JointDiscrepancy:
+    asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
+    (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
+    return joint
+
+
+def test_every_event_is_left_out(found: JointDiscrepancy) -> None:
+    assert found.traces is not None
+    for start, length, _ in EVENTS:
+        assert not np.any((found.traces.t > start) & (found.traces.t < start + length))
+
+
+def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(found: JointDiscrepancy) -> None:
+    clean = diagnosed(BENCH)
+    assert found.verdict == "named"
+    assert clean.verdict == "none"
+    assert found.gap is not None
+    assert clean.gap is not None
+    assert found.gap.after < 1.2 * clean.gap.after
+
+
+def test_little_else_is_left_out(found: JointDiscrepancy) -> None:
+    assert found.traces is not None
+    (effect,) = found.effects
+    assert effect.parameters["contacts"].value <= len(EVENTS)
+    assert effect.parameters["longest_contact_s"].value < 1.2
+    # The sensor reads what holds against the push.
+    largest = max((size for *_, size in EVENTS), key=abs)
+    assert effect.parameters["largest_contact_nm"].value == pytest.approx(-largest, rel=0.3)

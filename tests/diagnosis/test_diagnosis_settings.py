@@ -1,0 +1,23 @@
+"""Settings that make no sense are refused."""
+
+import pytest
+
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.errors import UsageError
+
+
+def test_every_effect_may_be_asked_for() -> None:
+    names = tuple(candidate.name for candidate in CANDIDATES)
+    assert DiagnosisSettings(candidates=names).candidates == names
+
+
+def test_an_effect_that_is_not_known_is_refused_with_those_that_are() -> None:
+    with pytest.raises(UsageError, match=r"candidates: friktion: expected some of stribeck, "):
+        DiagnosisSettings(candidates=("stribeck", "friktion"))
+
+
+@pytest.mark.parametrize("alpha", [0.0, -0.1, 0.5, 1.0, float("nan")])
+def test_alpha_is_a_small_probability(alpha: float) -> None:
+    with pytest.raises(UsageError, match=r"expected a probability above 0 and below 0\.5"):
+        DiagnosisSettings(alpha=alpha)

@@ -1,0 +1,100 @@
+"""The same joint written down otherwise has the same diagnosis: other units of torque, a turned axis, other zeros."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.io.readers import read_log
+from friction_audit.joint_log import Float
+from friction_audit.pipeline import AuditSettings, diagnose_log
+
+Columns = dict[str, Float]
+
+RATE_HZ, DURATION_S = 500.0, 40.0
+COUNT_RAD = 2.0**-17
+CANDIDATES = ("stribeck", "presliding", "cable_spring", "gravity_error", "time_delay")
+
+
+@cache
+def columns() -> Columns:
+    """Strokes of three sines, with more friction at low speed."""
+    t = np.arange(0.0, DURATION_S, 1.0 / RATE_HZ)
+    q, dq, ddq = np.zeros((3, len(t)))
+    for size, w, phase in ((0.6, 2.0, 0.3), (0.3, 3.1, 1.0), (0.2, 0.83, 2.0)):
+        q += size * np.sin(w * t + phase)
+        dq += size * w * np.cos(w * t + phase)
+        ddq -= size * w**2 * np.sin(w * t + phase)
+    friction = np.sign(dq) * (0.3 + 0.15 * np.exp(-((dq / 0.1) ** 2))) + 0.1 * dq
+    noise = 0.02 * np.random.default_rng(5).standard_normal(len(t))
+    return {"t": t, "q_1": np.round(q / COUNT_RAD) * COUNT_RAD, "dq_1": dq, "tau_1": 0.2 * ddq + friction + noise}
+
+
+def diagnosed(log: Columns, folder: Path) -> JointDiscrepancy:
+    path = folder / "log.csv"
+    np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
+    (found,) = diagnose_log(
+        read_log(path), AuditSettings(), DiagnosisSettings(candidates=CANDIDATES)
+    ).discrepancy.joints
+    return found
+
+
+@pytest.fixture(scope="module")
+def as_written(tmp_path_factory: pytest.TempPathFactory) -> JointDiscrepancy:
+    return diagnosed(columns(), tmp_path_factory.mktemp("as_written"))
+
+
+def heavier(factor: float) -> Callable[[Columns], Columns]:
+    return lambda log: {**log, "tau_1": factor * log["tau_1"]}
+
+
+def turned(log: Columns) -> Columns:
+    return {name: column if name == "t" else -column for name, column in log.items()}
+
+
+def far_round(log: Columns) -> Columns:
+    return {**log, "q_1": log["q_1"] + 2.0**7}
+
+
+def by_the_wall_clock(log: Columns) -> Columns:
+    return {**log, "t": log["t"] + 1.7e9}
+
+
+def in_another_order(log: Columns) -> Columns:
+    return {name: log[name] for name in ("tau_1", "dq_1", "t", "q_1")}
+
+
+def numbers(found: JointDiscrepancy, factor: float) -> dict[str, float]:
+    """All numbers told of a joint, those that are torques as if they were those of the joint as written."""
+    assert found.gap is not None
+    told = {name: one.value for effect in found.effects for name, one in effect.parameters.items()}
+    told |= {name: one.value for name, one in found.declared.items()}
+    told |= {"gap_before_nm": found.gap.before, "gap_after_nm": found.gap.after}
+    return {name: value / (factor if "_nm" in name or "_kg" in name else 1.0) for name, value in told.items()}
+
+
+@pytest.mark.parametrize(
+    ("change", "factor", "close"),
+    [
+        (heavier(2.0**-7), 2.0**-7, 1e-3),
+        pytest.param(heavier(2.0**7), 2.0**7, 1e-3, marks=pytest.mark.thorough),
+        (turned, 1.0, 1e-3),
+        (far_round, 1.0, 1e-3),
+        # Stamps of today are rounded to 0.2 us: a cycle may begin a sample sooner.
+        (by_the_wall_clock, 1.0, 2e-2),
+        (in_another_order, 1.0, 1e-9),
+    ],
+)
+def test_a_joint_written_down_otherwise_has_the_same_diagnosis(
+    as_written: JointDiscrepancy, change: Callable[[Columns], Columns], factor: float, close: float, tmp_path: Path
+) -> None:
+    found = diagnosed(change(columns()), tmp_path)
+    assert [effect.name for effect in as_written.effects] == ["stribeck"]
+    assert found.verdict == as_written.verdict
+    assert [effect.name for effect in found.effects] == [effect.name for effect in as_written.effects]
+    assert [effect.alternatives for effect in found.effects] == [one.alternatives for one in as_written.effects]
+    assert numbers(found, factor) == pytest.approx(numbers(as_written, 1.0), rel=close)

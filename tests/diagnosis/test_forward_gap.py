@@ -1,0 +1,169 @@
+"""The gap in motion: nothing for the model that made the motion, what is missing for another, nothing said of holes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile
+from friction_audit.dynamics.stick_slip import simulate
+from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+DECLARED = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+GROWN = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("stribeck", (0.15, 0.1, 2.0))))
+
+
+def make_data(model: JointModel, seconds: float = 24.0) -> JointData:
+    """A joint that a model moved under a sinusoidal torque of 2 s, a cycle per half period."""
+    t = np.arange(round(seconds * 400.0)) / 400.0
+    torque = (0.6 + 0.02 * t) * np.sin(np.pi * t)
+    motion = simulate(model, t, torque)
+    return data_of(t, torque, motion.q, motion.dq, motion.ddq)
+
+
+def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointData:
+    whole = np.ones(len(t), bool)
+    return JointData(
+        joint=0,
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        torque=torque,
+        gravity=None,
+        temperature=None,
+        others_dq=dq[:, None],
+        others_ddq=ddq[:, None],
+        others_torque=torque[:, None],
+        cycle=np.floor(t).astype(np.int64),
+        moving=np.abs(dq) > 1e-3,
+        valid=whole,
+        dead_speed_rad_s=1e-3,
+    )
+
+
+def test_the_model_that_made_the_motion_leaves_nothing() -> None:
+    gap = simulate_cycles(DECLARED, GROWN, make_data(GROWN), np.array([4, 9, 13]))
+    assert gap is not None
+    assert gap.unit == "rad/s"
+    assert gap.before > 0.05
+    assert gap.after < 0.01 * gap.before
+
+
+def test_it_starts_every_cycle_from_the_measurement() -> None:
+    data = make_data(GROWN)
+    gap = simulate_cycles(DECLARED, GROWN, data, np.array([4, 9]))
+    assert gap is not None
+    breaks = np.flatnonzero(np.isnan(gap.t))
+    assert list(breaks) == [400]
+    assert gap.t[[0, 401]] == pytest.approx([4.0, 9.0])
+    for signal in (gap.declared, gap.grown, gap.measured):
+        assert signal[[0, 401]] == pytest.approx(data.dq[[1600, 3600]])
+        assert np.array_equal(np.isnan(signal), np.isnan(gap.t))
+
+
+def test_by_hand_a_torque_that_is_wrong_adds_up() -> None:
+    """A constant 0.03 N m too much for 1 s at 0.3 kg m^2 is 0.1 rad/s at the end: 0.1 / sqrt(3) on average."""
+    t = np.arange(0.0, 4.0, 0.0025)
+    model = JointModel(inertia_kg_m2=0.3)
+    data = data_of(t, np.full(len(t), 0.3), 0.5 * t**2 + t, 1.0 + t, np.ones(len(t)))
+    wrong = JointModel(inertia_kg_m2=0.3, terms=(FittedTerm("offset", (-0.03,)),))
+    gap = simulate_cycles(wrong, model, data, np.array([1]))
+    assert gap is not None
+    assert gap.before == pytest.approx(0.1 / np.sqrt(3.0), rel=5e-3)
+    assert gap.after < 1e-9
+
+
+def test_cycles_with_a_hole_are_left_out() -> None:
+    data = make_data(GROWN)
+    valid = data.valid.copy()
+    valid[1700] = False
+    holed = replace(data, valid=valid)
+    gap = simulate_cycles(DECLARED, GROWN, holed, np.array([4, 9]))
+    assert gap is not None
+    assert gap.t[0] == pytest.approx(9.0)
+    assert simulate_cycles(DECLARED, GROWN, holed, np.array([4])) is None
+
+
+def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
+    data = make_data(GROWN)
+    light = replace(data, torque=data.torque - 0.2999 * data.ddq)
+    models = [replace(model, inertia_kg_m2=1e-4) for model in (DECLARED, GROWN)]
+    assert simulate_cycles(models[0], models[1], light, np.array([4, 9])) is None
+    gap = simulate_cycles(models[0], models[1], light, np.array([4, 9]), known_inertia_kg_m2=0.2999)
+    assert gap is not None
+    assert gap.after < 0.1 * gap.before
+
+
+def test_a_model_that_cannot_be_simulated_has_no_gap_in_motion() -> None:
+    runaway = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1, 0.0))))
+    assert simulate_cycles(DECLARED, runaway, make_data(GROWN), np.array([4, 9])) is None
+
+
+def exactly(**values: float) -> dict[str, Coefficient]:
+    return {name: Coefficient(value=value, low=value, high=value) for name, value in values.items()}
+
+
+def missing_stribeck() -> Effect:
+    nothing = np.zeros(0)
+    curve = Profile(
+        axis="speed",
+        label="speed [rad/s]",
+        edges=nothing,
+        centre=nothing,
+        forwards=nothing,
+        backwards=nothing,
+        forwards_se=nothing,
+        backwards_se=nothing,
+        share=1.0,
+        p_value=0.0,
+        where="at low speed",
+    )
+    return Effect(
+        name="stribeck",
+        label="Stribeck friction",
+        alternatives=(),
+        decide="",
+        parameters=exactly(stribeck_excess_nm=0.15, stribeck_speed_rad_s=0.1, stribeck_exponent=2.0),
+        p_value=0.0,
+        where="at low speed",
+        axis="speed",
+        gap_before_nm=0.1,
+        gap_after_nm=0.0,
+        partial_nm=0.1,
+        torque=nothing,
+        curve=curve,
+        evidence=(),
+    )
+
+
+SIMPLE = exactly(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+
+
+def diagnosed(**grown: float) -> JointDiscrepancy:
+    return JointDiscrepancy(
+        joint=1,
+        name="joint1",
+        verdict="named",
+        message="",
+        effects=(missing_stribeck(),),
+        declared=SIMPLE,
+        grown=SIMPLE | exactly(**grown),
+    )
+
+
+def test_a_diagnosis_is_simulated_without_and_with_what_it_found() -> None:
+    data = make_data(GROWN)
+    gap = gap_in_motion(diagnosed(), None, data, np.array([4, 9]))
+    same = simulate_cycles(DECLARED, GROWN, data, np.array([4, 9]))
+    assert gap is not None
+    assert same is not None
+    assert (gap.before, gap.after) == (same.before, same.after)
+
+
+def test_numbers_that_no_model_allows_are_not_simulated() -> None:
+    assert gap_in_motion(diagnosed(viscous_nms_per_rad=-0.01), None, make_data(GROWN), np.array([4, 9])) is None

@@ -1,0 +1,87 @@
+"""What a model of the arm tells of the load, against the arm's own dynamics."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.diagnosis.known_load import know_load
+from friction_audit.joint_log import Float, JointLog, Source
+from friction_audit.robot import load_arm
+from tests.synthetic_interaction import choice
+
+ARM = load_arm()
+T: Float = np.arange(0.0, 2.0, 0.0025)
+PHASE: Float = np.arange(7.0)
+POSE: Float = np.array([0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785])
+Q = POSE + 0.3 * np.sin(2 * T[:, None] + PHASE)
+DQ, DDQ = 0.6 * np.cos(2 * T[:, None] + PHASE), -1.2 * np.sin(2 * T[:, None] + PHASE)
+ROBOT = replace(choice(gravity="model"), source="tau_J", drive="robot", inertia="model")
+HAND = replace(choice(gravity="logged"), source="tau_J", sign=-1)
+
+
+def log(gravity: Float | None = None) -> JointLog:
+    source = Source(path="log", sha256="0", format="parquet")
+    return JointLog(
+        t=T, q=Q, dq=DQ, tau_J=np.zeros_like(Q), gravity=gravity, joint_names=ARM.joint_names, source=source
+    )
+
+
+def test_gravity_and_inertia_of_a_driven_arm() -> None:
+    known = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ))
+    assert known.gravity == pytest.approx(ARM.gravity(Q), abs=1e-3)
+    load = known.load(ROBOT, known.gravity)
+    assert load == pytest.approx(ARM.inverse_dynamics(Q, DQ, DDQ), abs=1e-3)
+
+
+def test_a_guided_arm_bears_gravity_alone_and_logged_gravity_is_preferred() -> None:
+    logged = np.ones_like(Q)
+    known = know_load(log(logged), HAND, ARM, T, (Q, DQ, DDQ))
+    assert known.gravity is None
+    assert known.load(HAND, logged) == pytest.approx(-logged)
+    assert known.rigid is not None
+    assert known.rigid[3].inertial is None
+    assert known.rigid[3].tip is None
+
+
+def test_without_a_model_nothing_is_known() -> None:
+    known = know_load(log(), HAND, None, T, (Q, DQ, DDQ))
+    assert (known.gravity, known.inertial, known.rigid) == (None, None, None)
+    assert known.load(HAND, None) is None
+
+
+def test_a_heavier_tip_is_in_the_columns_of_the_last_link() -> None:
+    heavier = load_arm(payload=(0.5, 0.02, -0.01, 0.03))
+    extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
+    weight = heavier.gravity(Q) - ARM.gravity(Q)
+    known = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ))
+    assert known.rigid is not None
+    for joint in (1, 3, 6):
+        body = known.rigid[joint]
+        assert body.tip is not None
+        assert _unexplained(body.at(T, body.tip), (extra - weight)[:, joint]) < 1e-3
+
+
+def test_a_heavier_tip_pulls_by_its_weight_and_where_motors_move_it_by_its_inertia() -> None:
+    # A mass at the origin of joint 7, 0.107 m behind the flange, has no moment of inertia of its own.
+    heavier = load_arm(payload=(0.5, 0.0, 0.0, -0.107))
+    weight = heavier.gravity(Q) - ARM.gravity(Q)
+    extra = heavier.inverse_dynamics(Q, DQ, DDQ) - ARM.inverse_dynamics(Q, DQ, DDQ)
+    guided, driven = (know_load(log(), choice, ARM, T, (Q, DQ, DDQ)).rigid for choice in (HAND, ROBOT))
+    assert guided is not None
+    assert driven is not None
+    for joint in (1, 3):
+        assert guided[joint].weight[:, -1, 3] == pytest.approx(-weight[::2, joint] / 0.5, abs=1e-6)
+        assert driven[joint].weight[:, -1, 3] == pytest.approx(extra[::2, joint] / 0.5, abs=1e-6)
+        assert np.abs(extra - weight)[:, joint].max() > 0.01
+
+
+def test_no_weight_pulls_at_an_upright_axis() -> None:
+    rigid = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ)).rigid
+    assert rigid is not None
+    assert not rigid[0].weight.any()
+
+
+def _unexplained(columns: Float, torque: Float) -> float:
+    left = torque - columns @ np.linalg.lstsq(columns, torque)[0]
+    return float(np.linalg.norm(left) / np.linalg.norm(torque))

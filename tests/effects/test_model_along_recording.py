@@ -1,0 +1,308 @@
+"""A joint of any terms under a recorded torque: by hand, against scipy, and against the exact simulation."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.integrate import solve_ivp
+
+from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.stick_slip import simulate
+from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
+from friction_audit.effects.term import Forward, Motion, Parameter, Term
+from friction_audit.effects.terms import TERMS
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+from tests.effects.recordings import joint_with, make_recording
+
+RATE_HZ = 400.0
+COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
+
+
+def invent(
+    monkeypatch: pytest.MonkeyPatch,
+    basis: Callable[[Motion, Sequence[float]], Float],
+    value: float,
+    *,
+    forward: Forward = "instant",
+    friction: bool = False,
+    name: str = "invented_nm",
+) -> FittedTerm:
+    """A term ``invented`` of one parameter."""
+    term = Term(
+        name="invented",
+        label="invented",
+        linear=(Parameter(name=name, unit="N m", meaning="invented"),),
+        basis=lambda motion, shape: basis(motion, shape)[:, None],
+        forward=forward,
+        friction=friction,
+    )
+    monkeypatch.setattr("friction_audit.effects.terms.TERMS", (*TERMS, term))
+    return FittedTerm("invented", (value,))
+
+
+def clock(seconds: float) -> Float:
+    return np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
+
+
+def recording_of(t: Float, q: Float, dq: Float) -> Motion:
+    return Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
+
+
+def whole(t: Float) -> NDArray[np.int64]:
+    return np.array([[0, len(t) - 1]])
+
+
+def free(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, span: float = 1.0) -> Float:
+    """Velocity from a start, where nothing else was recorded but the span of places."""
+    places = q + np.where(np.arange(len(t)) % 2, span, -span)
+    places[0] = q
+    speeds = np.where(np.arange(len(t)) % 2, 2.0, -2.0)
+    speeds[0] = dq
+    found = simulate_along(model, recording_of(t, places, speeds), drive, whole(t))
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("stribeck", [False, True])
+def test_it_agrees_with_the_exact_simulation_through_stick_and_slip(stribeck: bool) -> None:
+    t = clock(4.0)
+    model = joint_with(*([FittedTerm("stribeck", (0.1, 0.1, 2.0))] if stribeck else []), FittedTerm("offset", (0.03,)))
+    drive = 0.8 * np.sin(5.0 * t) * np.sin(0.8 * t)
+    exact = simulate(model, t, drive)
+    assert np.mean(exact.dq == 0.0) > 0.1
+    found = free(model, t, drive)
+    assert found == pytest.approx(exact.dq, abs=2e-4)
+    assert np.mean(found == 0.0) == pytest.approx(np.mean(exact.dq == 0.0), abs=0.01)
+
+
+def test_a_pendulum_without_friction_swings_by_its_own_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A torque K sin q: for small swings cos(sqrt(K / B) t)."""
+    term = invent(monkeypatch, lambda motion, _: np.sin(motion.q), 3.0)
+    t = clock(5.0)
+    found = free(JointModel(inertia_kg_m2=B, terms=(term,)), t, np.zeros(len(t)), q=0.01, span=0.02)
+    rate = np.sqrt(3.0 / B)
+    assert found == pytest.approx(-0.01 * rate * np.sin(rate * t), abs=1e-4)
+
+
+def test_a_drift_of_the_torque_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+    """B dv/dt = -0.2 t from 2 rad/s."""
+    term = invent(monkeypatch, lambda motion, _: motion.t, 0.2)
+    t = clock(1.0)
+    found = free(JointModel(inertia_kg_m2=B, terms=(term,)), t, np.zeros(len(t)), dq=2.0)
+    assert found == pytest.approx(2.0 - 0.1 * t**2 / B, abs=1e-6)
+
+
+def test_bristles_hold_a_joint_as_a_spring_does() -> None:
+    """Dahl's bristles of 0.3 N m and 0.01 rad in the place of Coulomb friction: 30 N m/rad for a small push."""
+    t = clock(2.0)
+    model = JointModel(
+        inertia_kg_m2=B,
+        terms=(
+            FittedTerm("coulomb", (0.3,)),
+            FittedTerm("viscous", (4.0,)),
+            FittedTerm("presliding", (0.3, 0.01, 1.0, 0.0)),
+        ),
+    )
+    found = free(model, t, np.full(len(t), 0.003), span=0.2)
+    path = np.cumsum(found) / RATE_HZ
+    assert path[-1] == pytest.approx(0.003 / 30.0, rel=0.02)
+    assert abs(found[-1]) < 1e-6
+
+
+def test_a_delay_shifts_the_drive() -> None:
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    exact = free(joint_with(), t, drive)
+    late = np.interp(t - 0.02, t, drive)
+    found = free(joint_with(FittedTerm("time_delay", (0.02, 0.01, 0.0))), t, late)
+    assert found[:-8] == pytest.approx(exact[:-8], abs=2e-3)
+    assert free(joint_with(), t, late) != pytest.approx(exact, abs=1e-2)
+
+
+def test_a_load_that_is_late_too_is_given_back() -> None:
+    t = clock(3.0)
+    drive, load = 0.9 * np.sin(4.0 * t), 2.0 * np.cos(3.0 * t)
+    late = np.interp(t - 0.02, t, drive + load) - load
+    model = joint_with(FittedTerm("time_delay", (0.02, 0.02, 1.0)))
+    motion = replace(recording_of(t, np.sin(t), np.cos(t)), load=load)
+    found = simulate_along(model, motion, late, whole(t))
+    exact = simulate_along(joint_with(), motion, drive, whole(t))
+    assert found is not None
+    assert exact is not None
+    assert found[:-8] == pytest.approx(exact[:-8], abs=2e-3)
+
+
+def test_a_spring_puts_the_measured_side_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 2e-3, forward="spring", name="soft_rad_per_nm")
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    rigid = simulate(joint_with(), t, drive)
+    ahead = 2e-3 * drive
+    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
+    found = simulate_along(joint_with(term), seen, drive, whole(t))
+    assert found is not None
+    # At the ends the torque is averaged to one side.
+    assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
+    plain = simulate_along(joint_with(), seen, drive, whole(t))
+    assert plain is not None
+    assert np.abs(plain - seen.dq).max() > 5e-3
+
+
+def test_noise_of_the_torque_does_not_shake_a_soft_spring() -> None:
+    """0.02 N m on 10 mrad per N m, from one sample to the next: unsmoothed, the rate alone would be 0.06 rad/s."""
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    rigid = simulate(joint_with(), t, drive)
+    ahead = 1e-2 * drive
+    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
+    noise = 0.02 * np.random.default_rng(0).standard_normal(len(t))
+    term = FittedTerm("joint_elasticity", (1e-2, 100.0, 0.0, 0.05, 1.0))
+    found = simulate_along(joint_with(term), seen, drive + noise, whole(t))
+    assert found is not None
+    assert np.std(1e-2 * np.gradient(noise, t)) > 0.05
+    assert np.std(found - seen.dq) < 0.01
+
+
+def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
+    """Compliance 2 mrad per N m above 0.6 N m: at 0.25 N m 0.8 mrad, at 0.9 N m 2.2 mrad."""
+    t = clock(3.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    rigid = simulate(joint_with(), t, drive)
+    twist = np.linspace(0.0, 2.4e-3, 1001)
+    torque = np.where(twist < 1.6e-3, 250.0 * twist * (1.0 + twist / 3.2e-3), 500.0 * twist - 0.2)
+    ahead = np.sign(drive) * np.interp(np.abs(drive), torque, twist)
+    seen = recording_of(t, rigid.q + ahead, rigid.dq + np.gradient(ahead, t))
+    found = simulate_along(
+        joint_with(FittedTerm("joint_elasticity", (2e-3, 500.0, 0.6, 0.0, 1.0))), seen, drive, whole(t)
+    )
+    assert found is not None
+    assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
+
+
+def test_within_a_play_the_measured_side_is_where_it_was_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The measured side goes to and fro; the other one rests while the play of 0.1 rad is crossed."""
+    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 0.1, forward="play", name="loose_rad")
+    t = clock(12.0)
+    q, inner = 0.3 * np.sin(t), np.zeros(len(t))
+    for i in range(1, len(t)):
+        inner[i] = np.clip(inner[i - 1], q[i] - 0.05, q[i] + 0.05)
+    dq = np.gradient(inner, t)
+    drive = joint_with().torque(recording_of(t, inner, dq))
+    seen = recording_of(t, q, 0.3 * np.cos(t))
+    pieces = np.array([[1000, len(t) - 1]])
+    found, plain = (simulate_along(model, seen, drive, pieces) for model in (joint_with(term), joint_with()))
+    assert found is not None
+    assert plain is not None
+    wrong = [np.sqrt(np.mean((one - seen.dq)[1000:] ** 2)) for one in (found, plain)]
+    assert wrong[0] < 0.2 * wrong[1]
+
+
+def test_a_term_with_a_past_is_iterated_to_what_scipy_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Friction in proportion to a speed that lags by 0.2 s: B dv/dt = u - a s, T ds/dt = v - s."""
+    lag, slope = 0.2, 0.8
+
+    def basis(motion: Motion, _shape: Sequence[float]) -> Float:
+        seen = np.zeros(len(motion.t))
+        keep = np.exp(-1.0 / RATE_HZ / lag)
+        for i in range(1, len(seen)):
+            seen[i] = keep * seen[i - 1] + (1.0 - keep) * 0.5 * (motion.dq[i] + motion.dq[i - 1])
+        return seen
+
+    term = invent(monkeypatch, basis, slope)
+    t = clock(3.0)
+    drive = 1.0 + 0.3 * np.sin(3.0 * t)
+    exact = solve_ivp(
+        lambda time, s: [(1.0 + 0.3 * np.sin(3.0 * time) - slope * s[1]) / B, (s[0] - s[1]) / lag],
+        (0.0, 3.0),
+        [0.0, 0.0],
+        t_eval=t,
+        rtol=1e-9,
+    ).y[0]
+    seen = recording_of(t, np.cumsum(exact) / RATE_HZ, exact + 0.1 * np.sin(t))
+    found = simulate_along(JointModel(inertia_kg_m2=B, terms=(term,)), seen, drive, whole(t))
+    assert found == pytest.approx(exact, abs=0.01)
+
+
+def test_friction_with_a_past_keeps_its_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Coulomb friction that grows with the path that was made: through reversals and rests it never pushes."""
+
+    def basis(motion: Motion, _shape: Sequence[float]) -> Float:
+        made = np.cumsum(np.abs(motion.dq)) / RATE_HZ
+        return np.sign(motion.dq) * (1.0 - np.exp(-made))
+
+    term = invent(monkeypatch, basis, 0.3, friction=True)
+    t = clock(4.0)
+    drive = 0.9 * np.sin(4.0 * t)
+    start = simulate(joint_with(), t, drive)
+    seen = recording_of(t, start.q, start.dq)
+    found = simulate_along(joint_with(term), seen, drive, whole(t))
+    assert found is not None
+    torque = joint_with(term).torque(recording_of(t, np.cumsum(found) / RATE_HZ, found))
+    sure = np.abs(found) > 0.05
+    assert np.sqrt(np.mean((torque - drive)[sure] ** 2)) < 0.02
+
+
+def test_what_never_settles_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion, _: 900.0 * np.roll(motion.q, 80), 1.0)
+    t = clock(3.0)
+    seen = recording_of(t, 1.0 - np.cos(t), np.sin(t))
+    assert simulate_along(joint_with(term), seen, 0.9 * np.sin(4.0 * t), whole(t)) is None
+
+
+def test_a_joint_without_inertia_left_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion, _: motion.ddq, -B)
+    t = clock(1.0)
+    seen = recording_of(t, t, np.sin(t))
+    assert simulate_along(joint_with(term), seen, np.sin(t), whole(t)) is None
+    assert simulate_along(joint_with(inertia_kg_m2=-0.1), seen, np.sin(t), whole(t)) is None
+
+
+def test_pieces_start_from_the_recording_and_nothing_is_said_between_them() -> None:
+    recording = make_recording(10.0)
+    pieces = np.array([[100, 700], [900, 1500]])
+    model = joint_with(FittedTerm("torque_ripple", (0.1, 0.0, 20.0)))
+    drive = model.torque(recording)
+    found = simulate_along(model, recording, drive, pieces)
+    assert found is not None
+    inside = np.zeros(len(drive), bool)
+    inside[100:701] = inside[900:1501] = True
+    assert np.array_equal(np.isfinite(found), inside)
+    assert found[[100, 900]] == pytest.approx(recording.dq[[100, 900]])
+    assert found[inside] == pytest.approx(recording.dq[inside], abs=5e-3)
+
+
+def test_a_model_of_all_that_needs_no_past_gives_the_recording_back() -> None:
+    """The torque that a model takes along a recording, given as the drive, gives the recorded motion."""
+    recording = replace(make_recording(10.0), rest=None)
+    model = joint_with(
+        FittedTerm("stribeck", (0.1, 0.1, 2.0)),
+        FittedTerm("offset", (0.05,)),
+        FittedTerm("torque_ripple", (0.05, 0.05, 30.0)),
+        FittedTerm("nonlinear_viscous", (0.1, 2.0, 0.1, 0.0)),
+    )
+    found = simulate_along(model, recording, model.torque(recording), np.array([[50, 3900]]))
+    assert found is not None
+    assert found[50:3901] == pytest.approx(recording.dq[50:3901], abs=0.02)
+
+
+def test_a_spring_without_its_number_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 1.0, forward="spring")
+    t = clock(1.0)
+    with pytest.raises(AnalysisError, match="term invented: 0 parameters end on _rad_per_nm; expected one"):
+        simulate_along(joint_with(term), recording_of(t, t, np.sin(t)), np.sin(t), whole(t))
+
+
+def test_a_simple_joint_is_what_its_exponential_says() -> None:
+    t = clock(2.0)
+    model = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
+    top = (0.5 - COULOMB) / VISCOUS
+    assert free(model, t, np.full(len(t), 0.5)) == pytest.approx(top * (1.0 - np.exp(-t * VISCOUS / B)), abs=1e-5)
+
+
+def test_what_runs_away_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
+    term = invent(monkeypatch, lambda motion, _: -np.cbrt(motion.dq) - 50.0 * motion.dq, 1.0)
+    t = clock(2.0)
+    assert simulate_along(joint_with(term), recording_of(t, 1.0 - np.cos(t), np.sin(t)), np.sin(t), whole(t)) is None

@@ -1,0 +1,256 @@
+"""A model's file keeps every digit, and says what is wrong with a file that is none."""
+
+import re
+from dataclasses import replace
+from itertools import groupby
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
+from friction_audit.effects.model_file import load_model, save_model
+from friction_audit.effects.term import Term
+from friction_audit.effects.terms import TERMS
+from friction_audit.errors import AnalysisError, InputError, UsageError
+from tests.effects.recordings import typical_term
+
+JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+HEAD = 'schema = "friction-audit/model/1"\n'
+
+
+def values_of(term: Term) -> st.SearchStrategy[FittedTerm]:
+    finite = [
+        st.floats(max(parameter.lower, -1e300), min(parameter.upper, 1e300), allow_nan=False)
+        for parameter in term.parameters
+    ]
+    return st.tuples(*finite).map(lambda values: FittedTerm(term.name, values))
+
+
+text = st.text(st.characters(exclude_categories=["Cs"]))
+origin = st.builds(Provenance, method=text, log=text, sha256=text, cycles=st.integers(0, 2**53))
+terms = st.sets(st.sampled_from(TERMS[1:])).flatmap(
+    lambda chosen: st.tuples(*(values_of(term) for term in sorted(chosen, key=lambda term: term.name)))
+)
+joint = terms.flatmap(
+    lambda chosen: st.builds(
+        JointModel,
+        inertia_kg_m2=st.floats(-1e300, 1e300),
+        terms=st.just(chosen),
+        provenance=origin,
+        held=st.sets(st.sampled_from([term.name for term in chosen])).map(sorted).map(tuple) if chosen else st.just(()),
+    )
+)
+arm = st.lists(st.tuples(text, st.none() | joint), min_size=1, max_size=3).map(
+    lambda pairs: ArmModel(names=tuple(name for name, _ in pairs), joints=tuple(joint for _, joint in pairs))
+)
+
+
+@settings(deadline=None, max_examples=60)
+@given(arm)
+def test_what_is_saved_is_loaded(tmp_path_factory: pytest.TempPathFactory, arm: ArmModel) -> None:
+    path = tmp_path_factory.mktemp("model") / "model.toml"
+    save_model(arm, path)
+    assert load_model(path) == arm
+
+
+def test_the_file_as_people_see_it(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    known = replace(JOINT, provenance=Provenance(method="energy", log="a.csv", sha256="00", cycles=7))
+    save_model(ArmModel(names=("joint1", "joint2"), joints=(known, None)), path)
+    lines = path.read_text().splitlines()
+    assert lines[0] == 'schema = "friction-audit/model/1"'
+    assert lines[3:6] == ["[[joint]]", 'name = "joint1"', "inertia_kg_m2 = 0.3"]
+    assert "[joint.terms.coulomb]  # Coulomb friction" in lines
+    assert "coulomb_nm = 0.4  # N m, friction at any speed" in lines
+    assert lines[-2:] == ["[[joint]]", 'name = "joint2"']
+
+
+def test_what_is_held_stands_beside_the_inertia(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    save_model(ArmModel(names=("joint1",), joints=(replace(JOINT, held=("coulomb",)),)), path)
+    assert 'held = ["coulomb"]' in path.read_text().splitlines()[6]
+
+
+@pytest.mark.parametrize(
+    ("held", "complaint"),
+    [
+        ("1", "held is no list of names"),
+        ("[1]", "held is no list of names"),
+        ('["stribeck"]', "held: stribeck; expected some of the joint's terms: coulomb"),
+    ],
+)
+def test_what_cannot_be_held_is_named(tmp_path: Path, held: str, complaint: str) -> None:
+    path = tmp_path / "model.toml"
+    path.write_text(f"{HEAD}{JOINT_TEXT}held = {held}\n[joint.terms.coulomb]\ncoulomb_nm = 0.4\n")
+    with pytest.raises(InputError, match=re.escape(complaint)):
+        load_model(path)
+
+
+def test_an_existing_file_is_kept_unless_told_otherwise(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    arm = ArmModel(names=("joint1",), joints=(JOINT,))
+    path.write_text("mine")
+    with pytest.raises(UsageError, match="exists already"):
+        save_model(arm, path)
+    assert path.read_text() == "mine"
+    save_model(arm, path, overwrite=True)
+    assert load_model(path) == arm
+
+
+JOINT_TEXT = '[[joint]]\nname = "a"\ninertia_kg_m2 = 1.0\n'
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("schema =", "is no TOML: Invalid value"),
+        ("", "schema is None; expected 'friction-audit/model/1'"),
+        ('schema = "friction-audit/model/9"', "schema is 'friction-audit/model/9'; expected"),
+        (HEAD, r"no \[\[joint\]\] table"),
+        (HEAD + "joint = []", r"no \[\[joint\]\] table"),
+        (HEAD + "joint = [1]", r"no \[\[joint\]\] table"),
+        (
+            HEAD + "[[joint]]\n[joint.terms.offset]",
+            "joint 1: name is missing.*inertia_kg_m2 is missing.*offset_nm miss",
+        ),
+        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = "1"', "joint 1: inertia_kg_m2 is no number"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = nan', "joint 1: inertia_kg_m2 = nan; expected a number"),
+        (HEAD + '[[joint]]\nname = "a"\ninertia = 1', r"'inertia' is no key \(did you mean inertia_kg_m2\?\)"),
+        (HEAD + JOINT_TEXT + "terms = 1", "joint 1: terms is no table"),
+        (HEAD + JOINT_TEXT + "provenance = 1", "joint 1: provenance is no table"),
+        (HEAD + JOINT_TEXT + "provenance.cycles = 1.5", "joint 1: provenance: cycles is no whole number"),
+        (HEAD + JOINT_TEXT + "provenance.log = 1", "joint 1: provenance: log is no text"),
+        (
+            HEAD + JOINT_TEXT + "terms.coulom.coulomb_nm = 1",
+            r"'coulom' is no term \(did you mean coulomb\?\), expected",
+        ),
+        (HEAD + JOINT_TEXT + "terms.inertia.inertia_kg_m2 = 1", "'inertia' is no term"),
+        (HEAD + JOINT_TEXT + "terms.coulomb = 1", "joint 1: coulomb is no table"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = true", "coulomb: coulomb_nm is no number"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = -1", "joint 1: term coulomb: coulomb_nm = -1; expected"),
+        (HEAD + JOINT_TEXT + "terms.coulomb.coulomb = 1", r"did you mean coulomb_nm\?\).*coulomb_nm missing"),
+        (
+            HEAD + JOINT_TEXT + "terms.stribeck.stribeck_exponent = 1",
+            "stribeck_excess_nm, stribeck_speed_rad_s missing",
+        ),
+        ("color = 1\n" + HEAD + JOINT_TEXT, "the file: 'color' is no key"),
+        pytest.param(HEAD + '[[joint]]\nname = "a"\ninertia_kg_m2 = 1' + "0" * 400, "no number", id="10^400"),
+        pytest.param(HEAD + JOINT_TEXT + "terms.coulomb.coulomb_nm = 1" + "0" * 400, "no number", id="10^400 N m"),
+        pytest.param("schema = " + "1" * 5000, "is no TOML.*digits", id="a number of 5000 digits"),
+        pytest.param("schema = " + "[" * 20000 + "]" * 20000, "nested too deeply", id="deep arrays"),
+        pytest.param(".".join("k" * 20000) + " = 1", "dots in line 1", id="a key of many parts"),
+        pytest.param(HEAD + JOINT_TEXT + "".join(f"k{i} = 1\n" for i in range(50_000)), "'k0' is no key", id="keys"),
+    ],
+)
+def test_what_is_wrong_is_said(tmp_path: Path, content: str, message: str) -> None:
+    path = tmp_path / "model.toml"
+    path.write_text(content)
+    with pytest.raises(InputError, match=message) as caught:
+        load_model(path)
+    assert str(caught.value).startswith(f"{path}: ")
+
+
+def test_a_file_that_is_no_text_or_not_there(tmp_path: Path) -> None:
+    (tmp_path / "model.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(InputError, match="no text in UTF-8"):
+        load_model(tmp_path / "model.toml")
+    with pytest.raises(InputError, match="cannot be read: No such file"):
+        load_model(tmp_path / "none.toml")
+
+
+OF_ONE_LINK = {
+    "gravity_cos_nm": 0.0,
+    "gravity_sin_nm": 0.0,
+    "link_moment_x_kg_m": 0.02,
+    "link_moment_y_kg_m": 0.01,
+    "link_moment_z_kg_m": 0.0,
+    "link_mass_kg": 0.3,
+    "gravity_across_1_m_s2": 0.0,
+    "gravity_across_2_m_s2": 0.0,
+    "gravity_error_source": 7.0,
+}
+"""All numbers of a gravity error that version 0.1.0 wrote."""
+
+
+def test_numbers_that_earlier_versions_did_not_know_may_be_left_out(tmp_path: Path) -> None:
+    path = tmp_path / "model.toml"
+    terms = "".join(f"{name} = {value}\n" for name, value in OF_ONE_LINK.items())
+    path.write_text(HEAD + JOINT_TEXT + "[joint.terms.gravity_error]\n" + terms)
+    arm = load_model(path)
+    assert arm.joints[0] is not None
+    (term,) = arm.joints[0].terms
+    told = {p.name: value for p, value in zip(term.term.parameters, term.values, strict=True)}
+    assert {name: told.pop(name) for name in OF_ONE_LINK} == OF_ONE_LINK
+    assert set(told.values()) == {0.0}
+    save_model(arm, path, overwrite=True)
+    assert "next_link" not in path.read_text()
+    assert load_model(path) == arm
+
+
+def test_an_arm_has_a_name_per_joint() -> None:
+    with pytest.raises(AnalysisError, match="2 names for 1 joints"):
+        ArmModel(names=("a", "b"), joints=(JOINT,))
+    with pytest.raises(AnalysisError, match="a joint at least"):
+        ArmModel(names=(), joints=())
+
+
+def test_the_page_shows_a_file_that_loads_and_every_term(tmp_path: Path) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "model.md").read_text()
+    path = tmp_path / "model.toml"
+    path.write_text(page.split("```toml\n")[1].split("```")[0])
+    origin = Provenance(method="energy", log="monday.parquet", cycles=12)
+    assert load_model(path) == ArmModel(names=("joint1", "joint2"), joints=(replace(JOINT, provenance=origin), None))
+    for term in TERMS[1:]:
+        assert f"| `{term.name}` | {as_listed([parameter.name for parameter in term.parameters])} |" in page
+
+
+def as_listed(names: list[str]) -> str:
+    """Names side by side, those that differ by a number only as a series."""
+    groups = [list(group) for _, group in groupby(names, key=lambda name: re.sub(r"\d+_", "#_", name))]
+    return ", ".join(f"`{group[0]}`" if len(group) == 1 else f"`{group[0]}` to `{group[-1]}`" for group in groups)
+
+
+def test_a_model_of_every_term_is_kept(tmp_path: Path) -> None:
+    """What a diagnosis may write: every term at typical numbers and at the bounds, with its origin."""
+    origin = Provenance(method="diagnose", log="monday.parquet", sha256="00", cycles=31)
+    joints = tuple(
+        JointModel(inertia_kg_m2=0.3, terms=tuple(pick(term) for term in TERMS[1:]), provenance=origin)
+        for pick in (typical_term, lowest, highest)
+    )
+    arm = ArmModel(names=("a", "b", "c"), joints=joints)
+    save_model(arm, tmp_path / "model.toml")
+    assert load_model(tmp_path / "model.toml") == arm
+
+
+def lowest(term: Term) -> FittedTerm:
+    return FittedTerm(term.name, tuple(max(parameter.lower, -1e3) for parameter in term.parameters))
+
+
+def highest(term: Term) -> FittedTerm:
+    return FittedTerm(term.name, tuple(min(parameter.upper, 1e3) for parameter in term.parameters))
+
+
+@pytest.mark.parametrize(
+    ("values", "whole"),
+    [
+        (
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 900.0, "soft_nm": 0.1},
+            ("joint_elasticity", (1e-3, 900.0, 0.1, 0.05, 1.0)),
+        ),
+        ({"backlash_share": 1.0, "gap_rad": 1e-3, "contact_hz": 40.0}, ("backlash", (1.0, 1e-3, 40.0, 0.2, 1.0))),
+    ],
+)
+def test_a_file_without_newer_numbers_means_what_it_meant(
+    tmp_path: Path, values: dict[str, float], whole: tuple[str, tuple[float, ...]]
+) -> None:
+    name, numbers = whole
+    path = tmp_path / "model.toml"
+    lines = "".join(f"{key} = {value!r}\n" for key, value in values.items())
+    path.write_text(f"{HEAD}{JOINT_TEXT}[joint.terms.{name}]\n{lines}")
+    (joint,) = load_model(path).joints
+    assert joint is not None
+    assert joint.values(name) == numbers
+    save_model(load_model(path), path, overwrite=True)
+    assert "far_share" not in path.read_text()

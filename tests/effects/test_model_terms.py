@@ -1,0 +1,154 @@
+"""Every term keeps the contract, and the five give what a hand calculation gives."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
+from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.terms import TERMS, term_of
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+
+def typical(parameter: Parameter) -> float:
+    """The middle of the decades that make sense, or some number."""
+    if parameter.lower > 0.0 and np.isfinite(parameter.upper):
+        return float(np.sqrt(parameter.lower * parameter.upper))
+    return min(max(0.3, parameter.lower), parameter.upper)
+
+
+SHAPES = {term.name: tuple(typical(parameter) for parameter in term.shape) for term in TERMS}
+
+
+def make_motion(dq: Float) -> Motion:
+    t = np.arange(len(dq), dtype=np.float64) * 1e-3
+    return Motion(
+        t=t,
+        q=np.cumsum(dq) * 1e-3,
+        dq=dq,
+        ddq=np.gradient(dq, 1e-3) if len(dq) > 1 else 0.0 * dq,
+        load=2.0 + 0.0 * t,
+        temperature=25.0 + t,
+        rest=0.3 * np.sign(dq) + 0.1 * dq,
+    )
+
+
+@pytest.fixture
+def motion() -> Motion:
+    return make_motion(np.sin(np.linspace(0.0, 20.0, 401)))
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
+def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Term, motion: Motion) -> None:
+    shape = SHAPES[term.name]
+    linear = tuple(0.3 + 0.1 * i for i in range(len(term.linear)))
+    regressor = term.regressor(motion, shape)
+    assert regressor.shape == (401, len(term.linear))
+    assert np.array_equal(term.torque(linear + shape, motion), regressor @ np.array(linear))
+
+
+@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
+def test_friction_never_pushes(term: Term, motion: Motion) -> None:
+    if term.friction and all(parameter.lower >= 0.0 for parameter in term.linear):
+        values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
+        assert np.all(term.torque(values, motion) * motion.dq >= 0.0)
+
+
+@pytest.mark.parametrize("term", [term for term in TERMS if term.speed_only], ids=lambda term: term.name)
+def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Motion) -> None:
+    values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
+    elsewhere = Motion(
+        t=3.0 * motion.t + 5.0,
+        q=2.0 * motion.q - 1.0,
+        dq=motion.dq,
+        ddq=motion.ddq + 2.0,
+        load=0.0 * motion.t - 1.0,
+        temperature=30.0 + 9.0 * motion.t,
+        rest=2.0 * motion.dq,
+    )
+    assert np.array_equal(term.torque(values, motion), term.torque(values, elsewhere))
+
+
+def test_names_and_parameters_are_unique() -> None:
+    every = [parameter for term in TERMS for parameter in term.parameters]
+    assert len({parameter.name for parameter in every}) == len(set(every))
+    factors = [parameter.name for term in TERMS for parameter in term.linear]
+    assert len(set(factors)) == len(factors)
+    assert len({term.name for term in TERMS}) == len(TERMS)
+
+
+def test_stribeck_by_hand() -> None:
+    torque = FittedTerm("stribeck", (0.2, 0.1, 2.0)).torque(make_motion(np.array([-0.1, 0.0, 0.1, 0.2])))
+    assert torque == pytest.approx([-0.2 * np.exp(-1), 0.0, 0.2 * np.exp(-1), 0.2 * np.exp(-4)], rel=1e-14)
+
+
+def test_torque_and_friction_of_a_model_by_hand() -> None:
+    still = np.zeros(2)
+    motion = Motion(t=np.array([0.0, 1.0]), q=still, dq=np.array([2.0, -2.0]), ddq=np.array([1.0, 1.0]))
+    model = simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1, offset_nm=0.05)
+    assert model.friction(motion) == pytest.approx([0.5, -0.5])
+    assert model.torque(motion) == pytest.approx([1.05, 0.05])
+
+
+@given(st.floats(0.01, 1.0), st.floats(0.05, 2.0), st.floats(0.0, 1.0), st.floats(0.0, 1.0), st.floats(-1.0, 1.0))
+def test_least_squares_on_the_regressors_gives_the_parameters_back(
+    inertia: float, speed: float, coulomb: float, viscous: float, offset: float
+) -> None:
+    t = np.linspace(0.0, 10.0, 1001)
+    dq = speed * (np.sin(t) + 0.5 * np.sin(2.3 * t))
+    motion = Motion(t=t, q=np.zeros(1001), dq=dq, ddq=np.gradient(dq, t))
+    model = simple_model(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous, offset_nm=offset)
+    names = ("inertia", "coulomb", "viscous", "offset")
+    columns = np.hstack([term_of(name).regressor(motion) for name in names])
+    found = np.linalg.lstsq(columns, model.torque(motion))[0]
+    assert found == pytest.approx([inertia, coulomb, viscous, offset], abs=1e-10)
+
+
+@pytest.mark.parametrize("inertia", [np.nan, np.inf])
+def test_an_inertia_that_is_no_number_is_refused(inertia: float) -> None:
+    with pytest.raises(AnalysisError, match=r"inertia_kg_m2 = (nan|inf); expected a number"):
+        JointModel(inertia_kg_m2=inertia)
+
+
+def test_a_model_of_a_torque_without_the_links_inertia_may_have_too_little() -> None:
+    still = np.zeros(2)
+    motion = Motion(t=np.array([0.0, 1.0]), q=still, dq=still, ddq=np.array([1.0, -2.0]))
+    assert JointModel(inertia_kg_m2=-0.1).torque(motion) == pytest.approx([-0.1, 0.2])
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "message"),
+    [
+        ("coulom", (1.0,), r"'coulom' is no term \(did you mean coulomb\?\); expected inertia, coulomb"),
+        ("coulomb", (-1.0,), "term coulomb: coulomb_nm = -1; expected a number from 0 to inf"),
+        ("offset", (np.nan,), "offset_nm = nan"),
+        ("stribeck", (1.0,), "1 values; expected 3: stribeck_excess_nm, stribeck_speed_rad_s, stribeck_exponent"),
+    ],
+)
+def test_a_term_that_cannot_be_is_refused(name: str, values: tuple[float, ...], message: str) -> None:
+    with pytest.raises(AnalysisError, match=message):
+        FittedTerm(name, values)
+
+
+def test_a_term_twice_and_inertia_among_the_terms_are_refused() -> None:
+    with pytest.raises(AnalysisError, match="term offset stands twice"):
+        JointModel(inertia_kg_m2=1.0, terms=(FittedTerm("offset", (1.0,)), FittedTerm("offset", (2.0,))))
+    with pytest.raises(AnalysisError, match="expected it as inertia_kg_m2"):
+        JointModel(inertia_kg_m2=1.0, terms=(FittedTerm("inertia", (1.0,)),))
+
+
+def test_models_are_values() -> None:
+    first, second = (
+        simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1, offset_nm=offset) for offset in (0, 1)
+    )
+    assert first != second
+    assert first == simple_model(inertia_kg_m2=0.5, coulomb_nm=0.3, viscous_nms_per_rad=0.1)
+    assert second.values("offset") == (1,)
+    assert first.values("offset") is None
+
+
+def test_bounds_of_a_parameter_belong_to_it() -> None:
+    parameter = Parameter(name="share", unit="1", meaning="a share", lower=0.0, upper=1.0)
+    assert [parameter.allows(value) for value in (-0.1, 0.0, 1.0, 1.1, np.nan)] == [False, True, True, False, False]

@@ -1,0 +1,144 @@
+"""Two masses on a spring or with a play under a measured torque: against scipy, by energy, and against the term."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.torque_tables import tabulate
+from friction_audit.dynamics.transmission import Transmission
+from friction_audit.dynamics.two_mass import can_follow, link_of, move_two_sides
+from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.effects.term import Motion
+from friction_audit.joint_log import Float
+from tests.effects.recordings import joint_with
+
+STEP_S = 0.0025
+T = np.arange(0.0, 3.0, STEP_S)
+B, VISCOUS = 0.3, 0.07
+STIFFNESS = 900.0
+WHOLE = np.array([[0, len(T) - 1]])
+
+
+def recording(q: Float, dq: Float) -> Motion:
+    return Motion(t=T, q=q, dq=dq, ddq=np.gradient(dq, T))
+
+
+def spring(share: float, damping_ratio: float = 0.05) -> FittedTerm:
+    return FittedTerm("joint_elasticity", (1.0 / STIFFNESS, STIFFNESS, 0.0, damping_ratio, share))
+
+
+def moved(share: float, coulomb_nm: float = 0.0, gap_rad: float = 0.0, damping_ratio: float = 0.0) -> Float:
+    """Both sides of a joint under a torque from rest: position and velocity of either, shape (4, n)."""
+    terms = (FittedTerm("coulomb", (coulomb_nm,)), FittedTerm("viscous", (0.0,)))
+    still = recording(0.5 * np.sin(T), 0.5 * np.cos(T))
+    tables, _ = tabulate(share * B, terms, still)
+    link = link_of(
+        Transmission(stiffness_nm_per_rad=STIFFNESS, damping_ratio=damping_ratio, gap_rad=gap_rad),
+        (1.0 - share) * B,
+        share * B,
+    )
+    nothing = np.zeros(len(T))
+    return move_two_sides(drive(), nothing, (nothing, nothing), STEP_S, WHOLE, link, tables)
+
+
+def drive() -> Float:
+    return 0.9 * np.sin(5.0 * T) + 0.3 * np.sin(31.0 * T)
+
+
+def energy(rows: Float, share: float, gap_rad: float = 0.0) -> Float:
+    """Kinetic and elastic energy. [J]"""
+    twist = rows[0] - rows[2]
+    engaged = twist - np.clip(twist, -0.5 * gap_rad, 0.5 * gap_rad)
+    moving = (1.0 - share) * B * rows[1] ** 2 + share * B * rows[3] ** 2
+    return np.asarray(0.5 * (moving + STIFFNESS * engaged**2))
+
+
+def work(rows: Float) -> Float:
+    """What the drive has put in. [J]"""
+    power = drive() * rows[1]
+    return np.concatenate([[0.0], np.cumsum(0.5 * (power[1:] + power[:-1]) * STEP_S)])
+
+
+@pytest.mark.parametrize("share", [0.3, 0.8, 0.97])
+def test_both_sides_of_a_spring_move_as_scipy_finds(share: float) -> None:
+    near, far = (1.0 - share) * B, share * B
+    damping = 2.0 * 0.05 * np.sqrt(STIFFNESS * far)
+    driven = drive()
+
+    def rates(t: float, s: Float) -> list[float]:
+        torque = STIFFNESS * (s[0] - s[2]) + damping * (s[1] - s[3])
+        push = np.interp(t, T, driven)
+        return [s[1], (push - torque) / near, s[3], (torque - VISCOUS * s[3]) / far]
+
+    exact = solve_ivp(rates, (0.0, T[-1]), np.zeros(4), t_eval=T, rtol=1e-9, atol=1e-11, max_step=STEP_S).y
+    seen = recording(np.where(np.arange(len(T)) % 2, exact[0], 0.0), exact[1])
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("viscous", (VISCOUS,)), spring(share)))
+    found = simulate_along(model, seen, drive(), WHOLE)
+    assert found is not None
+    assert found == pytest.approx(exact[1], abs=6e-3)
+    rigid = simulate_along(replace(model, terms=model.terms[:1]), seen, drive(), WHOLE)
+    assert rigid is not None
+    assert np.sqrt(np.mean((found - exact[1]) ** 2)) < 0.3 * np.sqrt(np.mean((rigid - exact[1]) ** 2))
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.floats(0.2, 0.95), st.sampled_from([0.0, 0.004]))
+def test_energy_is_what_the_drive_put_in(share: float, gap_rad: float) -> None:
+    rows = moved(share, gap_rad=gap_rad)
+    put, held = work(rows), energy(rows, share, gap_rad)
+    assert np.abs(held - put).max() < 0.02 * np.abs(put).max()
+
+
+@settings(deadline=None, max_examples=15)
+@given(st.floats(0.2, 0.95), st.sampled_from([0.0, 0.004]), st.floats(0.05, 0.4), st.floats(0.02, 1.0))
+def test_friction_and_damping_only_ever_take_energy(share: float, gap: float, coulomb_nm: float, ratio: float) -> None:
+    rows = moved(share, coulomb_nm, gap, ratio)
+    taken = work(rows) - energy(rows, share, gap)
+    path = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(rows[2])))])
+    assert (taken > coulomb_nm * path - 0.02 * np.abs(work(rows)).max()).all()
+
+
+def test_with_hardly_anything_before_the_spring_it_is_the_joint_with_nothing_before_it() -> None:
+    rigid = simulate_along(joint_with(inertia_kg_m2=B), recording(np.sin(T), np.cos(T)), drive(), WHOLE)
+    assert rigid is not None
+    seen = recording(np.cumsum(rigid) * STEP_S, rigid)
+    all_of_it, nearly = (simulate_along(joint_with(spring(one, 0.3)), seen, drive(), WHOLE) for one in (1.0, 0.995))
+    assert all_of_it is not None
+    assert nearly is not None
+    assert np.sqrt(np.mean((nearly - all_of_it)[40:] ** 2)) < 0.05 * np.sqrt(np.mean(all_of_it**2))
+
+
+def test_the_term_takes_along_the_motion_the_torque_that_made_it() -> None:
+    share, friction = 0.7, 0.2
+    rows = moved(share, friction, damping_ratio=0.1)
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
+    motion = recording(rows[0], rows[1])
+    left = [
+        np.sqrt(np.mean((one.torque(motion) - drive()) ** 2)) for one in (model, replace(model, terms=model.terms[:1]))
+    ]
+    assert left[0] < 0.15 * left[1]
+
+
+def test_pieces_begin_with_what_the_recording_has_done_to_the_spring() -> None:
+    share, friction = 0.7, 0.2
+    rows = moved(share, friction, damping_ratio=0.1)
+    model = JointModel(inertia_kg_m2=B, terms=(FittedTerm("coulomb", (friction,)), spring(share, 0.1)))
+    pieces = np.array([[300, 700], [700, 1100]])
+    found = simulate_along(model, recording(rows[0], rows[1]), drive(), pieces)
+    assert found is not None
+    inside = np.isfinite(found)
+    assert inside.sum() == 801
+    assert np.sqrt(np.mean((found - rows[1])[inside] ** 2)) < 0.03 * np.sqrt(np.mean(rows[1] ** 2))
+
+
+def test_a_near_side_that_rings_too_fast_has_no_inertia_to_speak_of() -> None:
+    stiff = Transmission(stiffness_nm_per_rad=1e6, damping_ratio=0.1)
+    tables, _ = tabulate(B, (), recording(np.sin(T), np.cos(T)))
+    assert can_follow(link_of(stiff, 0.1 * B, 0.9 * B), tables, STEP_S)
+    assert not can_follow(link_of(stiff, 1e-5, B), tables, STEP_S)
+    assert not can_follow(link_of(stiff, 0.0, B), tables, STEP_S)

@@ -1,0 +1,53 @@
+"""Whatever is broken in a bag: a log or a message, never a library's traceback."""
+
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from friction_audit.errors import FrictionAuditError
+from friction_audit.io.readers.mcap import MCAP
+from friction_audit.io.readers.reader import Reader, ReadOptions
+from friction_audit.io.readers.rosbag1 import ROSBAG1
+from friction_audit.io.readers.rosbag2 import ROSBAG2
+from tests.io.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap, write_rosbag1, write_rosbag2
+
+
+def _rosbag1(folder: Path) -> Path:
+    store = ros1_store()
+    return write_rosbag1(folder / "a.bag", store, [joint_states(store, samples(20))])
+
+
+def _mcap(folder: Path) -> Path:
+    store = ros2_store()
+    return write_mcap(folder / "a.mcap", store, [joint_states(store, samples(20))], enable_crcs=False, chunk_size=2048)
+
+
+def _loose_mcap(folder: Path) -> Path:
+    store = ros2_store()
+    return write_mcap(folder / "b.mcap", store, [joint_states(store, samples(20))], use_chunking=False)
+
+
+def _sqlite3(folder: Path) -> Path:
+    store = ros2_store()
+    bag = write_rosbag2(folder / "bag", store, [joint_states(store, samples(20))])
+    return next(bag.glob("*.db3"))
+
+
+@pytest.mark.parametrize(
+    ("write", "reader"), [(_rosbag1, ROSBAG1), (_mcap, MCAP), (_loose_mcap, MCAP), (_sqlite3, ROSBAG2)]
+)
+def test_random_bytes_in_random_places(tmp_path: Path, write: Callable[[Path], Path], reader: Reader) -> None:
+    path = write(tmp_path)
+    whole = path.read_bytes()
+    rng = np.random.default_rng(7)
+    for _ in range(25):
+        content = np.frombuffer(whole, np.uint8).copy()
+        content[rng.integers(0, len(content), rng.integers(1, 20))] = rng.integers(0, 256)
+        path.write_bytes(content.tobytes())
+        with suppress(FrictionAuditError):
+            assert len(reader.read(path, ReadOptions()).t) <= 20
+        with suppress(FrictionAuditError):
+            reader.topics(path)

@@ -1,0 +1,278 @@
+"""Bags made to take all memory, all time or the stack: refused in words, or read without what is hostile in them."""
+
+import bz2
+import json
+import sqlite3
+import struct
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import lz4.frame  # type: ignore[import-untyped]
+import numpy as np
+import pytest
+import zstandard
+from mcap.writer import CompressionType
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.read import choose_reader, read_log
+from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.joint_log import Finding
+from tests.io.bag_writing import (
+    STEP_NS,
+    joint_states,
+    ros1_store,
+    ros2_store,
+    samples,
+    stamp_ns,
+    write_json_mcap,
+    write_mcap,
+    write_mcap_payloads,
+    write_rosbag1,
+    write_rosbag2,
+)
+
+BOMB_BYTES = 300 << 20
+ZEROS = bytes(1 << 20)
+KIND = "foxglove.JointStates"
+JOINT_STATE = "sensor_msgs/msg/JointState"
+
+
+def read(path: Path, **options: Any) -> Recording:
+    return choose_reader(path).read(path, ReadOptions(**options))
+
+
+def zstd_bomb() -> bytes:
+    compressor = zstandard.ZstdCompressor(level=1).compressobj(size=BOMB_BYTES)
+    return b"".join(compressor.compress(ZEROS) for _ in range(BOMB_BYTES >> 20)) + compressor.flush()
+
+
+def lz4_bomb() -> bytes:
+    compressor = lz4.frame.LZ4FrameCompressor()
+    parts = [compressor.begin(), *(compressor.compress(ZEROS) for _ in range(BOMB_BYTES >> 20)), compressor.flush()]
+    return b"".join(parts)
+
+
+def bz2_bomb() -> bytes:
+    compressor = bz2.BZ2Compressor()
+    return b"".join(compressor.compress(ZEROS) for _ in range(24)) + compressor.flush()
+
+
+def mcap_record(opcode: int, content: bytes) -> bytes:
+    return struct.pack("<BQ", opcode, len(content)) + content
+
+
+def mcap_chunk(path: Path, compression: bytes, packed: bytes, claimed: int) -> Path:
+    """A sound file into which one chunk is put before the first, and whose summary is gone."""
+    whole = write_mcap(path, ros2_store(), [joint_states(ros2_store(), samples(20))]).read_bytes()
+    head = struct.pack("<QQQI", 0, 0, claimed, 0) + struct.pack("<I", len(compression)) + compression
+    chunk = mcap_record(6, head + struct.pack("<Q", len(packed)) + packed)
+    begin = 8 + 9 + struct.unpack_from("<Q", whole, 9)[0]
+    path.write_bytes(whole[:begin] + chunk + whole[begin:])
+    return path
+
+
+def bag_chunk(path: Path, compression: bytes, packed: bytes, claimed: int) -> Path:
+    """A sound bag with one more chunk at its end."""
+    whole = write_rosbag1(path, ros1_store(), [joint_states(ros1_store(), samples(20))]).read_bytes()
+    fields = (b"op=\x05", b"compression=" + compression, b"size=" + struct.pack("<I", claimed))
+    header = b"".join(struct.pack("<I", len(field)) + field for field in fields)
+    path.write_bytes(whole + struct.pack("<I", len(header)) + header + struct.pack("<I", len(packed)) + packed)
+    return path
+
+
+CHUNKS: dict[str, Callable[[Path], Path]] = {
+    "mcap that claims 100 bytes": lambda f: mcap_chunk(f / "a.mcap", b"zstd", zstd_bomb(), 100),
+    "mcap that tells the truth": lambda f: mcap_chunk(f / "a.mcap", b"zstd", zstd_bomb(), BOMB_BYTES),
+    "mcap lz4": lambda f: mcap_chunk(f / "a.mcap", b"lz4", lz4_bomb(), 1 << 60),
+    "bag bz2": lambda f: bag_chunk(f / "a.bag", b"bz2", bz2_bomb(), 24 << 20),
+    "bag lz4": lambda f: bag_chunk(f / "a.bag", b"lz4", lz4_bomb(), 1000),
+}
+
+
+@pytest.mark.parametrize("write", CHUNKS.values(), ids=CHUNKS.keys())
+def test_chunk_that_is_a_bomb_is_left_out(tmp_path: Path, write: Callable[[Path], Path]) -> None:
+    recording = read(write(tmp_path))
+    assert len(recording.t) == 20
+    assert any("decompressed" in finding.message and finding.damaged for finding in recording.findings)
+
+
+def test_message_that_is_a_bomb_is_left_out(tmp_path: Path) -> None:
+    bag = write_rosbag2(tmp_path / "bag", ros2_store(), [joint_states(ros2_store(), samples(20))])
+    file = next(bag.glob("*.db3"))
+    with sqlite3.connect(file) as database:
+        database.execute("UPDATE messages SET data = ? WHERE id = 7", (zstd_bomb(),))
+    database.close()
+    assert len(read(file).t) == 19
+
+
+def test_message_that_an_expression_makes_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.db3"
+    with sqlite3.connect(path) as database:
+        database.execute("CREATE TABLE topics (id INTEGER PRIMARY KEY, name, type, serialization_format)")
+        database.execute("INSERT INTO topics VALUES (1, '/joint_states', 'sensor_msgs/msg/JointState', 'cdr')")
+        database.execute(
+            "CREATE TABLE messages (id INTEGER PRIMARY KEY, topic_id, timestamp, data BLOB AS (zeroblob(900000000)))"
+        )
+        database.executemany("INSERT INTO messages VALUES (?, 1, ?)", [(row, stamp_ns(row)) for row in range(12)])
+    database.close()
+    with pytest.raises(InputError):
+        read(path)
+
+
+def test_bag_that_is_a_bomb_is_refused_and_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.unpack.MOST_TIMES_PACKED", 100)
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "room"))
+    (tmp_path / "room").mkdir()
+    path = tmp_path / "a.db3.zstd"
+    path.write_bytes(zstd_bomb())
+    with pytest.raises(InputError, match="decompressed"):
+        read(path)
+    assert not list((tmp_path / "room").iterdir())
+
+
+def states(joints: int = 2, **other: Any) -> dict[str, Any]:
+    rows = [{"name": f"j{joint}", "position": 0.1, "velocity": 0.2, "effort": 0.3} for joint in range(joints)]
+    return {"timestamp": {"sec": 1, "nsec": 0}, "joints": rows, **other}
+
+
+def json_log(folder: Path, *bad: tuple[int, bytes], count: int = 40) -> Path:
+    """JSON messages, some replaced."""
+    good = [{**states(), "timestamp": {"sec": 1, "nsec": index * STEP_NS}} for index in range(count)]
+    payloads = [json.dumps(message).encode() for message in good]
+    for index, payload in bad:
+        payloads[index] = payload
+    stream = [(stamp_ns(index), payload) for index, payload in enumerate(payloads)]
+    return write_mcap_payloads(folder / "a.mcap", [("/joints", KIND, stream)], {KIND: b"{}"}, "json", "jsonschema")
+
+
+def damage(recording: Recording) -> list[Finding]:
+    return [finding for finding in recording.findings if finding.damaged]
+
+
+@pytest.mark.parametrize("place", [0, 30])
+@pytest.mark.parametrize(
+    "payload",
+    [
+        b"[" * 5000,
+        b"null",
+        json.dumps(states()).replace("0.1", "1" + "0" * 400).encode(),
+        json.dumps(states(timestamp={"sec": 10**25, "nsec": 0})).encode(),
+        json.dumps(states(joints=5000)).encode(),
+    ],
+    ids=["deep", "null", "no float", "no stamp", "joints"],
+)
+def test_one_hostile_json_message_is_left_out(tmp_path: Path, payload: bytes, place: int) -> None:
+    path = json_log(tmp_path, (place, payload))
+    if place == 0 and b"j4999" in payload:
+        with pytest.raises(InputError, match="5000 joints"):
+            read(path)
+        return
+    recording = read(path)
+    assert len(recording.t) == 39
+    assert payload == b"null" or damage(recording)
+
+
+def test_absurd_number_of_joints_is_refused_early(tmp_path: Path) -> None:
+    message = states(joints=5000)
+    path = write_json_mcap(tmp_path / "a.mcap", "/joints", KIND, [(stamp_ns(index), message) for index in range(20)])
+    begin = time.perf_counter()
+    with pytest.raises(InputError, match=r"/joints holds 5000 joints; expected at most 1000"):
+        read(path)
+    assert time.perf_counter() - begin < 3.0
+
+
+HEAD = "float64[] position\nfloat64[] velocity\nfloat64[] effort\n"
+SEPARATOR = "=" * 80
+SCHEMAS = {
+    "contains itself": ("ros2msg", f"{HEAD}sensor_msgs/JointState next\n"),
+    "endless arrays": (
+        "ros2msg",
+        f"{HEAD}p/A[1000] a\n{SEPARATOR}\nMSG: p/A\np/B[1000] b\n{SEPARATOR}\nMSG: p/B\nfloat64 x\n",
+    ),
+    "modules": ("ros2idl", "module a { " * 3000 + "};" * 3000),
+    "parentheses": ("ros2idl", f"module a {{ const long X = {'(' * 3000}1{')' * 3000}; }};"),
+}
+
+
+@pytest.mark.parametrize(("language", "schema"), SCHEMAS.values(), ids=SCHEMAS.keys())
+def test_definition_without_end_is_refused(tmp_path: Path, language: str, schema: str) -> None:
+    stream = [("/joint_states", JOINT_STATE, [(stamp_ns(0), bytes(400))])]
+    path = write_mcap_payloads(tmp_path / "a.mcap", stream, {JOINT_STATE: schema.encode()}, "cdr", language)
+    with pytest.raises(InputError):
+        read(path)
+    with pytest.raises(InputError, match="definition"):
+        read(path, topic="/joint_states")
+
+
+def test_claimed_header_of_four_gigabytes(tmp_path: Path) -> None:
+    path = write_rosbag1(tmp_path / "a.bag", ros1_store(), [joint_states(ros1_store(), samples(20))])
+    path.write_bytes(path.read_bytes() + b"\xff" * 200)
+    recording = read(path)
+    assert len(recording.t) == 20
+    assert damage(recording)
+
+
+@pytest.mark.parametrize("text", ["\n" * 400_000, "custom_data:\n" + " " * 1_000_000, "- " + "a/" * 400_000])
+def test_long_metadata_takes_no_time(tmp_path: Path, text: str) -> None:
+    bag = write_rosbag2(tmp_path / "bag", ros2_store(), [joint_states(ros2_store(), samples(20))])
+    with (bag / "metadata.yaml").open("a") as file:
+        file.write(text)
+    begin = time.perf_counter()
+    assert len(read(bag).t) == 20
+    assert time.perf_counter() - begin < 2.0
+
+
+@pytest.mark.parametrize("chunked", [True, False])
+def test_messages_that_the_statistics_count_are_missed(tmp_path: Path, chunked: bool) -> None:
+    store = ros2_store()
+    options = {"use_chunking": chunked, "enable_crcs": False}
+    path = write_mcap(
+        tmp_path / "a.mcap", store, [joint_states(store, samples(60))], compression=CompressionType.NONE, **options
+    )
+    content = bytearray(path.read_bytes())
+    record = struct.pack("<BQ", 5, 22 + len(store.serialize_cdr(joint_states(store, samples(1))[2][0][1], JOINT_STATE)))
+    at = content.find(record, content.find(record) + 1)
+    content[at] = 0x85
+    path.write_bytes(content)
+    log = read_log(path)
+    assert len(log.t) == 59
+    assert [(f.code, f.amount) for f in log.source.findings if f.damaged] == [("missing_messages", 1.0)]
+
+
+def test_messages_that_the_index_of_a_bag_counts_are_missed(tmp_path: Path) -> None:
+    store = ros1_store()
+    path = write_rosbag1(
+        tmp_path / "a.bag", store, [joint_states(store, samples(60)), joint_states(store, samples(60), "/other")]
+    )
+    content = path.read_bytes()
+    first = content.find(b"conn=\x00\x00\x00\x00", content.find(b"op=\x02") - 40)
+    path.write_bytes(content[:first] + b"conn=\x01\x00\x00\x00" + content[first + 9 :])
+    recording = read(path, topic="/joint_states")
+    assert len(recording.t) == 59
+    assert [(f.code, f.amount) for f in damage(recording)] == [("missing_messages", 1.0)]
+
+
+def cut_mcap(folder: Path, compression: CompressionType, share: float) -> tuple[Path, np.ndarray]:
+    values = samples(900)
+    path = write_mcap(
+        folder / "a.mcap",
+        ros2_store(),
+        [joint_states(ros2_store(), values)],
+        compression=compression,
+        chunk_size=1 << 30,
+    )
+    path.write_bytes(path.read_bytes()[: int(share * path.stat().st_size)])
+    return path, values["q"]
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+def test_log_of_one_chunk_that_is_cut_is_salvaged(tmp_path: Path, compression: CompressionType) -> None:
+    path, q = cut_mcap(tmp_path, compression, 0.7)
+    recording = read(path)
+    saved = len(recording.t)
+    assert 200 < saved < 700
+    np.testing.assert_array_equal(recording.channels["q"], q[:saved])
+    (finding,) = damage(recording)
+    assert "without" in finding.message or "lack" in finding.message

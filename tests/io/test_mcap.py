@@ -1,0 +1,333 @@
+"""MCAP files: ROS 2, ROS 1, JSON and protobuf messages, whole and broken."""
+
+import math
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from google.protobuf.descriptor_pb2 import FileDescriptorProto, FileDescriptorSet
+from google.protobuf.descriptor_pool import DescriptorPool
+from google.protobuf.message_factory import GetMessageClassesForFiles
+from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP
+from mcap.writer import CompressionType, IndexType
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers.mcap import MCAP
+from friction_audit.io.readers.reader import ReadOptions, Recording
+from tests.io.bag_writing import (
+    JOINTS,
+    STEP_NS,
+    Samples,
+    joint_state,
+    joint_states,
+    ros1_store,
+    ros2_store,
+    samples,
+    stamp_ns,
+    write_json_mcap,
+    write_mcap,
+    write_mcap_payloads,
+)
+
+STORE = ros2_store()
+
+
+def read(path: Path, **options: Any) -> Recording:
+    return MCAP.read(path, ReadOptions(**options))
+
+
+def assert_read(recording: Recording, values: Samples) -> None:
+    assert list(recording.channels) == list(values)
+    for name, array in values.items():
+        np.testing.assert_array_equal(recording.channels[name], array)
+        assert recording.channels[name].flags.f_contiguous
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        {},
+        {"compression": CompressionType.LZ4},
+        {"compression": CompressionType.NONE},
+        {"use_chunking": False},
+        {"index_types": IndexType.NONE},
+        {"use_statistics": False, "repeat_channels": False, "repeat_schemas": False},
+        {"use_summary_offsets": False},
+    ],
+    ids=["zstd", "lz4", "none", "no chunks", "no index", "no summary", "no offsets"],
+)
+def test_joint_states(tmp_path: Path, options: dict[str, Any]) -> None:
+    values = samples(1500)
+    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)], **options)
+    assert MCAP.recognises(path)
+    recording = read(path)
+    assert_read(recording, values)
+    np.testing.assert_array_equal(recording.t, np.arange(1500) * STEP_NS / 1e9)
+    assert recording.joint_names == JOINTS
+    assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
+    assert recording.findings == ()
+    (topic,) = MCAP.topics(path)
+    assert (topic.name, topic.messages, topic.readable) == ("/joint_states", 1500, True)
+
+
+def test_ros1_messages(tmp_path: Path) -> None:
+    store = ros1_store()
+    values = samples(200)
+    recording = read(write_mcap(tmp_path / "a.mcap", store, [joint_states(store, values)], ros1=True))
+    assert_read(recording, values)
+    assert recording.clock == "header_stamp"
+
+
+def test_topics_that_alternate(tmp_path: Path) -> None:
+    values = samples(800)
+    text: Any = STORE.types["std_msgs/msg/String"]
+    notes = [(stamp_ns(i) + 7 * STEP_NS // 3, text("x" * (i % 13))) for i in range(700)]
+    streams = [joint_states(STORE, values), ("/note", "std_msgs/msg/String", notes)]
+    path = write_mcap(tmp_path / "a.mcap", STORE, streams)
+    assert_read(read(path), values)
+    assert {(topic.name, topic.messages) for topic in MCAP.topics(path)} == {("/joint_states", 800), ("/note", 700)}
+
+
+def test_order_that_changes_between_messages(tmp_path: Path) -> None:
+    values = samples(60)
+    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=np.roll(JOINTS, i % 3).tolist())) for i in range(60)]
+    path = write_mcap(tmp_path / "a.mcap", STORE, [("/j", "sensor_msgs/msg/JointState", messages)])
+    assert_read(read(path), values)
+
+
+def json_states(values: Samples) -> list[tuple[int, Any]]:
+    return [
+        (
+            stamp_ns(i) + 1000,
+            {
+                "header": {"stamp": {"sec": stamp_ns(i) // 10**9, "nanosec": stamp_ns(i) % 10**9}},
+                "name": list(JOINTS),
+                "position": values["q"][i].tolist(),
+                "velocity": values["dq"][i].tolist(),
+                "effort": [None if math.isnan(tau) else tau for tau in values["tau_J"][i]],
+            },
+        )
+        for i in range(len(values["q"]))
+    ]
+
+
+def test_json_joint_states(tmp_path: Path) -> None:
+    values = samples(40)
+    values["tau_J"][4, 2] = np.nan
+    recording = read(write_json_mcap(tmp_path / "a.mcap", "/j", "JointState", json_states(values)))
+    assert_read(recording, values)
+    assert recording.clock == "header_stamp"
+    np.testing.assert_array_equal(recording.t, np.arange(40) * STEP_NS / 1e9)
+
+
+def test_foxglove_joint_states_as_json(tmp_path: Path) -> None:
+    values = samples(30)
+    order = [3, 0, 1, 2, 6, 5, 4]
+    messages = [
+        (
+            stamp_ns(i) + 1000,
+            {
+                "timestamp": {"sec": stamp_ns(i) // 10**9, "nsec": stamp_ns(i) % 10**9},
+                "joints": [
+                    {
+                        "name": JOINTS[j],
+                        "position": values["q"][i, j],
+                        "velocity": values["dq"][i, j],
+                        "effort": values["tau_J"][i, j],
+                    }
+                    for j in order
+                ],
+            },
+        )
+        for i in range(30)
+    ]
+    recording = read(write_json_mcap(tmp_path / "a.mcap", "/joints", "foxglove.JointStates", messages))
+    assert_read(recording, values)
+    assert recording.joint_names == JOINTS
+    assert recording.mapping["tau_J"] == "joints[{i}].effort"
+    assert recording.clock == "header_stamp"
+
+
+def foxglove_protobuf() -> tuple[bytes, Any]:
+    """Descriptors and class of foxglove.JointStates."""
+    file = FileDescriptorProto(name="JointStates.proto", package="foxglove", syntax="proto3")
+    file.dependency.append("google/protobuf/timestamp.proto")
+    joint = file.message_type.add(name="JointState")
+    joint.field.add(name="name", number=1, type="TYPE_STRING", label="LABEL_OPTIONAL")
+    for number, name in enumerate(("position", "velocity", "acceleration", "effort"), start=2):
+        joint.field.add(
+            name=name,
+            number=number,
+            type="TYPE_DOUBLE",
+            label="LABEL_OPTIONAL",
+            proto3_optional=True,
+            oneof_index=number - 2,
+        )
+        joint.oneof_decl.add(name=f"_{name}")
+    states = file.message_type.add(name="JointStates")
+    states.field.add(
+        name="timestamp", number=1, type="TYPE_MESSAGE", label="LABEL_OPTIONAL", type_name=".google.protobuf.Timestamp"
+    )
+    states.field.add(
+        name="joints", number=2, type="TYPE_MESSAGE", label="LABEL_REPEATED", type_name=".foxglove.JointState"
+    )
+    stamp = FileDescriptorProto()
+    TIMESTAMP.CopyToProto(stamp)
+    pool = DescriptorPool()
+    for part in (stamp, file):
+        pool.Add(part)
+    classes = GetMessageClassesForFiles([stamp.name, file.name], pool)
+    return FileDescriptorSet(file=[stamp, file]).SerializeToString(), classes["foxglove.JointStates"]
+
+
+@pytest.mark.parametrize("with_effort", [True, False])
+def test_foxglove_joint_states_as_protobuf(tmp_path: Path, with_effort: bool) -> None:
+    descriptors, kind = foxglove_protobuf()
+    values = samples(30)
+    values["dq"][:, 0] = 0.0  # not on the wire, and still there
+    payloads = []
+    for i in range(30):
+        message = kind()
+        message.timestamp.FromNanoseconds(stamp_ns(i))
+        for j, name in enumerate(JOINTS):
+            joint = message.joints.add(name=name, position=values["q"][i, j], velocity=values["dq"][i, j])
+            if with_effort:
+                joint.effort = values["tau_J"][i, j]
+        payloads.append((stamp_ns(i) + 5, message.SerializeToString()))
+    path = write_mcap_payloads(
+        tmp_path / "a.mcap",
+        [("/joints", "foxglove.JointStates", payloads)],
+        {"foxglove.JointStates": descriptors},
+        "protobuf",
+        "protobuf",
+    )
+    recording = read(path)
+    if not with_effort:
+        del values["tau_J"]
+        assert recording.findings[0].code == "channel_empty"
+    assert_read(recording, values)
+    assert recording.clock == "header_stamp"
+
+
+def test_encoding_that_is_not_read(tmp_path: Path) -> None:
+    payloads = [("/j", "foxglove.JointStates", [(stamp_ns(0), b"\x00\x01")])]
+    path = write_mcap_payloads(tmp_path / "a.mcap", payloads, {"foxglove.JointStates": b""}, "flatbuffer", "flatbuffer")
+    with pytest.raises(
+        InputError, match=r"no topic with measured joint states.*/j \(foxglove.JointStates, 1 messages\)"
+    ):
+        read(path)
+
+
+@pytest.mark.parametrize("options", [{}, {"use_chunking": False}, {"compression": CompressionType.NONE}])
+@pytest.mark.parametrize("share", [0.3, 0.8, 0.995])
+def test_file_that_breaks_off_is_salvaged(tmp_path: Path, options: dict[str, Any], share: float) -> None:
+    values = samples(2000)
+    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)], **options)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    recording = read(path)
+    saved = len(recording.t)
+    assert saved >= (share - 0.25) * 2000
+    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    (finding,) = recording.findings
+    assert (finding.code, finding.damaged) == ("truncated", True)
+    assert f"of {int(share * len(whole))} " in finding.message
+    assert f"the {saved} messages outside the damage were read" in finding.message
+    assert finding.amount is not None
+    assert finding.amount <= share * len(whole)
+
+
+def test_file_without_its_closing_magic_is_read_whole(tmp_path: Path) -> None:
+    values = samples(100)
+    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)])
+    path.write_bytes(path.read_bytes()[:-4])
+    assert_read(read(path), values)
+
+
+@pytest.mark.parametrize("compression", list(CompressionType))
+def test_chunk_with_a_flipped_bit_is_left_out(tmp_path: Path, compression: CompressionType) -> None:
+    values = samples(2000)
+    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, values)], compression=compression)
+    content = bytearray(path.read_bytes())
+    content[len(content) // 2] ^= 0x10
+    path.write_bytes(content)
+    recording = read(path)
+    damage, missing = recording.findings
+    assert (damage.code, damage.damaged) == ("truncated", True)
+    assert (missing.code, missing.amount) == ("missing_messages", 2000.0 - len(recording.t))
+    kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+    assert 1000 < kept.sum() == len(recording.t) < 2000
+    np.testing.assert_array_equal(recording.channels["tau_J"], values["tau_J"][kept])
+
+
+MAGIC = b"\x89MCAP0\r\n"
+BAD = {
+    "empty": (b"", "is empty"),
+    "garbage": (b"garbage" * 100, "does not begin as an MCAP file"),
+    "magic only": (MAGIC, "breaks off at byte 8 of 8 before the first whole chunk"),
+    "garbage behind the magic": (MAGIC + b"\xfe" * 300, "breaks off at byte 8 of 308"),
+    "zeros behind the magic": (MAGIC + bytes(300), "breaks off"),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD.keys())
+def test_bad_files(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "bad.mcap"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"bad.mcap: .*{message}"):
+        read(path)
+
+
+@pytest.mark.parametrize("step", [491, pytest.param(97, marks=pytest.mark.thorough)])
+def test_every_place_to_break_off_gives_a_log_or_a_message(step: int, tmp_path: Path) -> None:
+    path = write_mcap(tmp_path / "a.mcap", STORE, [joint_states(STORE, samples(60))], chunk_size=4096)
+    whole = path.read_bytes()
+    for size in range(0, len(whole), step):
+        path.write_bytes(whole[:size])
+        with suppress(InputError):
+            assert len(read(path).t) <= 60
+
+
+def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -> None:
+    values = samples(5)
+    kind = "sensor_msgs/msg/JointState"
+    good = [(stamp_ns(i), bytes(STORE.serialize_cdr(joint_state(STORE, i, values), kind))) for i in range(5)]
+    schemas = {
+        kind: STORE.generate_msgdef(kind, ros_version=2)[0].encode(),
+        "a/msg/Bad": b"this is ! no definition",
+        "a/msg/Half": b"b/Unknown q",
+    }
+    streams = [("/j", kind, good), ("/bad", "a/msg/Bad", good), ("/half", "a/msg/Half", good)]
+    path = write_mcap_payloads(tmp_path / "a.mcap", streams, schemas, "cdr", "ros2msg")
+    assert_read(read(path), values)
+    assert [topic.readable for topic in MCAP.topics(path)] == [True, False, False]
+    with pytest.raises(InputError, match=r"a.mcap: topic /bad of type a/msg/Bad cannot be read"):
+        read(path, topic="/bad")
+    with pytest.raises(InputError, match=r"topic /half .* does not say what 'b/msg/Unknown' is"):
+        read(path, topic="/half")
+
+
+def test_no_messages(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no messages at all"):
+        read(write_mcap(tmp_path / "a.mcap", STORE, []))
+
+
+def test_no_such_topic_and_no_joints(tmp_path: Path) -> None:
+    text: Any = STORE.types["std_msgs/msg/String"]
+    notes = [(stamp_ns(0), text("x"))]
+    path = write_mcap(tmp_path / "a.mcap", STORE, [("/note", "std_msgs/msg/String", notes)])
+    with pytest.raises(InputError, match=r"no topic /nota; did you mean /note\?"):
+        read(path, topic="/nota")
+    with pytest.raises(InputError, match="expected fields q, dq and tau_J"):
+        read(path)
+
+
+def test_two_arms(tmp_path: Path) -> None:
+    values = samples(5)
+    streams = [joint_states(STORE, values, f"/{side}/joint_states") for side in ("left", "right")]
+    path = write_mcap(tmp_path / "a.mcap", STORE, streams)
+    with pytest.raises(UsageError, match="--topic '/left/joint_states'"):
+        read(path)
+    assert read(path, topic="/right/joint_states").topic == "/right/joint_states"

@@ -1,0 +1,396 @@
+import gzip
+import os
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, read_log
+from tests.io.synthetic_recordings import motion, tidy_frame, write_tidy_csv
+
+
+def write(path: Path, text: str) -> Path:
+    path.write_text(text)
+    return path
+
+
+def test_tidy_table_is_read_to_the_bit(tmp_path: Path) -> None:
+    log = read_log(write_tidy_csv(tmp_path / "run.csv"))
+    expected = motion(300)
+    np.testing.assert_array_equal(log.t, expected["t"])
+    np.testing.assert_array_equal(log.dq, expected["dq"])
+    assert log.source.format == "csv"
+    assert log.source.channels["t"] == "time [s]"
+    assert log.source.findings == ()
+
+
+@pytest.mark.parametrize("separator", [";", "\t", ",", " "])
+def test_separators(tmp_path: Path, separator: str) -> None:
+    log = read_log(write_tidy_csv(tmp_path / "run.csv", separator=separator))
+    np.testing.assert_array_equal(log.tau_J, motion(300)["tau_J"])
+
+
+def test_decimal_commas(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    tidy_frame(300).to_csv(path, index=False, sep=";", decimal=",")
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+
+
+def test_header_written_by_savetxt_as_a_comment(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    path = tmp_path / "run.txt"
+    np.savetxt(path, frame.to_numpy(), header=" ".join(frame.columns), fmt="%.17g")
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+
+
+def test_windows_line_ends_byte_order_mark_and_blank_lines(tmp_path: Path) -> None:
+    text = tidy_frame(300).to_csv(index=False, lineterminator="\r\n")
+    path = tmp_path / "run.csv"
+    path.write_bytes(b"\xef\xbb\xbf" + text.encode() + b"\r\n\r\n")
+    assert len(read_log(path).t) == 300
+
+
+def test_a_separator_at_the_end_of_every_line(tmp_path: Path) -> None:
+    lines = tidy_frame(300).to_csv(index=False).splitlines()
+    path = write(tmp_path / "run.csv", "\n".join([lines[0], *(line + "," for line in lines[1:])]) + "\n")
+    np.testing.assert_array_equal(read_log(path).tau_J, motion(300)["tau_J"])
+
+
+def libfranka(generation: str, rows: int, joints: int = 7) -> str:
+    """Write a table as libfranka's logToCSV does; positions in it tell which columns must not be taken."""
+    arrays = motion(rows, joints)
+    wrong = np.full(joints, 99.0)
+    old = generation == "old"
+    state = ("q", "q_d", "dq", "dq_d", "tau_J", "tau_ext_hat_filtered")
+    header = ["duration" if old else "time", " success rate" if old else "success_rate"]
+    header += [f" {c}[{i}]" if old else f"state.{c}[{i}]" for c in state for i in range(joints)]
+    header += ["sent commands"] if old else []
+    header += [f"q_d[{i}]" if old else f"cmd.q_d[{i}]" for i in range(joints)]
+    header += [f"tau_J_d[{i}]" if old else f"cmd.tau_J_d[{i}]" for i in range(joints)]
+    lines = [",".join(header)]
+    for n in range(rows):
+        numbers = [arrays["q"][n], wrong, arrays["dq"][n], wrong, arrays["tau_J"][n], 0.1 * arrays["tau_J"][n]]
+        fields = [str(1_721_414 + n), "0" if n == 0 else "1", *(f"{x:.6g}" for x in np.concatenate(numbers))]
+        fields += ([""] if old else []) + [f"{x:.6g}" for x in np.concatenate((wrong, 2.0 * arrays["tau_J"][n]))]
+        lines.append(",".join(fields))
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize(("generation", "robot"), [("old", "panda"), ("new", "unknown")])
+def test_both_headers_of_libfranka(tmp_path: Path, generation: str, robot: str) -> None:
+    log = read_log(write(tmp_path / "run.csv", libfranka(generation, 200)))
+    expected = motion(200, 7)
+    np.testing.assert_allclose(log.q, expected["q"], atol=1e-6)
+    np.testing.assert_allclose(log.dq, expected["dq"], atol=1e-5)
+    assert log.tau_J is not None
+    assert log.tau_J_d is not None
+    np.testing.assert_allclose(log.tau_J, expected["tau_J"], atol=1e-5)
+    np.testing.assert_allclose(log.tau_J_d, 2.0 * expected["tau_J"], atol=1e-5)
+    np.testing.assert_allclose(log.t, expected["t"], atol=1e-12)
+    assert (log.source.robot, log.source.clock, log.source.start_s) == (robot, "robot_time", None)
+
+
+def test_a_first_row_without_numbers_is_left_out(tmp_path: Path) -> None:
+    header, first, *others = libfranka("new", 200).splitlines()
+    garbage = ",".join([*first.split(",")[:2], *["nan"] * (first.count(",") - 1)])
+    log = read_log(write(tmp_path / "run.csv", "\n".join([header, garbage, *others]) + "\n"))
+    assert len(log.t) == 199
+    assert [f.code for f in log.source.findings] == ["first_row"]
+    assert not log.source.findings[0].damaged
+
+
+def test_an_exception_log_of_libfranka_is_refused(tmp_path: Path) -> None:
+    path = write(tmp_path / "run.csv", libfranka("new", 50))
+    with pytest.raises(InputError, match=r"50 rows, 0\.05 s: looks like a libfranka exception log"):
+        read_log(path)
+    assert len(read_log(path, ReadOptions(allow_short=True)).t) == 50
+
+
+def test_rostopic_echo_leaves_fingers_out_and_keeps_nanoseconds(tmp_path: Path) -> None:
+    arrays = motion(200, 2)
+    names = ["panda_finger_joint1", "panda_joint1", "panda_joint2"]
+    stamps = 1_700_000_000_000_000_007 + np.arange(200, dtype=np.int64) * 1_000_001
+    columns: dict[str, object] = {"%time": stamps + 5, "field.header.stamp": stamps, "field.header.frame_id": ""}
+    columns |= {f"field.name{i}": [name] * 200 for i, name in enumerate(names)}
+    for field, channel in (("position", "q"), ("velocity", "dq"), ("effort", "tau_J")):
+        columns[f"field.{field}0"] = 0.0
+        columns |= {f"field.{field}{i + 1}": arrays[channel][:, i] for i in range(2)}
+    path = tmp_path / "run.csv"
+    pd.DataFrame(columns).to_csv(path, index=False)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.t, np.arange(200) * 1_000_001 / 1e9)
+    np.testing.assert_array_equal(log.dq, arrays["dq"])
+    assert log.joint_names == ("panda_joint1", "panda_joint2")
+    assert (log.source.robot, log.source.clock) == ("panda", "header_stamp")
+    assert log.source.start_s == pytest.approx(1.7e9)
+
+
+def test_joints_that_change_places_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    frame = pd.DataFrame({"%time": [1, 2, 3], "field.name0": ["j1_joint", "j2_joint", "j1_joint"],
+                          "field.position0": 0.0, "field.velocity0": 0.0, "field.effort0": 0.0})  # fmt: skip
+    frame.to_csv(path, index=False)
+    with pytest.raises(InputError, match=r"line 3: joint 'j2_joint' where the first line has 'j1_joint'"):
+        read_log(path)
+
+
+def test_seconds_beside_nanoseconds(tmp_path: Path) -> None:
+    frame = tidy_frame(300).drop(columns="time")
+    frame.insert(0, "header.stamp.secs", 1_700_000_000)
+    frame.insert(1, "header.stamp.nsecs", np.arange(300) * 1_000_000 + 7)
+    frame.loc[150:, "header.stamp.secs"] += 1
+    frame.loc[150:, "header.stamp.nsecs"] -= 150_000_000
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    log = read_log(path)
+    assert log.source.clock == "header_stamp"
+    assert log.t[1] == 0.001
+    assert log.t[150] == 1.0
+
+
+@pytest.mark.parametrize("zone", [None, "Europe/Berlin"])
+def test_dates(tmp_path: Path, zone: str | None) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = pd.date_range("2024-01-01 12:00", periods=300, freq="ms", tz=zone)
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
+    assert log.source.start_s == pd.Timestamp("2024-01-01 12:00", tz=zone or "UTC").timestamp()
+
+
+def test_text_that_is_no_date(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = "noon"
+    path = tmp_path / "run.csv"
+    frame.to_csv(path, index=False)
+    with pytest.raises(InputError, match="column time holds neither a number nor an ISO 8601 date: 'noon'"):
+        read_log(path, ReadOptions(mapping={"t": "time"}))
+
+
+def test_bag_exports_count_from_zero(tmp_path: Path) -> None:
+    arrays = motion(300)
+    columns = {"time": arrays["t"]}
+    for field, channel in (("position", "q"), ("velocity", "dq"), ("effort", "tau_J")):
+        columns |= {f"{field}.{i}": arrays[channel][:, i] for i in range(3)}
+    path = tmp_path / "run.csv"
+    pd.DataFrame(columns).to_csv(path, index=False)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
+    assert log.source.channels["tau_J"] == "effort.{i}"
+
+
+@pytest.mark.parametrize(
+    "names", [["panda_joint1", "panda_joint2", "panda_finger_joint1"], ["1", "2", "3"], ["0", "1", "2"]]
+)
+def test_long_tables(tmp_path: Path, names: list[str]) -> None:
+    arrays = motion(300)
+    rows = [
+        {"time": arrays["t"][n], "joint": names[j], "position": arrays["q"][n, j], "velocity": arrays["dq"][n, j],
+         "effort": arrays["tau_J"][n, j]}
+        for n in range(300) for j in range(3)
+    ]  # fmt: skip
+    path = tmp_path / "run.csv"
+    pd.DataFrame(rows).to_csv(path, index=False)
+    log = read_log(path)
+    arm = [j for j in range(3) if "finger" not in names[j]]
+    np.testing.assert_array_equal(log.dq, arrays["dq"][:, arm])
+    assert log.joint_names == tuple(names[:2] if len(arm) == 2 else ("joint1", "joint2", "joint3"))
+
+
+def test_long_table_with_a_row_missing(tmp_path: Path) -> None:
+    arrays = motion(300, 2)
+    rows = [{"t": arrays["t"][n], "joint": j, "q": arrays["q"][n, j], "dq": arrays["dq"][n, j],
+             "tau_J": arrays["tau_J"][n, j]}
+            for n in range(300) for j in range(2)]  # fmt: skip
+    path = tmp_path / "run.csv"
+    pd.DataFrame(rows[:101] + rows[102:]).to_csv(path, index=False)
+    log = read_log(path)
+    assert "incomplete_rows" in [f.code for f in log.source.findings]
+    np.testing.assert_array_equal(log.q, np.delete(arrays["q"], 50, axis=0))
+
+
+def test_degrees_by_name(tmp_path: Path) -> None:
+    arrays = motion(300, 1)
+    frame = {"t": arrays["t"], "q_1_deg": np.degrees(arrays["q"][:, 0]), "dq_1_deg_s": np.degrees(arrays["dq"][:, 0])}
+    path = tmp_path / "run.csv"
+    pd.DataFrame({**frame, "tau_J_1": arrays["tau_J"][:, 0]}).to_csv(path, index=False)
+    np.testing.assert_allclose(read_log(path).q, arrays["q"], atol=1e-12)
+
+
+def test_no_header(tmp_path: Path) -> None:
+    path = tmp_path / "run.csv"
+    tidy_frame(300, 2).to_csv(path, index=False, header=False)
+    with pytest.raises(InputError, match=r"no header: line 1 holds 7 numbers; .*--map t=#1"):
+        read_log(path)
+    mapping = {"t": "#1", "q": "#2-#3", "dq": "#4-#5", "tau_J": "#6,#7"}
+    np.testing.assert_array_equal(read_log(path, ReadOptions(mapping=mapping)).dq, motion(300, 2)["dq"])
+
+
+def test_header_and_no_rows(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="0 samples; the table has a header"):
+        read_log(write(tmp_path / "run.csv", "time,q_1,dq_1,tau_J_1\n"))
+
+
+def test_one_row(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="1 sample; at least 2"):
+        read_log(write(tmp_path / "run.csv", "time,q_1,dq_1,tau_J_1\n0,0,0,0\n"))
+
+
+def test_missing_columns(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no column for dq and a torque"):
+        read_log(write(tmp_path / "run.csv", "time,q_1,x\n0,0,0\n1,0,0\n"))
+
+
+@pytest.mark.parametrize(("column", "place", "text"), [("dq_1", 4, "oops"), ("time", 0, "ERR"), ("tau_J_3", 9, "1_0")])
+def test_a_few_cells_that_are_no_number_are_missing_values(tmp_path: Path, column: str, place: int, text: str) -> None:
+    frame = tidy_frame(300)
+    assert frame.columns[place] == column
+    rows = [100, 200]
+    written = frame.astype(object)
+    written.iloc[rows, place] = text
+    log = read_log(write(tmp_path / "run.csv", written.to_csv(index=False)))
+    np.testing.assert_array_equal(log.tau_J, np.delete(motion(300)["tau_J"], rows, axis=0))
+    found = {finding.code: finding for finding in log.source.findings}
+    assert found["no_numbers"].damaged
+    assert found["no_numbers"].amount == 2
+    assert f"line 102, column {column}: '{text}' is not a number" in found["no_numbers"].message
+
+
+def test_a_bad_stamp_in_nanoseconds_costs_its_line(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = (1_700_000_000_000_000_000 + frame["time"] * 1e9).astype(np.int64).astype(object)
+    whole = read_log(write(tmp_path / "whole.csv", frame.to_csv(index=False)))
+    frame.loc[100, "time"] = "nan"
+    log = read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+    np.testing.assert_array_equal(log.t, np.delete(whole.t, 100))
+    assert any(finding.damaged and "line 102" in finding.message for finding in log.source.findings)
+
+
+def test_dates_beyond_every_clock_are_missing_values(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] = (pd.Timestamp("2024-01-01") + pd.to_timedelta(frame["time"], "s")).dt.strftime(
+        "%Y-%m-%dT%H:%M:%S.%f"
+    )
+    frame.loc[100, "time"] = "9999-01-01T00:00:00"
+    log = read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+    assert len(log.t) == 299
+    assert any(finding.damaged and "'9999-01-01T00:00:00'" in finding.message for finding in log.source.findings)
+    frame["time"] = "9999-01-01T00:00:00"
+    with pytest.raises(InputError, match="9999-01-01"):
+        read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+
+
+def test_many_cells_that_are_no_number_are_refused(tmp_path: Path) -> None:
+    frame = tidy_frame(300).astype(object)
+    frame.iloc[10:20, 4] = "oops"
+    with pytest.raises(InputError, match="line 12, column dq_1: 'oops' is not a number"):
+        read_log(write(tmp_path / "run.csv", frame.to_csv(index=False)))
+
+
+@pytest.mark.parametrize("change", [lambda line: line + ",1", lambda line: line.rpartition(",")[0]])
+def test_a_line_with_another_number_of_fields(tmp_path: Path, change: object) -> None:
+    lines = tidy_frame(300).to_csv(index=False).splitlines()
+    lines[100] = change(lines[100])  # type: ignore[operator]
+    with pytest.raises(InputError, match=r"line 101 has (9|11) fields; expected 10"):
+        read_log(write(tmp_path / "run.csv", "\n".join(lines) + "\n"))
+
+
+@pytest.mark.parametrize("end", ["", "\n", "\0\0\0\0"])
+def test_a_last_line_cut_short_is_left_out(tmp_path: Path, end: str) -> None:
+    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
+    path = write(tmp_path / "run.csv", text[: text.rindex(",")] + end)
+    log = read_log(path)
+    assert len(log.t) == 299
+    assert [(f.code, f.damaged) for f in log.source.findings] == [("truncated", True)]
+    assert "line 301, the last one, is cut short (9 of 10 fields)" in log.source.findings[0].message
+
+
+def test_a_last_line_whose_last_number_is_cut_says_what_stands_there(tmp_path: Path) -> None:
+    text = tidy_frame(300).to_csv(index=False).rstrip("\n")
+    log = read_log(write(tmp_path / "run.csv", text[: text.rindex(",") + 1] + "-"))
+    assert len(log.t) == 299
+    assert "line 301, the last one, is cut short ('-' where a number belongs)" in log.source.findings[0].message
+
+
+@pytest.mark.parametrize(("cut", "damaged"), [(0, False), (8, True)])
+def test_a_last_line_without_a_line_feed_is_left_out(tmp_path: Path, cut: int, damaged: bool) -> None:
+    text = tidy_frame(300).round(6).map("{:.6f}".format).to_csv(index=False).rstrip("\n")
+    log = read_log(write(tmp_path / "run.csv", text[: len(text) - cut]))
+    assert len(log.t) == 299
+    assert [(finding.code, finding.damaged) for finding in log.source.findings] == [("truncated", damaged)]
+
+
+def test_a_last_line_is_kept_where_its_end_is_not_read(tmp_path: Path) -> None:
+    text = tidy_frame(300).assign(note="fine").to_csv(index=False).rstrip("\n")
+    assert len(read_log(write(tmp_path / "run.csv", text)).t) == 300
+
+
+def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.csv._BLOCK_BYTES", 1000)
+    path = write_tidy_csv(tmp_path / "run.csv")
+    np.testing.assert_array_equal(read_log(path).tau_J, motion(300)["tau_J"])
+    lines = path.read_text().splitlines()
+    lines[200] = lines[200].replace(".", "x", 1)
+    log = read_log(write(tmp_path / "bad.csv", "\n".join(lines) + "\n"))
+    assert len(log.t) == 299
+    assert "line 201, column time" in log.source.findings[0].message
+
+
+@pytest.mark.skipif("FRICTION_AUDIT_REAL_LOGS" not in os.environ, reason="no measured logs at hand")
+def test_a_measured_libfranka_log() -> None:
+    path = next(Path(os.environ["FRICTION_AUDIT_REAL_LOGS"]).glob("*/OCP_T3_0.81s.csv"))
+    log = read_log(path)
+    assert (len(log.t), len(log.joint_names), log.source.robot) == (11_023, 7, "panda")
+    assert log.duration_s == pytest.approx(11.061)
+    assert {f.code: f.amount for f in log.source.findings} == {"dropped_samples": 19 + 2 * 7 + 3 * 2}
+
+
+def test_a_table_below_a_megabyte_of_comments(tmp_path: Path) -> None:
+    text = "# a comment\n\n" * 100_000 + tidy_frame(300).to_csv(index=False)
+    path = write(tmp_path / "run.csv", text)
+    np.testing.assert_array_equal(read_log(path).q, motion(300)["q"])
+    with pytest.raises(InputError, match=r"line 200301 has 11 fields"):
+        read_log(write(path, text.rstrip("\n") + ",1\n" + text.splitlines()[-1] + "\n"))
+    with pytest.raises(InputError, match="all lines are blank or comments"):
+        read_log(write(path, "# a comment, and no more\n" * 100_000))
+
+
+def test_lines_longer_than_what_is_looked_at_first(tmp_path: Path) -> None:
+    more = {f"{number}_{'a' * 6000}": np.zeros(5) for number in range(200)}
+    frame = pd.concat([tidy_frame(5), pd.DataFrame(more)], axis=1)
+    assert len(read_log(write(tmp_path / "run.csv", frame.to_csv(index=False))).t) == 5
+
+
+def test_more_joints_than_a_robot_has(tmp_path: Path) -> None:
+    names = [f"{channel}_{joint}" for channel in ("q", "dq", "tau_J") for joint in range(2000)]
+    wide = ",".join(["t", *names]) + "\n" + ",".join(["0"] * 6001) + "\n"
+    long = "t,joint,q,dq,tau_J\n" + "".join(f"{row},j{joint},0,0,0\n" for row in range(2) for joint in range(2000))
+    for text in (wide, long):
+        with pytest.raises(InputError, match=r"2000 .*expected at most 1000"):
+            read_log(write(tmp_path / "run.csv", text))
+
+
+@pytest.mark.parametrize(
+    ("content", "word"),
+    [
+        (tidy_frame(30).to_csv(index=False).encode("utf-32"), "UTF-32"),
+        (tidy_frame(30).to_csv(index=False).encode("utf-16"), "UTF-16"),
+        (gzip.compress(tidy_frame(30).to_csv(index=False).encode()), "gzip -d"),
+    ],
+    ids=["utf-32", "utf-16", "gzip"],
+)
+@pytest.mark.parametrize("name", ["run.csv", "run.csv.gz"])
+def test_what_is_no_plain_text_is_called_by_its_name(tmp_path: Path, content: bytes, word: str, name: str) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(InputError, match=word if name == "run.csv" or "gzip" in word else "no known format"):
+        read_log(tmp_path / name)
+
+
+def test_two_recordings_in_one_file_are_named_as_that(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["time"] *= 20.0
+    with pytest.raises(InputError, match=r"time .* goes back at 1 of 599 rows"):
+        read_log(write(tmp_path / "run.csv", pd.concat([frame, frame]).to_csv(index=False)))

@@ -1,0 +1,158 @@
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, list_topics, read_log
+from tests.io.synthetic_recordings import motion
+
+
+def panda_py(samples: int = 300) -> dict[str, object]:
+    """Return what panda-py's get_log() returns: lists of vectors, time in ms as vectors of length 1."""
+    arrays = motion(samples, 7)
+    return {
+        "O_T_EE": [np.eye(4).ravel() for _ in range(samples)],
+        "elbow": [np.zeros(2) for _ in range(samples)],
+        "tau_J": list(arrays["tau_J"]),
+        "control_command_success_rate": [np.ones(1) for _ in range(samples)],
+        "q": list(arrays["q"]),
+        "dq": list(arrays["dq"]),
+        "tau_ext_hat_filtered": list(0.5 * arrays["tau_J"]),
+        "time": [np.array([5_000 + n]) for n in range(samples)],
+    }
+
+
+def test_a_log_of_panda_py(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **panda_py())  # type: ignore[arg-type]
+    log = read_log(path)
+    np.testing.assert_array_equal(log.q, motion(300, 7)["q"])
+    np.testing.assert_array_equal(log.tau_ext_hat_filtered, 0.5 * motion(300, 7)["tau_J"])
+    np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
+    assert (log.source.format, log.source.clock, log.source.robot) == ("npz", "robot_time", "unknown")
+    assert log.source.channels["t"] == "time [ms]"
+
+
+def test_house_names_compressed_and_one_joint(tmp_path: Path) -> None:
+    arrays = motion(300, 1)
+    path = tmp_path / "run.npz"
+    np.savez_compressed(path, t=arrays["t"], q=arrays["q"], dq=arrays["dq"][:, 0], tau_interaction=arrays["tau_J"])
+    log = read_log(path)
+    np.testing.assert_array_equal(log.dq, arrays["dq"])
+    assert log.tau_J is None
+
+
+def test_joints_named_in_an_array_of_text(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, joint_names=np.array(["panda_joint1", "panda_joint2", "panda_joint3"]), **motion(300))  # type: ignore[arg-type]
+    log = read_log(path)
+    assert log.joint_names == ("panda_joint1", "panda_joint2", "panda_joint3")
+    assert log.source.robot == "panda"
+
+
+def test_pickled_arrays_are_never_unpacked(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, t=np.arange(3), q=np.array([[1.0], None, "x"], dtype=object))
+    with pytest.raises(InputError, match=r"array 'q' is pickled, .*numpy\.savez"):
+        read_log(path)
+
+
+def test_lengths_that_differ(tmp_path: Path) -> None:
+    arrays = motion(300)
+    arrays["dq"] = arrays["dq"][:200]
+    path = tmp_path / "run.npz"
+    np.savez(path, **arrays)  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=r"dq has shape \(200, 3\), time has 300 samples"):
+        read_log(path)
+
+
+def test_missing_arrays(tmp_path: Path) -> None:
+    arrays = motion(300)
+    path = tmp_path / "run.npz"
+    np.savez(path, t=arrays["t"], q=arrays["q"])
+    with pytest.raises(InputError, match="no column for dq and a torque"):
+        read_log(path)
+
+
+def test_truncated(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **motion(300))  # type: ignore[arg-type]
+    path.write_bytes(path.read_bytes()[:-300])
+    with pytest.raises(InputError, match="damaged NumPy archive"):
+        read_log(path)
+
+
+@pytest.mark.parametrize("samples", [0, 1])
+def test_too_few_samples(tmp_path: Path, samples: int) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **motion(samples))  # type: ignore[arg-type]
+    with pytest.raises(InputError, match=f"{samples} sample"):
+        read_log(path)
+
+
+def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
+    """Change an entry, and make its checksum right."""
+    with zipfile.ZipFile(path) as archive:
+        contents = {info.filename: archive.read(info) for info in archive.infolist()}
+    with zipfile.ZipFile(path, "w") as archive:
+        for entry, content in contents.items():
+            archive.writestr(entry, change(content) if entry == f"{name}.npy" else content)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_either_layout(tmp_path: Path, order: Literal["C", "F"]) -> None:
+    arrays = motion(300)
+    np.savez(tmp_path / "run.npz", **{name: np.asarray(array, order=order) for name, array in arrays.items()})  # type: ignore[arg-type]
+    np.testing.assert_array_equal(read_log(tmp_path / "run.npz").dq, arrays["dq"])
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda content: b"X" + content[1:],
+        lambda content: content.replace(b"(300, 3)", b"(2147483648,)"[:8]),
+        lambda content: content.replace(b"(300, 3), }", b"(3000000000, 3), }"),
+        lambda content: content[:100],
+        lambda _: b"",
+    ],
+    ids=["magic", "shape", "claim", "short", "empty"],
+)
+@pytest.mark.parametrize("name", ["q", "tau_J_d"])
+def test_an_entry_that_is_no_array_is_said(tmp_path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **motion(300), tau_J_d=motion(300)["tau_J"])  # type: ignore[arg-type]
+    rewrite(path, name, change)
+    if name == "q":
+        with pytest.raises(InputError, match=r"no column for q; .*array 'q' is damaged"):
+            read_log(path)
+    else:
+        log = read_log(path)
+        assert log.tau_J_d is None
+        assert [(finding.code, finding.damaged) for finding in log.source.findings] == [("damaged_numbers", True)]
+
+
+def test_a_bomb_is_refused_by_its_header(tmp_path: Path) -> None:
+    path = tmp_path / "bomb.npz"
+    np.savez(path, **motion(300))  # type: ignore[arg-type]
+    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as archive, archive.open("time.npy", "w") as entry:
+        np.lib.format.write_array_header_1_0(entry, {"descr": "<f8", "fortran_order": False, "shape": (20_000_000,)})
+        for _ in range(20):
+            entry.write(bytes(8_000_000))
+    tracemalloc.start()
+    with pytest.raises(InputError):
+        read_log(path, ReadOptions(mapping={"t": "time"}))
+    assert tracemalloc.get_traced_memory()[1] < 20_000_000
+    tracemalloc.stop()
+
+
+def test_arrays_are_listed(tmp_path: Path) -> None:
+    path = tmp_path / "run.npz"
+    np.savez(path, **motion(300))  # type: ignore[arg-type]
+    name, topics = list_topics(path)
+    assert name == "npz"
+    assert {topic.name: topic.messages for topic in topics} == {"t": 300, "q": 300, "dq": 300, "tau_J": 300}

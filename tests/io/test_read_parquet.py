@@ -1,0 +1,295 @@
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+import friction_audit
+from friction_audit.errors import InputError
+from friction_audit.io.readers import ReadOptions, read_log
+from tests.io.synthetic_recordings import motion, tidy_frame
+
+
+def write(path: Path, columns: dict[str, Any], **options: Any) -> Path:
+    pq.write_table(pa.table(columns), path, **options)
+    return path
+
+
+def tidy(path: Path, samples: int = 300) -> Path:
+    tidy_frame(samples).to_parquet(path)
+    return path
+
+
+def test_scalar_columns_are_read_to_the_bit(tmp_path: Path) -> None:
+    log = read_log(tidy(tmp_path / "run.parquet"))
+    np.testing.assert_array_equal(log.tau_J, motion(300)["tau_J"])
+    assert log.q.flags.f_contiguous
+    assert (log.source.format, log.source.findings) == ("parquet", ())
+
+
+def test_many_row_groups_and_batches(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.parquet._BATCH_ROWS", 7)
+    path = tmp_path / "run.parquet"
+    tidy_frame(300).to_parquet(path, row_group_size=45)
+    np.testing.assert_array_equal(read_log(path).dq, motion(300)["dq"])
+
+
+@pytest.mark.parametrize("kind", [pa.list_(pa.float64()), pa.list_(pa.float64(), 3), pa.large_list(pa.float32())])
+def test_list_valued_columns(tmp_path: Path, kind: pa.DataType) -> None:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": arrays["t"]}
+    columns |= {channel: pa.array(arrays[channel].tolist(), type=kind) for channel in ("q", "dq", "tau_J")}
+    log = read_log(write(tmp_path / "run.parquet", columns, row_group_size=64))
+    np.testing.assert_allclose(log.dq, arrays["dq"], atol=1e-7)
+    assert log.source.channels["dq"] == "dq[{i}]"
+
+
+def test_a_list_column_by_mapping(tmp_path: Path) -> None:
+    arrays = motion(300)
+    names = {"q": "observation.state", "dq": "observation.speed", "tau_J": "observation.load"}
+    columns: dict[str, Any] = {"timestamp": arrays["t"]}
+    columns |= {name: pa.array(arrays[channel].tolist()) for channel, name in names.items()}
+    log = read_log(write(tmp_path / "run.parquet", columns), ReadOptions(mapping=names))
+    np.testing.assert_array_equal(log.q, arrays["q"])
+
+
+def test_lists_of_another_length_are_refused(tmp_path: Path) -> None:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": arrays["t"]}
+    for channel in ("q", "dq", "tau_J"):
+        columns[channel] = arrays[channel].tolist()
+    columns["dq"][200] = [0.0]
+    with pytest.raises(InputError, match="row 201 of dq holds 1 values; expected 3"):
+        read_log(write(tmp_path / "run.parquet", columns))
+
+
+def test_missing_lists_are_rows_without_numbers(tmp_path: Path) -> None:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": arrays["t"]}
+    columns |= {channel: arrays[channel].tolist() for channel in ("q", "dq", "tau_J")}
+    columns["dq"][200] = None
+    log = read_log(write(tmp_path / "run.parquet", columns))
+    assert [(f.code, f.amount) for f in log.source.findings if f.damaged] == [("non_finite", 1)]
+
+
+def test_structs(tmp_path: Path) -> None:
+    arrays = motion(300)
+    state = pa.array(
+        [
+            {"q": q, "dq": dq, "tau_J": tau}
+            for q, dq, tau in zip(*(arrays[c].tolist() for c in ("q", "dq", "tau_J")), strict=True)
+        ]
+    )
+    log = read_log(write(tmp_path / "run.parquet", {"time": arrays["t"], "robot_state": state}))
+    np.testing.assert_array_equal(log.tau_J, arrays["tau_J"])
+
+
+def test_nulls_are_rows_without_numbers(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame.loc[7, "tau_J_2"] = None
+    frame.to_parquet(tmp_path / "run.parquet")
+    assert [(f.code, f.amount) for f in read_log(tmp_path / "run.parquet").source.findings if f.damaged] == [
+        ("non_finite", 1)
+    ]
+
+
+@pytest.mark.parametrize("unit", ["ms", "us", "ns"])
+def test_stamps_as_timestamps(tmp_path: Path, unit: str) -> None:
+    frame = tidy_frame(300)
+    stamps = pd.to_datetime(1_700_000_000_000 + np.arange(300), unit="ms").as_unit(unit)  # type: ignore[arg-type]
+    frame["time"] = stamps
+    frame.to_parquet(tmp_path / "run.parquet")
+    log = read_log(tmp_path / "run.parquet")
+    np.testing.assert_array_equal(log.t, np.arange(300) / 1e3)
+    assert log.source.start_s == pytest.approx(1.7e9)
+    assert log.source.channels["t"] == f"time [{unit}]"
+
+
+def test_single_precision_and_integers(tmp_path: Path) -> None:
+    frame = tidy_frame(300).astype("float32")
+    frame["time"] = np.arange(300)
+    frame.to_parquet(tmp_path / "run.parquet")
+    log = read_log(tmp_path / "run.parquet")
+    assert log.q.dtype == np.float64
+    assert log.source.channels["t"] == "time [ms]"
+
+
+def test_long_tables(tmp_path: Path) -> None:
+    arrays = motion(300, 2)
+    columns = {"time": np.repeat(arrays["t"], 2), "joint": ["fr3_joint1", "fr3_joint2"] * 300}
+    columns |= {c: arrays[c].reshape(-1) for c in ("q", "dq", "tau_J")}
+    log = read_log(write(tmp_path / "run.parquet", columns))
+    np.testing.assert_array_equal(log.dq, arrays["dq"])
+    assert log.source.robot == "fr3"
+
+
+def _long_columns(samples: int = 300) -> dict[str, Any]:
+    arrays = motion(samples)
+    columns: dict[str, Any] = {"time": np.repeat(arrays["t"], 3), "joint": ["joint1", "joint2", "joint3"] * samples}
+    return columns | {channel: arrays[channel].ravel() for channel in ("q", "dq", "tau_J")}
+
+
+def test_a_long_table_with_its_channels_in_a_struct(tmp_path: Path) -> None:
+    columns = _long_columns()
+    fields = {channel: pa.array(columns.pop(channel)) for channel in ("q", "dq", "tau_J")}
+    columns["state"] = pa.StructArray.from_arrays(list(fields.values()), list(fields))
+    np.testing.assert_array_equal(read_log(write(tmp_path / "run.parquet", columns)).q, motion(300)["q"])
+
+
+def test_a_long_table_with_texts_for_numbers(tmp_path: Path) -> None:
+    columns = _long_columns()
+    columns["q"] = ["0.1"] * len(columns["q"])
+    with pytest.raises(InputError, match="q holds string; expected numbers"):
+        read_log(write(tmp_path / "run.parquet", columns))
+
+
+def test_a_stamp_that_is_missing_is_refused(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    time = next(iter(frame.columns))
+    frame[time] = pd.to_datetime(frame[time], unit="s")
+    frame.loc[7, time] = pd.NaT
+    frame.to_parquet(tmp_path / "run.parquet")
+    with pytest.raises(InputError, match=f"{time} lacks 1 stamps; expected one in every row"):
+        read_log(tmp_path / "run.parquet")
+
+
+@pytest.mark.parametrize(
+    ("metadata", "names", "robot"),
+    [
+        ({"joint_names": '["fr3_joint1", "fr3_joint2", "fr3_joint3"]'}, "fr3_joint1", "fr3"),
+        ({"joint_names": '["a", "b", "c"]', "robot": "panda"}, "a", "panda"),
+        ({"joint_names": '["a", "b"]', "robot": "toaster"}, "joint1", "unknown"),
+        ({"joint_names": "[1, 2, 3]"}, "joint1", "unknown"),
+        ({"joint_names": "no JSON"}, "joint1", "unknown"),
+    ],
+)
+def test_joints_named_in_the_metadata(tmp_path: Path, metadata: dict[str, str], names: str, robot: str) -> None:
+    table = pa.Table.from_pandas(tidy_frame(300)).replace_schema_metadata(metadata)
+    pq.write_table(table, tmp_path / "run.parquet")
+    log = read_log(tmp_path / "run.parquet")
+    assert (log.joint_names[0], log.source.robot) == (names, robot)
+
+
+def test_truncated(tmp_path: Path) -> None:
+    path = tidy(tmp_path / "run.parquet")
+    path.write_bytes(path.read_bytes()[:-200])
+    with pytest.raises(InputError, match="damaged or unfinished Parquet file"):
+        read_log(path)
+
+
+def test_damaged_in_the_middle(tmp_path: Path) -> None:
+    path = tidy(tmp_path / "run.parquet", 5000)
+    content = bytearray(path.read_bytes())
+    content[4:4000] = bytes(3996)
+    path.write_bytes(content)
+    with pytest.raises(InputError, match="a damaged Parquet file: time: row group 1 of 1"):
+        read_log(path)
+
+
+def flip(path: Path, column: int, group: int) -> None:
+    """Change a bit in the numbers of a column."""
+    place = pq.ParquetFile(path).metadata.row_group(group).column(column)
+    content = bytearray(path.read_bytes())
+    content[place.data_page_offset + place.total_compressed_size - 40] ^= 4
+    path.write_bytes(content)
+
+
+@pytest.mark.parametrize("column", [0, 5], ids=["time", "dq_2"])
+@pytest.mark.parametrize("stamps", ["float", "int"])
+def test_a_changed_bit_costs_its_row_group(tmp_path: Path, column: int, stamps: str) -> None:
+    frame = tidy_frame(300)
+    if stamps == "int":
+        frame["time"] = (frame["time"] * 1e9).round().astype(np.int64)
+    path = tmp_path / "run.parquet"
+    frame.to_parquet(path, row_group_size=100, write_page_checksum=True, compression=None, use_dictionary=False)
+    flip(path, column, 1)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.tau_J, np.delete(motion(300)["tau_J"], np.s_[100:200], axis=0))
+    damage = next(finding for finding in log.source.findings if finding.code == "damaged_numbers")
+    assert damage.damaged
+    assert damage.message.startswith(f"{frame.columns[column]}: row group 2 of 3 is damaged")
+
+
+def test_a_changed_bit_costs_its_joint_where_there_is_one_row_group(tmp_path: Path) -> None:
+    path = tmp_path / "run.parquet"
+    tidy_frame(300).to_parquet(path, write_page_checksum=True, compression=None, use_dictionary=False)
+    flip(path, 5, 0)
+    log = read_log(path)
+    np.testing.assert_array_equal(log.q, motion(300)["q"][:, [0, 2]])
+    assert any(finding.damaged and "dq_2" in finding.message for finding in log.source.findings)
+
+
+def test_our_own_files_have_checksums(tmp_path: Path) -> None:
+    for dialect in ("parquet", "parquet-lists"):
+        path = tmp_path / f"{dialect}.parquet"
+        friction_audit.write_log(read_log(tidy(tmp_path / "run.parquet", 5000)), path, dialect=dialect)
+        flip(path, 1, 0)
+        with pytest.raises(OSError, match="CRC"):
+            pq.read_table(path, page_checksum_verification=True)
+
+
+def test_claims_that_no_recording_makes_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.reader._BOMB_BYTES", 1_000_000)
+    path = write(tmp_path / "bomb.parquet", dict.fromkeys(("time", "q_1", "dq_1", "tau_J_1"), np.zeros(100_000)))
+    with pytest.raises(InputError, match="GB packed into"):
+        read_log(path)
+
+
+def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.reader._memory", lambda: 10_000)
+    with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
+        read_log(tidy(tmp_path / "run.parquet"))
+
+
+def test_lists_that_begin_empty(tmp_path: Path) -> None:
+    arrays = motion(300)
+    columns: dict[str, Any] = {"time": arrays["t"], "name": [[], *[["a", "b", "c"]] * 299]}
+    columns |= {channel: [[], *arrays[channel].tolist()[1:]] for channel in ("q", "dq", "tau_J")}
+    log = read_log(write(tmp_path / "run.parquet", columns))
+    np.testing.assert_array_equal(log.q, arrays["q"][1:])
+    assert any(finding.damaged for finding in log.source.findings)
+
+
+def test_joint_names_nested_without_end_are_no_names(tmp_path: Path) -> None:
+    table = pa.table(tidy_frame(300)).replace_schema_metadata({"joint_names": "[" * 100_000})
+    pq.write_table(table, tmp_path / "run.parquet")
+    assert read_log(tmp_path / "run.parquet").joint_names == ("joint1", "joint2", "joint3")
+
+
+def test_no_rows(tmp_path: Path) -> None:
+    tidy_frame(300).iloc[:0].to_parquet(tmp_path / "run.parquet")
+    with pytest.raises(InputError, match="0 samples"):
+        read_log(tmp_path / "run.parquet")
+
+
+def test_one_row(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="1 sample; at least 2"):
+        read_log(tidy(tmp_path / "run.parquet", 1))
+
+
+def test_missing_columns(tmp_path: Path) -> None:
+    tidy_frame(300).drop(columns=["dq_1", "dq_2", "dq_3"]).to_parquet(tmp_path / "run.parquet")
+    with pytest.raises(InputError, match=r"no column for dq; found time, q_1...q_3"):
+        read_log(tmp_path / "run.parquet")
+
+
+def test_text_where_numbers_are_expected(tmp_path: Path) -> None:
+    frame = tidy_frame(300)
+    frame["dq_2"] = "fast"
+    frame.to_parquet(tmp_path / "run.parquet")
+    with pytest.raises(InputError, match=r"dq_2 holds (large_)?string"):
+        read_log(tmp_path / "run.parquet")
+
+
+@pytest.mark.skipif("FRICTION_AUDIT_REAL_LOGS" not in os.environ, reason="no measured logs at hand")
+def test_a_measured_excitation() -> None:
+    path = next(Path(os.environ["FRICTION_AUDIT_REAL_LOGS"]).glob("*/panda_excitation.parquet"))
+    log = read_log(path)
+    found = {f.code: f.amount for f in log.source.findings}
+    assert found.keys() == {"dropped_samples", "jitter", "stale_samples"}
+    assert found["stale_samples"] == 20_544 - len(log.t)
+    assert 1_100 <= (found["stale_samples"] or 0) <= 1_131  # 1131 rows repeat the row before, some of them at rest

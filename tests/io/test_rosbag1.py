@@ -1,0 +1,358 @@
+"""ROS 1 bags."""
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.rosbag1 import ROSBAG1, Rosbag1Stream
+from tests.io.bag_writing import (
+    JOINTS,
+    STEP_NS,
+    Samples,
+    Stream,
+    header,
+    joint_state,
+    joint_states,
+    ros1_store,
+    samples,
+    stamp_ns,
+    write_rosbag1,
+)
+
+STORE = ros1_store()
+FRANKA_STATE = "franka_msgs/msg/FrankaState"
+FRANKA_DEFINITION = """Header header
+float64[7] q
+float64[7] q_d
+float64[7] dq
+float64[7] tau_J
+float64[7] tau_J_d
+float64[7] tau_ext_hat_filtered
+float64 time
+uint8 robot_mode
+bool[3] errors
+"""
+
+
+def read(path: Path, **options: Any) -> Recording:
+    return ROSBAG1.read(path, ReadOptions(**options))
+
+
+def assert_read(recording: Recording, values: Samples) -> None:
+    assert list(recording.channels) == list(values)
+    for name, array in values.items():
+        np.testing.assert_array_equal(recording.channels[name], array)
+        assert recording.channels[name].flags.f_contiguous
+
+
+def codes(recording: Recording) -> set[str]:
+    return {finding.code for finding in recording.findings}
+
+
+@pytest.mark.parametrize("compression", [None, "LZ4", "BZ2"])
+def test_joint_states(tmp_path: Path, compression: str | None) -> None:
+    values = samples(300)
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
+    assert ROSBAG1.recognises(path)
+    recording = read(path)
+    assert_read(recording, values)
+    np.testing.assert_array_equal(recording.t, np.arange(300) * STEP_NS / 1e9)
+    assert recording.joint_names == JOINTS
+    assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
+    assert recording.start_s == pytest.approx(1.7e9)
+    assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
+    assert recording.findings == ()
+
+
+def test_scrambled_order_and_fingers(tmp_path: Path) -> None:
+    values = samples(40)
+    names = ["panda_finger_joint1", *JOINTS[::-1], "panda_finger_joint2"]
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, names=names)])
+    recording = read(path)
+    assert recording.joint_names == JOINTS
+    assert_read(recording, values)
+
+
+def test_order_that_changes_within_a_block(tmp_path: Path) -> None:
+    values = samples(60)
+    orders = (JOINTS, JOINTS[::-1], (*JOINTS[3:], *JOINTS[:3], "panda_finger_joint1"))
+    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=orders[i * i % 3])) for i in range(60)]
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [("/joint_states", "sensor_msgs/msg/JointState", messages)])
+    assert_read(read(path), values)
+
+
+def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
+    values = samples(50)
+    arm = joint_states(STORE, values)
+    fingers = ["panda_finger_joint1", "panda_finger_joint2"]
+    gripper = [(t + 10, joint_state(STORE, i, values, names=fingers)) for i, (t, _) in enumerate(arm[2])]
+    both = sorted([*arm[2], *gripper], key=lambda row: row[0])
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [(arm[0], arm[1], both)])
+    recording = read(path)
+    assert_read(recording, values)
+    assert codes(recording) == set()
+
+
+def test_nan_effort_passes_through(tmp_path: Path) -> None:
+    values = samples(30)
+    values["tau_J"][3:5, 2] = np.nan
+    assert_read(read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])), values)
+
+
+def franka_states(store: Any, values: Samples, topic: str, **changes: Any) -> Stream:
+    kind: Any = store.types[FRANKA_STATE]
+    messages = []
+    for i in range(len(values["q"])):
+        fields: dict[str, Any] = {
+            "header": header(store, i),
+            "q": values["q"][i],
+            "q_d": np.zeros(7),
+            "dq": values["dq"][i],
+            "tau_J": values["tau_J"][i],
+            "tau_J_d": -values["tau_J"][i],
+            "tau_ext_hat_filtered": 2 * values["tau_J"][i],
+            "time": 17.5 + 0.001 * i,
+            "robot_mode": i % 5,
+            "errors": np.zeros(3, bool),
+        }
+        messages.append((stamp_ns(i), kind(**{**fields, **{name: f(i) for name, f in changes.items()}})))
+    return topic, FRANKA_STATE, messages
+
+
+def test_franka_state_beside_republished_joint_states(tmp_path: Path) -> None:
+    store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
+    values = samples(90)
+    streams = [
+        joint_states(store, values, every=30),
+        joint_states(store, values, "/franka_state_controller/joint_states", every=10),
+        joint_states(store, values, "/franka_state_controller/joint_states_desired", every=10),
+        franka_states(store, values, "/franka_state_controller/franka_states"),
+    ]
+    recording = read(write_rosbag1(tmp_path / "a.bag", store, streams))
+    assert recording.topic == "/franka_state_controller/franka_states"
+    assert recording.clock == "robot_time"
+    assert recording.joint_names == tuple(f"joint{i}" for i in range(1, 8))
+    assert recording.robot == "panda"  # told by the joint names of the other topics
+    tau = values["tau_J"]
+    assert_read(recording, {**values, "tau_J_d": -tau, "tau_ext_hat_filtered": 2 * tau})
+    np.testing.assert_allclose(recording.t, np.arange(90) * 1e-3, atol=1e-12)
+    (chosen,) = [finding for finding in recording.findings if finding.code == "topic_chosen"]
+    assert "/joint_states (sensor_msgs/msg/JointState, 3 messages)" in chosen.message
+
+
+def test_first_hand_joint_states_before_the_republished_ones(tmp_path: Path) -> None:
+    values = samples(60)
+    streams = [
+        joint_states(STORE, values),
+        joint_states(STORE, values, "/franka_state_controller/joint_states", every=2),
+    ]
+    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, streams))
+    assert recording.topic == "/franka_state_controller/joint_states"
+    assert "topic_chosen" in codes(recording)
+
+
+def test_robot_time_that_stands_still_is_not_used(tmp_path: Path) -> None:
+    store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
+    values = samples(30)
+    stream = franka_states(store, values, "/states", time=lambda _: 0.0)
+    recording = read(write_rosbag1(tmp_path / "a.bag", store, [stream]))
+    assert recording.clock == "header_stamp"
+    assert "clock_stopped" in codes(recording)
+
+
+def test_zero_stamps_fall_back_to_log_time(tmp_path: Path) -> None:
+    values = samples(30)
+    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, stamp=0)]))
+    assert recording.clock == "log_time"
+    np.testing.assert_array_equal(recording.t, np.arange(30) * STEP_NS / 1e9)
+    assert "header stamp" in recording.findings[0].message
+
+
+def test_log_time_that_disagrees_is_reported(tmp_path: Path) -> None:
+    values = samples(400)
+    rng = np.random.default_rng(0)
+    topic, kind, messages = joint_states(STORE, values)
+    late = [(time + int(rng.uniform(0, 1e8)), message) for time, message in messages]
+    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [(topic, kind, late)]))
+    (finding,) = recording.findings
+    assert finding.code == "clock_disagreement"
+    assert finding.amount == pytest.approx(0.1 / np.sqrt(12), rel=0.1)
+
+
+def test_two_arms_are_for_the_user_to_choose(tmp_path: Path) -> None:
+    values = samples(20)
+    streams = [joint_states(STORE, values, f"/panda_{arm}_state_controller/joint_states") for arm in (1, 2)]
+    path = write_rosbag1(tmp_path / "a.bag", STORE, streams)
+    with pytest.raises(UsageError, match=r"--topic '/panda_2_state_controller/joint_states' \(20 messages\)"):
+        read(path)
+    assert read(path, topic="panda_2_state_controller/joint_states").topic == streams[1][0]
+
+
+def test_two_arms_in_one_message(tmp_path: Path) -> None:
+    values = samples(20, joints=6)
+    names = [f"{side}_panda_joint{i}" for i in (1, 2, 3) for side in ("left", "right")]
+    kind: Any = STORE.types["sensor_msgs/msg/JointState"]
+    messages = [
+        (stamp_ns(i), kind(header(STORE, i), names, values["q"][i], values["dq"][i], values["tau_J"][i]))
+        for i in range(20)
+    ]
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [("/joint_states", "sensor_msgs/msg/JointState", messages)])
+    with pytest.raises(UsageError, match="--topic '/joint_states#right_panda'"):
+        read(path)
+    recording = read(path, topic="/joint_states#right_panda")
+    assert recording.joint_names == tuple(f"right_panda_joint{i}" for i in (1, 2, 3))
+    np.testing.assert_array_equal(recording.channels["q"], values["q"][:, 1::2])
+    with pytest.raises(InputError, match="no arm 'middle'"):
+        read(path, topic="/joint_states#middle")
+
+
+def test_custom_definition_is_read_by_its_fields(tmp_path: Path) -> None:
+    kind_name = "my_msgs/msg/ArmLog"
+    store = ros1_store((kind_name, "time stamp\nstring note\nfloat32[] q\nfloat32[] dq\nfloat64[] tau_j\n"))
+    kind: Any = store.types[kind_name]
+    times: Any = store.types["builtin_interfaces/msg/Time"]
+    q = np.arange(24, dtype=np.float32).reshape(8, 3) / 7
+    messages = [
+        (stamp_ns(i), kind(times(5, i * 10**6), "x" * (i % 2), q[i], 2 * q[i], q[i].astype(np.float64)))
+        for i in range(8)
+    ]
+    recording = read(write_rosbag1(tmp_path / "a.bag", store, [("/log", kind_name, messages)]))
+    assert_read(recording, {"q": q.astype(float), "dq": 2.0 * q, "tau_J": q.astype(float)})
+    assert recording.joint_names == ("joint1", "joint2", "joint3")
+    assert recording.mapping["tau_J"] == "tau_j[{i}]"
+    assert recording.t[-1] == pytest.approx(7e-3)
+
+
+def test_fields_mapped_by_the_user(tmp_path: Path) -> None:
+    kind_name = "my_msgs/msg/ArmLog"
+    store = ros1_store((kind_name, "float64[2] angle\nfloat64[2] rate\nfloat64[2] tau_J\nfloat64 clock\n"))
+    kind: Any = store.types[kind_name]
+    a = np.arange(8.0).reshape(4, 2)
+    messages = [(stamp_ns(i), kind(a[i], 2 * a[i], 3 * a[i], 0.5 * i)) for i in range(4)]
+    path = write_rosbag1(tmp_path / "a.bag", store, [("/log", kind_name, messages)])
+    with pytest.raises(InputError, match="no topic with measured joint states"):
+        read(path)
+    with pytest.raises(InputError, match=r"topic /log: no field spin in .*; its fields are angle, rate, tau_J, clock"):
+        read(path, mapping={"dq": "spin"})
+    mapping = {"q": "angle[{i}]", "dq": "rate[{i}]", "tau_J": "tau_J[{i}]", "t": "clock"}
+    recording = read(path, mapping=mapping)
+    assert_read(recording, {"q": a, "dq": 2 * a, "tau_J": 3 * a})
+    assert recording.t.tolist() == [0.0, 0.5, 1.0, 1.5]
+    with pytest.raises(InputError, match=r"no field angel, spin .*did you mean angle"):
+        read(path, topic="/log", mapping={"q": "angel", "dq": "spin"})
+    beside = [("/log", kind_name, messages), joint_states(store, samples(9))]
+    assert read(write_rosbag1(tmp_path / "b.bag", store, beside), mapping=mapping).topic == "/log"
+
+
+def test_topics(tmp_path: Path) -> None:
+    text: Stream = ("/note", "std_msgs/msg/String", [(stamp_ns(0), STORE.types["std_msgs/msg/String"]("x"))])
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, samples(5)), text])
+    found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in ROSBAG1.topics(path)}
+    expected = {("/joint_states", "sensor_msgs/msg/JointState", 5, True), ("/note", "std_msgs/msg/String", 1, False)}
+    assert found == expected
+    with pytest.raises(InputError, match=r"no topic /joint_stats; did you mean /joint_states\?"):
+        read(path, topic="/joint_stats")
+    with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
+        read(path, topic="/note")
+
+
+def test_effort_that_is_empty_is_no_channel(tmp_path: Path) -> None:
+    values = samples(10)
+    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, empty=["tau_J"])]))
+    assert list(recording.channels) == ["q", "dq"]
+    assert "channel_empty" in codes(recording)
+
+
+@pytest.mark.parametrize("compression", [None, "LZ4"])
+@pytest.mark.parametrize("share", [0.3, 0.75, 0.98])
+def test_bag_that_breaks_off_is_salvaged(tmp_path: Path, compression: str | None, share: float) -> None:
+    values = samples(9000)
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: int(share * len(whole))])
+    recording = read(path)
+    saved = len(recording.t)
+    assert 1000 < saved <= 9000
+    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    (finding,) = recording.findings
+    assert (finding.code, finding.damaged) == ("truncated", True)
+    assert f"the {saved} messages outside the damage were read" in finding.message
+
+
+def test_bag_that_was_never_closed_is_read_without_its_index(tmp_path: Path) -> None:
+    values = samples(4000)
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])
+    content = bytearray(path.read_bytes())
+    at = content.index(b"index_pos=") + len(b"index_pos=")
+    index = int.from_bytes(content[at : at + 8], "little")
+    content[at : at + 8] = bytes(8)
+    path.write_bytes(content[:index])
+    assert_read(read(path), values)
+
+
+def test_bag_that_is_still_being_written(tmp_path: Path) -> None:
+    """The last chunk's length is written when it is closed; until then it is 0."""
+    values = samples(300)
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])
+    content = bytearray(path.read_bytes())
+    (chunk,) = Rosbag1Stream(path)._chunks
+    content[chunk.offset - 4 : chunk.offset] = bytes(4)
+    path.write_bytes(content[: chunk.offset + chunk.size])
+    recording = read(path)
+    assert_read(recording, values)
+    assert [finding.code for finding in recording.findings] == ["truncated"]
+
+
+BAD = {
+    "empty": (b"", "is empty"),
+    "garbage": (b"\x01\x02garbage" * 100, "does not begin with '#ROSBAG V2.0'"),
+    "version 1": (b"#ROSBAG V1.2\n", "version 1; expected 2.0"),
+    "magic only": (b"#ROSBAG V2.0\n", "no messages at all"),
+    "garbage behind the magic": (b"#ROSBAG V2.0\n" + b"\xff" * 200, "before the first whole message"),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD.keys())
+def test_bad_bags(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "bad.bag"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"bad.bag: .*{message}"):
+        read(path)
+
+
+def test_bag_without_messages(tmp_path: Path) -> None:
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [])
+    with pytest.raises(InputError, match="no messages at all"):
+        read(path)
+
+
+def test_bag_without_joint_states(tmp_path: Path) -> None:
+    text: Stream = ("/note", "std_msgs/msg/String", [(stamp_ns(0), STORE.types["std_msgs/msg/String"]("x"))])
+    path = write_rosbag1(tmp_path / "a.bag", STORE, [text])
+    with pytest.raises(InputError, match=r"topics are /note \(std_msgs/msg/String, 1 messages\)"):
+        read(path)
+
+
+def test_missing_file_and_directory(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match=r"absent.bag: cannot be read"):
+        read(tmp_path / "absent.bag")
+    with pytest.raises(InputError, match="cannot be read"):
+        read(tmp_path)
+    assert not ROSBAG1.recognises(tmp_path)
+
+
+REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
+
+
+@pytest.mark.skipif(REAL is None, reason="real logs are not here")
+def test_real_bag_of_an_fr3_at_rest() -> None:
+    recording = read(Path(REAL or "") / "sebtiburzio+dlo_parameter_id" / "calib_0108.bag")
+    assert recording.clock == "robot_time"
+    assert recording.channels["tau_J"].shape == (32, 7)
+    mean = recording.channels["tau_J"].mean(axis=0)
+    np.testing.assert_allclose(mean, [0.19, -17.53, -0.85, 12.89, -0.31, 2.33, 0.22], atol=0.005)

@@ -1,0 +1,473 @@
+"""ROS 2 bags: sqlite3 and MCAP storage, with and without metadata and definitions."""
+
+import os
+import shutil
+import sqlite3
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from rosbags.highlevel import AnyReader
+from rosbags.typesys.store import Typestore
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers import read_log
+from friction_audit.io.readers.message_decoder import ERROR_FLAGS, FRANKA_GENERATIONS, _franka_definitions
+from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.rosbag2 import ROSBAG2
+from tests.io.bag_writing import (
+    JOINTS,
+    STEP_NS,
+    Samples,
+    Stream,
+    header,
+    joint_state,
+    joint_states,
+    ros2_store,
+    samples,
+    stamp_ns,
+    write_rosbag2,
+)
+
+STORE = ros2_store()
+
+
+def read(path: Path, **options: Any) -> Recording:
+    return ROSBAG2.read(path, ReadOptions(**options))
+
+
+def assert_read(recording: Recording, values: Samples) -> None:
+    assert list(recording.channels) == list(values)
+    for name, array in values.items():
+        np.testing.assert_array_equal(recording.channels[name], array)
+        assert recording.channels[name].flags.f_contiguous
+
+
+def storage_file(bag: Path) -> Path:
+    return next(entry for entry in bag.iterdir() if entry.name != "metadata.yaml")
+
+
+@pytest.mark.parametrize(
+    ("storage", "compression"),
+    [("SQLITE3", None), ("SQLITE3", "MESSAGE"), ("SQLITE3", "FILE"), ("MCAP", None), ("MCAP", "FILE")],
+)
+def test_joint_states(tmp_path: Path, storage: str, compression: str | None) -> None:
+    values = samples(1500)
+    streams = [joint_states(STORE, values)]
+    path = write_rosbag2(tmp_path / "bag", STORE, streams, storage=storage, compression=compression)
+    assert ROSBAG2.recognises(path)
+    recording = read(path)
+    assert_read(recording, values)
+    np.testing.assert_array_equal(recording.t, np.arange(1500) * STEP_NS / 1e9)
+    assert recording.joint_names == JOINTS
+    assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
+    assert recording.findings == ()
+
+
+@pytest.mark.parametrize("storage", ["SQLITE3", "MCAP"])
+def test_without_metadata(tmp_path: Path, storage: str) -> None:
+    values = samples(20)
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)], storage=storage)
+    (path / "metadata.yaml").unlink()
+    assert_read(read(path), values)
+
+
+def test_single_storage_file(tmp_path: Path) -> None:
+    values = samples(20)
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    assert ROSBAG2.recognises(file)
+    assert_read(read(file), values)
+    assert ROSBAG2.topics(file)[0].messages == 20
+
+
+def test_several_storage_files_in_the_order_of_their_numbers(tmp_path: Path) -> None:
+    values = samples(33)
+    folder = tmp_path / "bag"
+    folder.mkdir()
+    for number in range(11):
+        part = {name: array[3 * number : 3 * number + 3] for name, array in values.items()}
+        topic, kind, messages = joint_states(STORE, part)
+        shifted = [(time + 3 * number * STEP_NS, message) for time, message in messages]
+        bag = write_rosbag2(tmp_path / f"part{number}", STORE, [(topic, kind, shifted)])
+        storage_file(bag).rename(folder / f"bag_{number}.db3")
+    recording = read(folder)
+    assert_read(recording, values)
+    assert ROSBAG2.topics(folder)[0].messages == 33
+
+
+def test_storage_file_that_metadata_lists_is_gone(tmp_path: Path) -> None:
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(5))])
+    file = storage_file(path)
+    file.rename(path / "other.db3")
+    with pytest.raises(InputError, match=rf"metadata.yaml lists {file.name}, not to be found.*other.db3"):
+        read(path)
+
+
+def test_scrambled_order_fingers_and_empty_names(tmp_path: Path) -> None:
+    values = samples(20)
+    names = ["panda_finger_joint1", *JOINTS[::2], "panda_finger_joint2", *JOINTS[1::2]]
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values, names=names)])
+    assert_read(read(path), values)
+    kind: Any = STORE.types["sensor_msgs/msg/JointState"]
+    nameless = [
+        (stamp_ns(i), kind(header(STORE, i), [], *(values[c][i] for c in ("q", "dq", "tau_J")))) for i in range(20)
+    ]
+    path = write_rosbag2(tmp_path / "nameless", STORE, [("/j", "sensor_msgs/msg/JointState", nameless)])
+    recording = read(path)
+    assert_read(recording, values)
+    assert recording.joint_names == tuple(f"joint{i}" for i in range(1, 8))
+    assert recording.robot == "unknown"
+
+
+def test_layout_that_changes_for_good_is_followed(tmp_path: Path) -> None:
+    values = samples(5000)
+    names = [JOINTS, JOINTS[::-1]]
+    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=names[i > 1700])) for i in range(5000)]
+    path = write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)])
+    assert_read(read(path), values)
+
+
+def test_messages_that_lack_joints(tmp_path: Path) -> None:
+    values = samples(10)
+    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=JOINTS[: 7 - i % 2])) for i in range(10)]
+    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)]))
+    assert np.isnan(recording.channels["q"][1::2, 6]).all()
+    np.testing.assert_array_equal(recording.channels["q"][:, :6], values["q"][:, :6])
+    assert [finding.code for finding in recording.findings] == ["incomplete_messages"]
+
+
+def test_joints_without_numbers_keep_the_order_of_the_file(tmp_path: Path) -> None:
+    values = samples(5, joints=3)
+    kind: Any = STORE.types["sensor_msgs/msg/JointState"]
+    names = ["shoulder", "elbow", "wrist"]
+    messages = [
+        (stamp_ns(i), kind(header(STORE, i), names, *(values[c][i] for c in ("q", "dq", "tau_J")))) for i in range(5)
+    ]
+    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)]))
+    assert recording.joint_names == tuple(names)
+    assert_read(recording, values)
+
+
+def franka_store(typename: str, generation: int) -> Typestore:
+    types = list(_franka_definitions(typename))[generation]
+    store = ros2_store()
+    store.register(types)
+    return store
+
+
+def fill(store: Typestore, typename: str, **fields: Any) -> Any:
+    """Make a message with zeros in all fields but those given."""
+    kind: Any = store.types[typename]
+    values = {name: _zero(store, description) for name, description in store.fielddefs[typename][1]}
+    return kind(**{**values, **{name: value for name, value in fields.items() if name in values}})
+
+
+def _zero(store: Typestore, description: Any) -> Any:
+    node, detail = int(description[0]), description[1]
+    if node == 1:
+        return "" if detail[0] == "string" else 0
+    if node == 2:
+        return fill(store, detail)
+    (_, inner), size = detail
+    return [] if inner[0] == "string" else np.zeros(size if node == 3 else 0, np.dtype(inner[0]))
+
+
+def franka_messages(store: Typestore, typename: str, values: Samples, names: Sequence[str]) -> Stream:
+    messages = []
+    for i in range(len(values["q"])):
+        state = joint_state(store, i, values, names=names)
+        desired = joint_state(store, i, {**values, "tau_J": -values["tau_J"]}, names=names)
+        external = joint_state(store, i, {**values, "tau_J": 2 * values["tau_J"]}, names=names, empty=["q", "dq"])
+        flat = "q" in {name for name, _ in store.fielddefs[typename][1]}
+        fields = {
+            "header": header(store, i),
+            "q": values["q"][i],
+            "dq": values["dq"][i],
+            "tau_j": values["tau_J"][i],
+            "tau_j_d": -values["tau_J"][i],
+            "tau_ext_hat_filtered": 2 * values["tau_J"][i] if flat else external,
+            "measured_joint_state": state,
+            "desired_joint_state": desired,
+            "time": 3.0 + i / 1000,
+        }
+        messages.append((stamp_ns(i), fill(store, typename, **fields)))
+    return "/franka_robot_state_broadcaster/robot_state", typename, messages
+
+
+GENERATIONS = [
+    (f"{'FrankaRobotState' if 'Robot' in name else 'FrankaState'}", index * len(ERROR_FLAGS) + flags)
+    for index, name in enumerate(FRANKA_GENERATIONS)
+    for flags in range(len(ERROR_FLAGS))
+] + [("FrankaRobotState", len(ERROR_FLAGS))]
+
+
+@pytest.mark.parametrize(("name", "generation"), GENERATIONS)
+@pytest.mark.parametrize("definitions", [True, False])
+def test_franka_generations(tmp_path: Path, name: str, generation: int, definitions: bool) -> None:
+    typename = f"franka_msgs/msg/{name}"
+    store = franka_store(typename, generation)
+    values = samples(30)
+    stream = franka_messages(store, typename, values, JOINTS[::-1])
+    bag = write_rosbag2(tmp_path / "bag", store, [stream])
+    if not definitions:
+        remove_definitions(storage_file(bag))
+    recording = read(bag)
+    tau = values["tau_J"]
+    assert_read(recording, {**values, "tau_J_d": -tau, "tau_ext_hat_filtered": 2 * tau})
+    assert recording.clock == "robot_time"
+    assert recording.topic == stream[0]
+
+
+def remove_definitions(database: Path) -> None:
+    """Make a bag as recorded before Iron: no table of definitions."""
+    with sqlite3.connect(database) as connection:
+        connection.execute("DROP TABLE message_definitions")
+    connection.close()
+
+
+def test_franka_state_of_no_known_generation(tmp_path: Path) -> None:
+    typename = "franka_msgs/msg/FrankaState"
+    store = ros2_store((typename, "std_msgs/Header header\nfloat64[7] q\nfloat64[7] dq\nfloat64[7] tau_j\n"))
+    values = samples(5)
+    messages = [
+        (stamp_ns(i), fill(store, typename, q=values["q"][i], dq=values["dq"][i], tau_j=values["tau_J"][i]))
+        for i in range(5)
+    ]
+    bag = write_rosbag2(tmp_path / "bag", store, [("/state", typename, messages)])
+    assert_read(read(bag), values)
+    remove_definitions(storage_file(bag))
+    with pytest.raises(InputError, match=r"no topic with measured joint states.*/state"):
+        read(bag)
+
+
+def test_two_namespaces_are_two_arms(tmp_path: Path) -> None:
+    values = samples(5)
+    streams = [
+        joint_states(STORE, values, f"/NS_{i}/franka_robot_state_broadcaster/measured_joint_states") for i in (1, 2)
+    ]
+    path = write_rosbag2(tmp_path / "bag", STORE, streams)
+    with pytest.raises(UsageError, match="--topic '/NS_1/franka_robot"):
+        read(path)
+
+
+def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:
+    values = samples(10)
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)])
+    kind = "sensor_msgs/msg/JointState"
+    with sqlite3.connect(storage_file(path)) as connection:
+        for i in range(10):
+            payload = bytes(STORE.serialize_cdr(joint_state(STORE, i, values), kind, little_endian=False))
+            connection.execute("UPDATE messages SET data = ? WHERE id = ?", (payload, i + 1))
+    connection.close()
+    assert_read(read(path), values)
+
+
+def test_messages_that_do_not_fit_are_left_out(tmp_path: Path) -> None:
+    values = samples(10)
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)])
+    with sqlite3.connect(storage_file(path)) as connection:
+        connection.execute("UPDATE messages SET data = x'00010000ff' WHERE id = 4")
+    connection.close()
+    recording = read(path)
+    assert_read(recording, {name: np.delete(array, 3, axis=0) for name, array in values.items()})
+    (finding,) = recording.findings
+    assert (finding.code, finding.amount, finding.damaged) == ("undecodable_messages", 1.0, True)
+
+
+def test_messages_that_are_still_in_the_write_ahead_journal(tmp_path: Path) -> None:
+    values = samples(12)
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    connection = sqlite3.connect(file)
+    connection.execute("PRAGMA journal_mode=WAL")
+    connection.execute("DELETE FROM messages WHERE id > 10")
+    connection.commit()
+    recording = read(file)
+    connection.close()
+    assert_read(recording, {name: array[:10] for name, array in values.items()})
+
+
+def test_row_that_is_no_message(tmp_path: Path) -> None:
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(5))])
+    with sqlite3.connect(storage_file(path)) as connection:
+        connection.execute("UPDATE messages SET timestamp = 'noon' WHERE id = 4")
+    connection.close()
+    recording = read(path)
+    assert len(recording.t) == 4
+    assert {(f.code, f.damaged) for f in recording.findings} == {("truncated", True), ("missing_messages", True)}
+
+
+def test_no_message_that_fits(tmp_path: Path) -> None:
+    path = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(3))])
+    with sqlite3.connect(storage_file(path)) as connection:
+        connection.execute("UPDATE messages SET data = x'00010000ff'")
+    connection.close()
+    with pytest.raises(InputError, match=r"/joint_states of type sensor_msgs/msg/JointState do not fit"):
+        read(path)
+
+
+BAD = {
+    "empty": (b"", "is empty"),
+    "garbage": (b"garbage" * 100, "does not begin as an SQLite file"),
+    "magic only": (b"SQLite format 3\x00" + bytes(200), "cannot be read: |no table messages"),
+}
+
+
+@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD.keys())
+def test_bad_files(tmp_path: Path, content: bytes, message: str) -> None:
+    path = tmp_path / "bad.db3"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"bad.db3: .*({message})"):
+        read(path)
+
+
+ROWS = 9500
+"""A thousand pages: the table has two levels of interior pages, the first of which lies in the middle of the file."""
+
+
+@pytest.fixture(scope="module")
+def long_bag(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Samples]:
+    values = samples(ROWS)
+    return write_rosbag2(tmp_path_factory.mktemp("long") / "bag", STORE, [joint_states(STORE, values)]), values
+
+
+def cut(bag: Path, copy: Path, share: float) -> Path:
+    """Cut the storage file of a copy of a bag off, and return it."""
+    file = storage_file(shutil.copytree(bag, copy))
+    os.truncate(file, int(share * file.stat().st_size))
+    return file
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.7, 0.9, 0.99])
+@pytest.mark.parametrize("alone", [True, False])
+def test_database_that_is_cut_off_is_salvaged(
+    tmp_path: Path, long_bag: tuple[Path, Samples], share: float, alone: bool
+) -> None:
+    bag, values = long_bag
+    file = cut(bag, tmp_path / "bag", share)
+    recording = read(file if alone else file.parent)
+    saved = len(recording.t)
+    assert 0.98 * share < saved / ROWS <= share
+    assert_read(recording, {name: array[:saved] for name, array in values.items()})
+    codes = [finding.code for finding in recording.findings if finding.damaged]
+    assert codes[0] == "truncated"
+    assert alone or codes[1:] == ["missing_messages"]
+
+
+def test_part_of_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
+    file = cut(long_bag[0], tmp_path / "bag", 0.5)
+    part = read_log(file, ReadOptions(t_start_s=1.0, t_end_s=2.0))
+    np.testing.assert_array_equal(part.t, read_log(file).take_window(1.0, 2.0).t)
+    assert any(found.damaged for found in part.source.findings)
+
+
+def test_pages_that_are_broken_in_a_cut_file_lose_their_own_messages_alone(
+    tmp_path: Path, long_bag: tuple[Path, Samples]
+) -> None:
+    bag, values = long_bag
+    file = cut(bag, tmp_path / "bag", 0.5)
+    whole = len(read(file).t)
+    content = bytearray(file.read_bytes())
+    for page, places in ((100, range(4096)), (200, range(8)), (300, range(8, 20)), (400, range(3000, 4096))):
+        for place in places:
+            content[4096 * page + place] ^= 0xFF
+    first = 4096 * 250 + int.from_bytes(content[4096 * 250 + 8 :][:2], "big")
+    content[first + 2 : first + 4] = b"\xff\x7f"  # an id far from its neighbours
+    file.write_bytes(content)
+    recording = read(file)
+    kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+    assert 5 * 8 <= whole - kept.sum() <= 5 * 11
+    assert_read(recording, {name: array[kept] for name, array in values.items()})
+
+
+def test_deleted_messages_do_not_come_back_from_a_cut_file(tmp_path: Path, long_bag: tuple[Path, Samples]) -> None:
+    bag = shutil.copytree(long_bag[0], tmp_path / "whole")
+    with sqlite3.connect(storage_file(bag)) as connection:
+        connection.execute("PRAGMA secure_delete = OFF")
+        connection.execute("DELETE FROM messages WHERE id BETWEEN 1001 AND 3000")
+    connection.close()
+    recording = read(cut(bag, tmp_path / "bag", 0.5))
+    kept = np.isin(long_bag[1]["q"][:, 0], recording.channels["q"][:, 0])
+    assert not kept[1000:3000].any()
+    assert 0.98 * ROWS / 2 < len(recording.t) + 2000 <= ROWS / 2
+    assert kept.sum() == len(recording.t)
+
+
+def test_cut_messages_that_go_over_several_pages_are_not_filled_up(tmp_path: Path) -> None:
+    values = samples(200)
+    names = [f"panda_joint{joint}" for joint in range(1, 8)] + [f"{'finger' * 20}{joint}" for joint in range(60)]
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values, names=names)]))
+    content = file.read_bytes()
+    for share in (0.3, 0.62, 0.9):
+        file.write_bytes(content[: int(share * len(content))])
+        recording = read(file)
+        kept = np.isin(values["q"][:, 0], recording.channels["q"][:, 0])
+        assert 200 * share - 20 < kept.sum() == len(recording.t) < 200
+        np.testing.assert_array_equal(recording.channels["tau_J"][:, :7], values["tau_J"][kept])
+
+
+def test_page_that_is_lost_leaves_out_its_messages_alone(tmp_path: Path) -> None:
+    values = samples(2000)
+    file = storage_file(write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, values)]))
+    content = bytearray(file.read_bytes())
+    for page in (100, 150):
+        content[4096 * page : 4096 * (page + 1)] = bytes(4096)
+    file.write_bytes(content)
+    recording = read(file)
+    assert 1900 < len(recording.t) < 2000
+    assert "truncated" in [finding.code for finding in recording.findings if finding.damaged]
+
+
+def test_messages_that_metadata_counts_are_missed(tmp_path: Path) -> None:
+    bag = write_rosbag2(tmp_path / "bag", STORE, [joint_states(STORE, samples(100))])
+    with sqlite3.connect(storage_file(bag)) as connection:
+        connection.execute("DELETE FROM messages WHERE id BETWEEN 40 AND 49")
+    connection.close()
+    (missing,) = read(bag).findings
+    assert (missing.code, missing.amount, missing.damaged) == ("missing_messages", 10.0, True)
+
+
+def test_other_database(tmp_path: Path) -> None:
+    path = tmp_path / "other.db3"
+    with sqlite3.connect(path) as connection:
+        connection.execute("CREATE TABLE logs (id INTEGER)")
+    connection.close()
+    with pytest.raises(InputError, match=r"no table messages and no table topics.*tables are logs"):
+        read(path)
+
+
+def test_directory_without_storage(tmp_path: Path) -> None:
+    assert not ROSBAG2.recognises(tmp_path)
+    with pytest.raises(InputError, match=r"no storage file; expected \*.db3 or \*.mcap"):
+        read(tmp_path)
+
+
+def test_no_messages_and_no_such_topic(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no messages at all"):
+        read(write_rosbag2(tmp_path / "none", STORE, []))
+    path = write_rosbag2(tmp_path / "silent", STORE, [("/joint_states", "sensor_msgs/msg/JointState", [])])
+    with pytest.raises(InputError, match=r"/joint_states .*0 messages"):
+        read(path)
+    with pytest.raises(InputError, match="topic /joint_states has no messages"):
+        read(path, topic="joint_states")
+
+
+REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")
+
+
+@pytest.mark.skipif(REAL is None, reason="real logs are not here")
+def test_real_bag_without_metadata() -> None:
+    folder = Path(REAL or "") / "unisa-acg+inverse-dynamics-solver"
+    recording = read(folder / "panda_exciting_trajectory.db3")
+    assert recording.joint_names == tuple(f"fer_joint{i}" for i in range(1, 8))
+    assert recording.robot == "panda"
+    assert len(recording.t) == 727
+    assert recording.t[-1] == pytest.approx(24.2, abs=0.01)
+    with AnyReader([folder / "panda_exciting_trajectory.db3"], default_typestore=STORE) as reader:
+        decoded: list[Any] = [reader.deserialize(raw, c.msgtype) for c, _, raw in reader.messages()]
+    for channel, field in (("q", "position"), ("dq", "velocity"), ("tau_J", "effort")):
+        order = [decoded[0].name.index(name) for name in recording.joint_names]
+        reference = np.array([getattr(message, field) for message in decoded])[:, order]
+        np.testing.assert_array_equal(recording.channels[channel], reference)

@@ -1,0 +1,155 @@
+"""Joints of a table come by name, whatever the order they are written in."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+import pyarrow.parquet as pq
+import pytest
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers import ReadOptions, read_log
+from tests.io.synthetic_recordings import motion
+
+SAMPLES = 300
+FIELDS = {"position": "q", "velocity": "dq", "effort": "tau_J"}
+ORDER = (3, 1, 6, 0, 2, 5, 4)
+PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
+FINGERS = ("panda_finger_joint1", "panda_finger_joint2")
+SCRAMBLED = (FINGERS[0], *(PANDA[joint] for joint in ORDER), FINGERS[1])
+
+
+def values_of(names: Sequence[str], field: str) -> Any:
+    """Return the motion of joints 1 to 7 in the columns of their names, shape (n, names); fingers hold 9."""
+    arrays = motion(SAMPLES, 7)[FIELDS[field]]
+    columns = [np.full(SAMPLES, 9.0) if "finger" in name else arrays[:, int(name[-1]) - 1] for name in names]
+    return np.column_stack(columns)
+
+
+def write_long(folder: Path, names: Sequence[str]) -> Path:
+    table = {"time": np.repeat(motion(SAMPLES)["t"], len(names)), "joint": list(names) * SAMPLES}
+    table |= {field: values_of(names, field).reshape(-1) for field in FIELDS}
+    pd.DataFrame(table).to_csv(folder / "long.csv", index=False)
+    return folder / "long.csv"
+
+
+def write_long_parquet(folder: Path, names: Sequence[str]) -> Path:
+    pd.read_csv(write_long(folder, names)).to_parquet(folder / "long.parquet")
+    return folder / "long.parquet"
+
+
+def write_rostopic(folder: Path, names: Sequence[str]) -> Path:
+    table: dict[str, Any] = {"%time": np.arange(SAMPLES) * 1_000_000}
+    table |= {f"field.name{i}": [name] * SAMPLES for i, name in enumerate(names)}
+    table |= {f"field.{f}{i}": values_of(names, f)[:, i] for f in FIELDS for i in range(len(names))}
+    pd.DataFrame(table).to_csv(folder / "rostopic.csv", index=False)
+    return folder / "rostopic.csv"
+
+
+def write_lists(folder: Path, names: Sequence[str], kind: pa.DataType | None = None) -> Path:
+    table: dict[str, Any] = {"time": motion(SAMPLES)["t"]}
+    table["name"] = pa.array([list(names)] * SAMPLES, type=kind or pa.list_(pa.string()))
+    table |= {field: values_of(names, field).tolist() for field in FIELDS}
+    pq.write_table(pa.table(table), folder / "lists.parquet")
+    return folder / "lists.parquet"
+
+
+def write_columns(folder: Path, names: Sequence[str]) -> Path:
+    table: dict[str, Any] = {"time": motion(SAMPLES)["t"]}
+    table |= {f"{name}.{f}": values_of(names, f)[:, i] for f in FIELDS for i, name in enumerate(names)}
+    pd.DataFrame(table).to_csv(folder / "columns.csv", index=False)
+    return folder / "columns.csv"
+
+
+def write_npz(folder: Path, names: Sequence[str]) -> Path:
+    arrays = {FIELDS[field]: values_of(names, field) for field in FIELDS}
+    np.savez(folder / "run.npz", time=motion(SAMPLES)["t"], joint_names=np.array(names), **arrays)
+    return folder / "run.npz"
+
+
+WRITERS = pytest.mark.parametrize(
+    "write", [write_long, write_long_parquet, write_rostopic, write_lists, write_columns, write_npz]
+)
+
+
+@WRITERS
+def test_joints_are_sorted_by_name_and_fingers_left_out(tmp_path: Path, write: Callable[..., Path]) -> None:
+    log = read_log(write(tmp_path, SCRAMBLED))
+    assert (log.joint_names, log.source.robot) == (PANDA, "panda")
+    for channel in FIELDS.values():
+        np.testing.assert_array_equal(getattr(log, channel), motion(SAMPLES, 7)[channel])
+
+
+@WRITERS
+@pytest.mark.parametrize(
+    ("prefix", "robot"),
+    [("panda1", "panda"), ("left_panda", "panda"), ("fer", "panda"), ("fr3", "fr3"), ("left_fr3", "fr3")],
+)
+def test_the_robot_is_told_by_every_table(tmp_path: Path, write: Callable[..., Path], prefix: str, robot: str) -> None:
+    log = read_log(write(tmp_path, [f"{prefix}_joint{joint + 1}" for joint in ORDER]))
+    assert log.joint_names == tuple(f"{prefix}_joint{i}" for i in range(1, 8))
+    assert log.source.robot == robot
+
+
+@WRITERS
+def test_the_user_chooses_among_several_arms(tmp_path: Path, write: Callable[..., Path]) -> None:
+    path = write(tmp_path, [f"{side}_joint{i}" for i in (3, 1, 2) for side in ("left", "right")])
+    with pytest.raises((UsageError, InputError), match=r"several arms .*--topic '#left' or --topic '#right'"):
+        read_log(path)
+    log = read_log(path, ReadOptions(topic="#right"))
+    assert log.joint_names == ("right_joint1", "right_joint2", "right_joint3")
+    np.testing.assert_array_equal(log.dq, motion(SAMPLES)["dq"])
+    with pytest.raises(InputError, match="no arm 'middle' in this table; it has left, right"):
+        read_log(path, ReadOptions(topic="#middle"))
+    with pytest.raises(InputError, match="a table has no topics"):
+        read_log(path, ReadOptions(topic="/joint_states#right"))
+
+
+def test_an_arm_of_a_table_without_joint_names(tmp_path: Path) -> None:
+    table = {"time": motion(SAMPLES)["t"], **{f"{c}_1": motion(SAMPLES)[c][:, 0] for c in ("q", "dq", "tau_J")}}
+    pd.DataFrame(table).to_csv(tmp_path / "run.csv", index=False)
+    with pytest.raises(InputError, match="no arm 'left' in this table; it has no joints by name; leave --topic out"):
+        read_log(tmp_path / "run.csv", ReadOptions(topic="#left"))
+
+
+@pytest.mark.parametrize("mapping", [{"tau_interaction": "field.effort{i}"}, {"q": "field.position{i}"}])
+def test_columns_named_by_the_user_are_sorted_too(tmp_path: Path, mapping: dict[str, str]) -> None:
+    log = read_log(write_rostopic(tmp_path, SCRAMBLED), ReadOptions(mapping=mapping))
+    torque = log.tau_J if log.tau_J is not None else log.tau_interaction
+    np.testing.assert_array_equal(log.q, motion(SAMPLES, 7)["q"])
+    np.testing.assert_array_equal(torque, motion(SAMPLES, 7)["tau_J"])
+
+
+def test_columns_given_one_by_one_keep_their_order(tmp_path: Path) -> None:
+    path = write_rostopic(tmp_path, tuple(PANDA[joint] for joint in ORDER))
+    efforts = ",".join(f"field.effort{ORDER.index(joint)}" for joint in range(7))
+    log = read_log(path, ReadOptions(mapping={"tau_J": efforts}))
+    np.testing.assert_array_equal(log.tau_J, motion(SAMPLES, 7)["tau_J"])
+
+
+@pytest.mark.parametrize("text", [pa.large_string(), pa.dictionary(pa.int32(), pa.string())])
+def test_names_of_every_type_of_text(tmp_path: Path, text: pa.DataType) -> None:
+    assert read_log(write_lists(tmp_path, SCRAMBLED, pa.list_(text))).joint_names == PANDA
+
+
+@pytest.mark.parametrize("change", [PANDA, PANDA[:5], None])
+def test_joints_that_change_their_places_are_refused(tmp_path: Path, change: Sequence[str] | None) -> None:
+    table = pq.read_table(write_lists(tmp_path, SCRAMBLED))
+    names: list[list[str] | None] = [list(SCRAMBLED)] * SAMPLES
+    names[200] = None if change is None else [*change]
+    pq.write_table(table.set_column(1, "name", pa.array(names)), tmp_path / "lists.parquet")
+    with pytest.raises(InputError, match=r"row 201 of name holds .*; the order of the joints changes"):
+        read_log(tmp_path / "lists.parquet")
+
+
+def test_names_of_another_message_are_not_taken(tmp_path: Path) -> None:
+    arrays = motion(SAMPLES, 7)
+    table: dict[str, Any] = {"time": arrays["t"], "gripper.name": [list(SCRAMBLED)] * SAMPLES}
+    table |= {channel: arrays[channel].tolist() for channel in ("q", "dq", "tau_J")}
+    pq.write_table(pa.table(table), tmp_path / "run.parquet")
+    log = read_log(tmp_path / "run.parquet")
+    assert log.joint_names[0] == "joint1"
+    np.testing.assert_array_equal(log.q, arrays["q"])

@@ -1,0 +1,121 @@
+"""Wild samples are left out and named; what joints do is not."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from friction_audit.cli import main
+from friction_audit.io.readers import read_log
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.joint_log import Float, JointLog
+from tests.io.synthetic_recordings import motion, recording
+from tests.io.test_vet import codes, finding, vetted
+
+TRUTH = {"coulomb_nm": 0.3, "viscous_nms_per_rad": 0.1}
+
+
+def rig(samples: int = 1200) -> pd.DataFrame:
+    """Return the log of a joint with friction of known size, 0.3 N m and 0.1 N m s/rad, at 100 Hz."""
+    t = np.arange(samples) / 100.0
+    dq = 1.5 * np.cos(3.0 * t)
+    return pd.DataFrame(
+        {"t": t, "q_1": 0.5 * np.sin(3.0 * t), "dq_1": dq, "tau_interaction_1": 0.3 * np.sign(dq) + 0.1 * dq}
+    )
+
+
+CASES: Mapping[str, tuple[str, list[int], list[float]]] = {
+    "torque": ("tau_interaction_1", [600], [300.0]),
+    "torque, against the motion": ("tau_interaction_1", [600], [-300.0]),
+    "torque, absurd": ("tau_interaction_1", [600], [1e8]),
+    "torque, behind a filter": ("tau_interaction_1", [600, 601, 602, 603], [120.0, 300.0, 110.0, 30.0]),
+    "torque, at a reversal": ("tau_interaction_1", [628], [300.0]),
+    "torque, in the first row": ("tau_interaction_1", [0], [300.0]),
+    "torque, in the last row": ("tau_interaction_1", [1199], [300.0]),
+    "torque, four times": ("tau_interaction_1", [100, 400, 700, 1000], [300.0, -250.0, 90.0, 40.0]),
+    "velocity": ("dq_1", [600], [-50.0]),
+    "position": ("q_1", [600], [3.0]),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_wild_sample_is_left_out_and_named_and_the_estimate_is_as_without(
+    case: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    column, rows, values = CASES[case]
+    table = rig()
+    table.loc[rows, column] = values
+    table.to_csv(tmp_path / "rig.csv", index=False)
+    with pytest.raises(SystemExit) as stop:
+        main(["estimate", str(tmp_path / "rig.csv"), "--json"])
+    document = json.loads(capsys.readouterr().out)
+    assert stop.value.code == 6
+    for coefficient, truth in TRUTH.items():
+        assert document["joints"][0][coefficient]["value"] == pytest.approx(truth, abs=2e-3)
+    (found,) = [one for one in document["warnings"] if one["code"] == "wild_samples"]
+    assert found["joint"] == 1
+    for said in (column.removesuffix("_1"), f"(row {rows[0] + 1})", f"at {rows[0] / 100:g} s"):
+        assert said in found["message"]
+
+
+def test_the_time_of_a_wild_sample_in_a_part_is_that_of_the_whole_log(tmp_path: Path) -> None:
+    table = rig()
+    table.loc[600, "tau_interaction_1"] = 300.0
+    table.to_csv(tmp_path / "rig.csv", index=False)
+    message = finding(read_log(tmp_path / "rig.csv", ReadOptions(t_start_s=4.0, t_end_s=9.0)), "wild_samples").message
+    assert "at 6 s" in message
+    assert "(row " not in message or "(row 601)" in message
+
+
+def shaken(torque: Float, q: Float, dq: Float) -> JointLog:
+    """Return a log at 100 Hz whose torque, position and velocity have something added from row 600 on."""
+    arrays = motion(1200, 2, 100.0)
+    for channel, added in (("tau_J", torque), ("q", q), ("dq", dq)):
+        arrays[channel][600 : 600 + len(added), 0] += added
+    t = arrays.pop("t")
+    return vetted(replace(recording(1200, 2), t=t, channels={c: np.asfortranarray(a) for c, a in arrays.items()}))
+
+
+def test_an_impact_that_the_velocity_shows_is_kept() -> None:
+    """A blow of 20 N m over 30 ms on 0.5 kg m^2: the velocity jumps by 1.2 rad/s, and the position follows."""
+    blow = np.array([10.0, 20.0, 20.0, 10.0, -10.0, -20.0, -20.0, -10.0])
+    dq = np.cumsum(blow) * 0.01 / 0.5
+    q = np.cumsum(dq - 0.5 * np.diff(dq, prepend=0.0)) * 0.01
+    log = shaken(blow, np.append(q, np.full(592, q[-1])), dq)
+    assert "wild_samples" not in codes(log)
+    assert len(log.t) == 1200
+
+
+def test_a_torque_that_stays_is_a_load() -> None:
+    nothing = np.empty(0)
+    assert "wild_samples" not in codes(shaken(np.full(600, 40.0), nothing, nothing))
+    assert "wild_samples" not in codes(shaken(np.full(20, 40.0), nothing, nothing))
+
+
+def test_coarse_encoders_and_flicker_at_standstill_are_kept() -> None:
+    arrays = motion(6000, 3)
+    arrays["q"] = np.round(arrays["q"] / 2e-3) * 2e-3
+    arrays["q"][:, 2], arrays["dq"][:, 2], arrays["tau_J"][:, 2] = 1.0, 0.0, 0.0
+    arrays["q"][3000, 2], arrays["tau_J"][2000, 2] = 1.002, 1.0
+    t = arrays.pop("t")
+    log = vetted(replace(recording(6000), t=t, channels={c: np.asfortranarray(a) for c, a in arrays.items()}))
+    assert "wild_samples" not in codes(log)
+
+
+def test_the_row_s_number_is_not_named_where_rows_were_left_out_before() -> None:
+    given_recording = recording()
+    given_recording.channels["q"][10, 0] = np.nan
+    given_recording.channels["tau_J"][20, 2] = 300.0
+    message = finding(vetted(given_recording), "wild_samples").message
+    assert "at 0.02 s" in message
+    assert "row " not in message.replace("1 row left out", "")
+
+
+@pytest.mark.parametrize("name", ["bench_rig.csv", "compensated.parquet", "hand_guided.parquet"])
+def test_nothing_of_a_sample_log_is_wild(name: str) -> None:
+    log = read_log(Path(__file__).parents[2] / "sample_logs" / name)
+    assert "wild_samples" not in codes(log)

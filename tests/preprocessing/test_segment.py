@@ -1,0 +1,141 @@
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.preprocessing import segment_cycles
+from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL
+from friction_audit.preprocessing.settings import CycleSettings
+from tests.synthetic_interaction import interaction, strokes
+
+COULOMB, VISCOUS, INERTIA = 0.3, 0.07, 0.5
+DEFAULT = CycleSettings()
+BACK_AND_FORTH = ([0.8, -0.5, 0.6, -0.9], [1.2, 0.9, 1.0, 1.1])
+
+
+def rubbed(lengths: list[float], durations: list[float], scale: float = 1.0) -> tuple[Float, Float, Float]:
+    t, v, a = strokes(lengths, durations)
+    v, a = scale * v, scale * a
+    return t, v, COULOMB * np.sign(v) + VISCOUS * v + INERTIA * a
+
+
+def test_each_stroke_is_a_cycle_and_its_energies_are_known_by_hand() -> None:
+    t, v, torque = rubbed(*BACK_AND_FORTH)
+    cycles = segment_cycles(interaction(t, v, torque), DEFAULT)
+    assert len(cycles.joint) == 4
+    lengths, durations = (np.array(x) for x in BACK_AND_FORTH)
+    np.testing.assert_allclose(cycles.sums.path_rad, np.abs(lengths), rtol=1e-5)
+    np.testing.assert_allclose(cycles.sums.displacement_rad, lengths, rtol=1e-5)
+    square = lengths**2 / durations * 10 / 7  # integral of the squared minimum-jerk velocity
+    np.testing.assert_allclose(cycles.sums.square_speed_rad2_s, square, rtol=1e-5)
+    np.testing.assert_allclose(cycles.work_j, COULOMB * np.abs(lengths) + VISCOUS * square, rtol=1e-4)
+    assert np.all(cycles.reason == KEPT)
+    assert np.all(cycles.open)
+    assert np.all(cycles.start[1:] == cycles.stop[:-1])
+
+
+def test_parts_add_up_to_their_cycle() -> None:
+    cycles = segment_cycles(interaction(*rubbed(*BACK_AND_FORTH)), DEFAULT)
+    for name in ("work_j", "path_rad", "square_speed_rad2_s", "displacement_rad", "half_square_speed_change"):
+        np.testing.assert_allclose(getattr(cycles.parts, name).sum(axis=1), getattr(cycles.sums, name), atol=1e-12)
+    np.testing.assert_allclose(cycles.parts.gravity_x_rad.sum(axis=1), cycles.sums.gravity_x_rad, atol=1e-12)
+
+
+def test_the_gravity_columns_are_the_work_of_a_pendulum() -> None:
+    t, v, torque = rubbed([1.0, -1.0], [1.0, 1.0])
+    cycles = segment_cycles(interaction(t, v, torque), DEFAULT)
+    np.testing.assert_allclose(cycles.sums.gravity_x_rad, [1 - np.cos(1.0), np.cos(1.0) - 1], atol=1e-5)
+    np.testing.assert_allclose(cycles.sums.gravity_y_rad, [np.sin(1.0), -np.sin(1.0)], atol=1e-5)
+
+
+def test_a_logged_compensator_counts_towards_what_friction_took() -> None:
+    t, v, torque = rubbed(*BACK_AND_FORTH)
+    helped = 0.2 * np.sign(v)
+    alone = segment_cycles(interaction(t, v, torque), DEFAULT)
+    both = segment_cycles(interaction(t, v, torque - helped, u=helped), DEFAULT)
+    np.testing.assert_allclose(both.dissipated_j, alone.dissipated_j, rtol=1e-12)
+    assert np.all(both.work_j < alone.work_j)
+
+
+def test_a_hole_in_the_log_is_left_out() -> None:
+    t, v, torque = rubbed(*BACK_AND_FORTH)
+    keep = (t < 0.8) | (t > 0.9)
+    cycles = segment_cycles(interaction(t[keep], v[keep], torque[keep]), DEFAULT)
+    assert cycles.reason.tolist() == [GAP, KEPT, KEPT, KEPT]
+
+
+def test_a_joint_that_never_comes_back_has_no_closed_cycle() -> None:
+    cycles = segment_cycles(interaction(*rubbed([0.8, 0.5], [1.0, 1.0])), DEFAULT)
+    assert cycles.reason.tolist() == [ONE_WAY, ONE_WAY]
+
+
+def test_with_gravity_in_the_torque_only_closed_paths_count() -> None:
+    t, v, torque = rubbed([0.8, -0.8, 0.6, -0.9], [1.0, 1.0, 1.0, 1.0])
+    cycles = segment_cycles(interaction(t, v, torque, gravity="none"), DEFAULT)
+    assert cycles.reason.tolist() == [KEPT, OPEN, OPEN]
+    assert abs(cycles.sums.displacement_rad[0]) < 1e-4
+    assert cycles.sums.path_rad[0] == pytest.approx(1.6, rel=1e-4)
+
+
+def test_a_path_is_closed_only_if_every_joint_returns() -> None:
+    t, v, torque = rubbed([0.8, -0.8], [1.0, 1.0])
+    other = np.where(t > 1.4, 0.3 * np.sin(t - 1.4) ** 2, 0.0)
+    log = interaction(t, np.stack([v, other], 1), np.stack([torque, other], 1), gravity="none")
+    assert segment_cycles(log, DEFAULT).of_joint(0).reason.tolist() == [OPEN, OPEN]
+
+
+def test_slow_logs_need_lower_thresholds_and_auto_finds_them() -> None:
+    slow = interaction(*rubbed([0.1, -0.1, 0.08, -0.1], [2.0, 2.5, 2.0, 2.2]))
+    assert len(segment_cycles(slow, DEFAULT).joint) == 0
+    told = CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.01)
+    assert len(segment_cycles(slow, told).joint) == 4
+    auto = segment_cycles(slow, CycleSettings(thresholds="auto"))
+    assert len(auto.joint) == 4
+    assert 0.005 < auto.initiation[0] < 0.06
+
+
+def test_auto_thresholds_stay_above_the_noise() -> None:
+    rng = np.random.default_rng(0)
+    t, v, torque = rubbed([0.1, -0.1, 0.08, -0.1], [2.0, 2.5, 2.0, 2.2])
+    noisy = interaction(t, v + 0.003 * rng.normal(size=len(v)), torque, q=np.cumsum(v) / 1000)
+    assert len(segment_cycles(noisy, CycleSettings(thresholds="auto")).joint) == 4
+
+
+def test_the_hand_defines_cycles_for_all_joints_at_once() -> None:
+    t, v, torque = rubbed([0.8, -0.8, 0.8], [1.0, 1.0, 1.0])
+    lazy = np.where(t < 2.8, v, 0.01 * v)
+    log = interaction(t, np.stack([v, lazy], 1), np.stack([torque, torque], 1))
+    log = type(log)(**{n: getattr(log, n) for n in log.__slots__} | {"hand_speed": np.abs(v) * 0.5})
+    cycles = segment_cycles(log, CycleSettings(cycles_from="hand"))
+    first, second = cycles.of_joint(0), cycles.of_joint(1)
+    assert first.start.tolist() == second.start.tolist()
+    assert first.reason.tolist() == second.reason.tolist() == [KEPT, KEPT, SMALL]
+
+
+@settings(max_examples=20, deadline=None)
+@given(st.lists(st.floats(0.3, 1.0), min_size=2, max_size=6), st.floats(0.0, 50.0))
+def test_a_shift_in_time_changes_nothing_and_joints_are_independent(lengths: list[float], shift_s: float) -> None:
+    signed = [x if k % 2 == 0 else -x for k, x in enumerate(lengths)]
+    t, v, torque = rubbed(signed, [1.0] * len(signed))
+    once = segment_cycles(interaction(t, v, torque), DEFAULT)
+    later = segment_cycles(interaction(t + shift_s, v, torque), DEFAULT)
+    twice = segment_cycles(interaction(t, np.stack([0 * v, v], 1), np.stack([v, torque], 1)), DEFAULT)
+    np.testing.assert_allclose(later.work_j, once.work_j, rtol=1e-9, atol=1e-12)
+    np.testing.assert_array_equal(twice.of_joint(1).work_j, once.work_j)
+
+
+def test_thresholds_in_the_wrong_order_are_refused() -> None:
+    with pytest.raises(UsageError, match=r"--thresholds 0\.05,0\.2: expected initiation above termination"):
+        CycleSettings(initiation_rad_s=0.05, termination_rad_s=0.2)
+
+
+def test_a_stretched_clock_changes_neither_work_nor_path() -> None:
+    t, v, torque = rubbed(*BACK_AND_FORTH)
+    right = interaction(t, v, torque)
+    stretched = interaction(1.1 * t, v, torque, q=right.q)
+    once, again = segment_cycles(right, DEFAULT), segment_cycles(stretched, DEFAULT)
+    np.testing.assert_allclose(again.work_j, once.work_j, rtol=1e-6)
+    np.testing.assert_allclose(again.sums.path_rad, once.sums.path_rad, rtol=1e-6)
+    np.testing.assert_allclose(again.sums.printed_net_j, 1.1 * once.sums.printed_net_j, rtol=1e-6)

@@ -1,0 +1,232 @@
+"""A diagnosis made by hand: six joints, a verdict each."""
+
+import numpy as np
+
+from friction_audit.diagnosis.data_audit import DataFinding
+from friction_audit.diagnosis.decide import motion_to_decide
+from friction_audit.diagnosis.gap import Gap
+from friction_audit.diagnosis.result import (
+    Discrepancy,
+    Effect,
+    Evidence,
+    JointDiscrepancy,
+    Profile,
+    SimulationGap,
+    Traces,
+    Vibration,
+)
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.friction.history import Coefficient
+from friction_audit.pipeline import Diagnosis
+from tests.reporting.conftest import build_estimate
+
+NAN = float("nan")
+LOCKED = 9
+LIMIT = "0.4 s of standstill: an offset of the sensor cannot be told from uneven friction"
+FAULT = "dq differs from the derivative of q by 12%"
+NO_LOAD = "the load is not known: log gravity"
+ALONE = "no other joint moves: move the neighbours"
+
+
+def coefficient(value: float, half: float) -> Coefficient:
+    return Coefficient(value=value, low=value - half, high=value + half)
+
+
+DECLARED = {
+    "coulomb_nm": coefficient(0.33, 0.01),
+    "viscous_nms_per_rad": coefficient(0.055, 0.01),
+    "inertia_kg_m2": coefficient(0.301, 0.004),
+}
+GROWN = {
+    "coulomb_nm": coefficient(0.30, 0.004),
+    "viscous_nms_per_rad": coefficient(0.07, 0.003),
+    "inertia_kg_m2": coefficient(0.3, 0.002),
+}
+
+
+def profile(axis: str, share: float) -> Profile:
+    return Profile(
+        axis=axis,
+        label=f"{axis} [unit]",
+        edges=np.array([0.05, 0.15, 0.25, 0.35]),
+        centre=np.array([0.1, 0.2, 0.3]),
+        forwards=np.array([0.05, 0.0, NAN]),
+        backwards=np.array([-0.05, 0.0, 0.01]),
+        forwards_se=np.array([0.01, 0.01, NAN]),
+        backwards_se=np.array([0.01, 0.01, 0.01]),
+        share=share,
+        p_value=0.001,
+        where="below 0.15 unit, in both directions",
+    )
+
+
+def effect(
+    name: str, parameters: dict[str, Coefficient], *, alternatives: tuple[str, ...] = (), before: float, after: float
+) -> Effect:
+    return Effect(
+        name=name,
+        label=f"what {name} does",
+        alternatives=alternatives,
+        decide=motion_to_decide(name, alternatives),
+        parameters=parameters,
+        p_value=0.0004,
+        where=f"where {name} is",
+        axis="speed",
+        gap_before_nm=before,
+        gap_after_nm=after,
+        partial_nm=0.031,
+        torque=np.zeros(4),
+        evidence=(
+            Evidence(name=name, delta_bic=0.0, correlation=1.0),
+            Evidence(name="warm_up", delta_bic=41.3, correlation=0.31),
+        ),
+        curve=profile("speed", 0.7),
+    )
+
+
+STRIBECK = effect(
+    "stribeck",
+    {
+        "stribeck_excess_nm": coefficient(0.15, 0.01),
+        "stribeck_speed_rad_s": coefficient(0.1, 0.01),
+        "stribeck_exponent": Coefficient(value=2.0, low=NAN, high=NAN),
+    },
+    before=0.061,
+    after=0.021,
+)
+BIAS = effect(
+    "torque_bias",
+    {"factor_1_nm": coefficient(0.1, 0.02)},
+    alternatives=("asymmetric_coulomb",),
+    before=0.12,
+    after=0.03,
+)
+
+
+def gap(before: float, after: float, floor: float) -> Gap:
+    shrink = (before - after) / (before - floor) if before > floor else NAN
+    return Gap(
+        before=before, after=after, floor=floor, shrink=shrink, shrink_se=0.01, over_floor=after / floor, cycles=LOCKED
+    )
+
+
+def finding(code: str, verdict: str, message: str) -> DataFinding:
+    return DataFinding(code=code, value=0.4, unit="s", bound=2.0, verdict=verdict, message=message)
+
+
+def traces(cycles: int) -> Traces:
+    rows, empty = np.repeat(np.arange(cycles), 3), np.zeros(3 * cycles)
+    return Traces(
+        t=empty,
+        q=empty,
+        dq=empty,
+        displacement=empty,
+        cycle=rows,
+        locked=rows < LOCKED,
+        measured=empty,
+        before=empty,
+        after=empty,
+        along={"speed": empty, "time": empty},
+        corner_hz=25.0,
+    )
+
+
+NAMED = JointDiscrepancy(
+    joint=1,
+    name="panda_joint1",
+    verdict="named",
+    message="stribeck (what stribeck does): where stribeck is",
+    effects=(STRIBECK,),
+    declared=DECLARED,
+    grown=GROWN,
+    from_energy=DECLARED | {"viscous_nms_per_rad": coefficient(NAN, NAN)},
+    gap=gap(0.061, 0.021, 0.020),
+    simulation=SimulationGap(
+        before=0.052,
+        after=0.013,
+        unit="rad/s",
+        t=np.zeros(2),
+        measured=np.zeros(2),
+        declared=np.zeros(2),
+        grown=np.zeros(2),
+    ),
+    ladder=(("declared model", 0.061), ("+ stribeck", 0.021), ("floor of the noise", 0.020)),
+    omnibus_p=0.001,
+    remaining_p=0.4,
+    detection_limit_nm=0.0043,
+    profiles=(profile("speed", 0.8), profile("time", 0.1)),
+    remaining=(profile("time", 0.0),),
+    untestable={"load_dependent_friction": NO_LOAD, "torque_crosstalk": ALONE, "inertial_coupling": ALONE},
+    findings=(finding("dq_noise", "fine", ""), finding("standstill", "limit", LIMIT)),
+    traces=traces(30),
+)
+AMBIGUOUS = JointDiscrepancy(
+    joint=2,
+    name="panda_joint2",
+    verdict="ambiguous",
+    message="torque_bias (what torque_bias does): torque_bias cannot be told from asymmetric_coulomb in this log",
+    effects=(BIAS,),
+    declared=DECLARED,
+    grown=GROWN,
+    gap=gap(0.12, 0.03, 0.03),
+    omnibus_p=0.001,
+    remaining_p=0.6,
+    detection_limit_nm=0.004,
+    findings=(finding("standstill", "limit", LIMIT),),
+)
+NONE = JointDiscrepancy(
+    joint=3,
+    name="panda_joint3",
+    verdict="none",
+    message="nothing is missing: an effect of 0.0048 N m rms would have been seen",
+    declared=DECLARED,
+    grown=DECLARED,
+    gap=gap(0.02, 0.02, 0.02),
+    omnibus_p=0.7,
+    remaining_p=0.7,
+    detection_limit_nm=0.0048,
+)
+UNEXPLAINED = JointDiscrepancy(
+    joint=4,
+    name="panda_joint4",
+    verdict="unexplained",
+    message="something is missing that nothing in the catalogue explains: below 0.15 unit, in both directions",
+    declared=DECLARED,
+    grown=DECLARED,
+    gap=gap(0.08, 0.08, 0.02),
+    omnibus_p=0.001,
+    remaining_p=0.001,
+    profiles=(profile("speed", 0.6),),
+    vibration=Vibration(frequency_hz=13.0, low_hz=11.0, high_hz=15.5, rms_nm=0.04),
+)
+NOT_TESTABLE = JointDiscrepancy(
+    joint=5,
+    name="panda_joint5",
+    verdict="not_testable",
+    message="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
+)
+DATA_FAULT = JointDiscrepancy(
+    joint=6,
+    name="panda_joint6",
+    verdict="data_fault",
+    message=FAULT,
+    findings=(finding("dq_scale", "fault", FAULT),),
+)
+FAILED = JointDiscrepancy(
+    joint=6,
+    name="panda_joint6",
+    verdict="failed",
+    message="the diagnosis failed with ZeroDivisionError: float division by zero; this is a bug, please report it",
+    traceback="ZeroDivisionError: float division by zero\n",
+)
+VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT)
+
+
+def diagnosis(
+    joints: tuple[JointDiscrepancy, ...] = VERDICTS_BY_HAND, settings: DiagnosisSettings | None = None
+) -> Diagnosis:
+    return Diagnosis(
+        estimate=build_estimate(6),
+        discrepancy=Discrepancy(joints=joints),
+        settings=settings or DiagnosisSettings(),
+    )

@@ -1,0 +1,72 @@
+"""The mechanics of one joint, released from anywhere and stepped as finely as wanted: written for these tests."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.bench import BenchSettings, make_motion
+from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.mechanics.records import Clock
+from friction_audit.simulation.mechanics.tick import run_bench
+from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
+from friction_audit.simulation.simulation import Motion
+
+NEXT_TO_NOTHING = 1e-300
+"""Stiffness, or damping, of a hand that has none; the operator's must be above zero."""
+
+FRICTIONLESS = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
+
+STEP_S = 1e-4
+"""The step of the simulator."""
+
+
+def bench(joint: JointParameters = FRICTIONLESS, hidden: Hidden | None = None, **hand: float) -> BenchSettings:
+    """Return a bench with ideal sensors; a hand has no spring and no damper unless told."""
+    without = {"stiffness_nm_per_rad": NEXT_TO_NOTHING, "damping_nms_per_rad": NEXT_TO_NOTHING}
+    operator = replace(Operator(), **(without | hand))  # type: ignore[arg-type]
+    return BenchSettings(joints=(joint,), hidden=(hidden or Hidden(),), sensors=(IDEAL_SENSORS,), operator=operator)
+
+
+def release(
+    settings: BenchSettings,
+    duration_s: float,
+    *,
+    step_s: float = STEP_S,
+    tick_s: float | None = None,
+    push: Float | None = None,
+    q: tuple[float, float] = (0.0, 0.0),
+    dq: tuple[float, float] = (0.0, 0.0),
+) -> Motion:
+    """Let go of a joint whose outer and inner side are at q with dq, under a push of the hand known at every tick."""
+    tick_s = 2.0 * step_s if tick_s is None else tick_s
+    ticks = round(duration_s / tick_s)
+    mechanism = assemble(settings, ticks, np.zeros(1), make_streams(0, 1), driven=settings.driven)
+    _hold(mechanism, settings)
+    _place(mechanism, q, dq)
+    clock = Clock(dt=tick_s, substeps=round(0.5 * tick_s / step_s), duration=duration_s)
+    push = np.zeros(ticks + 1) if push is None else push
+    parts = mechanism.parts._replace(clock=clock)
+    run_bench(parts, push, np.zeros(2), False, 0, ticks + 1, mechanism.out, mechanism.traced)
+    return replace(make_motion(mechanism, "any step", driven=False), t=np.arange(ticks + 1, dtype=np.float64) * tick_s)
+
+
+def _hold(mechanism: Mechanism, settings: BenchSettings) -> None:
+    body, hand = mechanism.body, settings.operator
+    rotor = rotor_mass(settings.joints, settings.hidden)[0, 0]
+    body.inner_mass[0, 0] = rotor
+    body.mass[0, 0] += hand.inertia_kg_m2
+    body.mass[body.inner[0], body.inner[0]] += rotor
+    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
+
+
+def _place(mechanism: Mechanism, q: tuple[float, float], dq: tuple[float, float]) -> None:
+    body = mechanism.body
+    inner = body.inner[0]
+    body.y[inner], body.v[inner] = q[1], dq[1]
+    body.y[0], body.v[0] = q[0], dq[0]
+    if dq[1] != 0.0 and body.mode[inner] == 0.0:
+        body.mode[inner] = np.sign(dq[1])

@@ -1,0 +1,195 @@
+"""The arm against Pinocchio's own energies and inverse dynamics, and against the hand's springs written once more."""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.joint_log import Float
+from friction_audit.robot import load_arm
+from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Motion, Simulation, clock, mechanism, simulate
+from friction_audit.simulation.arm import move
+from friction_audit.simulation.bench import make_motion
+from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from tests.simulation.hand_at_flange import Pull, pull
+
+IDEAL = (IDEAL_SENSORS,) * 7
+ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
+NOBODY = Hand(
+    mass_kg=0.0,
+    stiffness_n_per_m=0.0,
+    damping_ns_per_m=0.0,
+    turning_stiffness_nm_per_rad=0.0,
+    turning_damping_nms_per_rad=0.0,
+)
+SMOOTH = tuple(replace(joint, coulomb_nm=0.0, viscous_nms_per_rad=0.0) for joint in PANDA_JOINTS)
+SWING = ArmSettings(sensors=IDEAL, hand=NOBODY, compensates_gravity=False, duration_s=1.0)
+SEED = 1
+
+
+def model_of(settings: ArmSettings) -> Any:
+    """Return the arm's model with the hand's mass and the load at the flange."""
+    arm = load_arm()
+    model = arm.model.copy()
+    flange = model.frames[model.getFrameId(arm.flange)]
+    held = settings.hand.mass_kg if not settings.driven else 0.0
+    turning = np.eye(3) * (0.002 if held else 0.0)
+    inertia = pin.Inertia(held + settings.carried_kg, np.zeros(3), turning)
+    model.appendBodyToJoint(flange.parentJoint, inertia, flange.placement)
+    return model
+
+
+def energies(settings: ArmSettings, motion: Motion) -> Float:
+    """Return the kinetic and potential energy of links, load, hand and motors, shape (n,). [J]"""
+    model = model_of(settings)
+    data = model.createData()
+    links = [
+        pin.computeKineticEnergy(model, data, q, dq) + pin.computePotentialEnergy(model, data, q)
+        for q, dq in zip(motion.q, motion.dq, strict=True)
+    ]
+    motors: Float = 0.5 * (ROTORS * motion.inner_dq**2).sum(axis=1)
+    return np.array(links) + motors
+
+
+def inverse_dynamics(settings: ArmSettings, motion: Motion) -> Float:
+    model = model_of(settings)
+    data = model.createData()
+    rows = zip(motion.q, motion.dq, motion.inner_ddq, strict=True)
+    return np.array([pin.rnea(model, data, q, dq, ddq) for q, dq, ddq in rows])
+
+
+def work(power: Float) -> Float:
+    """Return the integral of a power from the start, by the trapezoidal rule. [J]"""
+    steps = 0.5e-3 * (power[1:] + power[:-1])
+    return np.concatenate((np.zeros_like(power[:1]), np.cumsum(steps, axis=0)))
+
+
+def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> Motion:
+    """Return the motion under a controller with another rate."""
+    for module in (clock, mechanism):
+        monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
+    return make_motion(move(settings, make_streams(SEED, 7))[0], "free swing", driven=settings.driven)
+
+
+def imbalance(settings: ArmSettings, motion: Motion) -> Float:
+    """Return how far energy and friction's work together have gone from where they were, shape (n,). [J]"""
+    total = energies(settings, motion) + motion.dissipated_j.sum(axis=1)
+    gone: Float = np.abs(total - total[0])
+    return gone
+
+
+@pytest.mark.parametrize("joints", [SMOOTH, PANDA_JOINTS], ids=["frictionless", "with friction"])
+def test_free_swing_loses_what_friction_takes_and_errs_with_the_square_of_the_tick(
+    joints: tuple[Any, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    swing = replace(SWING, joints=joints)
+    coarse, fine = (at_rate(swing, rate, monkeypatch) for rate in (1000.0, 2000.0))
+    # It falls 60 J deep and swings at up to 15 rad/s.
+    assert np.abs(fine.dq).max() > 5.0
+    assert (fine.dissipated_j[-1].sum() > 1.0) == (joints == PANDA_JOINTS)
+    errors = [imbalance(swing, motion) for motion in (coarse, fine)]
+    worst, finer = (error.max() for error in errors)
+    assert worst < 2e-3
+    assert 3.5 < worst / finer < 4.8
+    as_fast_as_by_hand = np.maximum.accumulate(np.abs(coarse.dq).max(axis=1)) < 2.0
+    assert errors[0][as_fast_as_by_hand].max() < 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Guided:
+    """A guided arm and what its hand did."""
+
+    settings: ArmSettings
+    simulation: Simulation
+    hand: Pull
+
+    @property
+    def motion(self) -> Motion:
+        """The truth."""
+        return self.simulation.truth.motion
+
+
+@cache
+def guided(carried_kg: float) -> Guided:
+    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, carried_kg=carried_kg)
+    simulation = simulate(settings, SEED)
+    return Guided(settings, simulation, pull(settings, SEED, simulation.truth.motion))
+
+
+LOADS = pytest.mark.parametrize("carried_kg", [2.0, pytest.param(0.0, marks=pytest.mark.thorough)])
+
+
+@LOADS
+def test_sensors_read_the_inverse_dynamics_of_the_links_less_the_hand(carried_kg: float) -> None:
+    arm = guided(carried_kg)
+    expected = inverse_dynamics(arm.settings, arm.motion) - arm.hand.torque_nm
+    assert arm.simulation.log.tau_J is not None
+    error = arm.simulation.log.tau_J - expected
+    # Where a joint breaks away or stops within half a tick, the prediction that the masses are taken at is off.
+    assert np.abs(error).max() < 5e-4
+    assert error.std(axis=0).max() < 1e-5
+
+
+@LOADS
+def test_motors_obey_their_equation_at_every_tick(carried_kg: float) -> None:
+    motion = guided(carried_kg).motion
+    net = motion.interaction_nm + motion.compensation_nm - motion.friction_nm
+    assert_allclose(ROTORS * motion.inner_ddq, net, atol=1e-12)
+
+
+def test_friction_is_coulomb_and_viscous_where_joints_move_and_holds_them_where_not() -> None:
+    motion = guided(0.0).motion
+    coulomb = np.array([joint.coulomb_nm for joint in PANDA_JOINTS])
+    viscous = np.array([joint.viscous_nms_per_rad for joint in PANDA_JOINTS])
+    sliding = coulomb * np.sign(motion.dq) + viscous * motion.dq
+    moves = motion.dq != 0.0
+    assert_allclose(motion.friction_nm[moves], sliding[moves], atol=1e-12)
+    assert (np.abs(motion.friction_nm) - coulomb)[~moves].max() <= 1e-12
+    assert 0.1 < moves.mean() < 0.9
+
+
+@LOADS
+def test_energy_balances_in_every_joint_and_over_the_arm(carried_kg: float) -> None:
+    arm = guided(carried_kg)
+    motion = arm.motion
+    taken, kinetic = motion.dissipated_j, 0.5 * ROTORS * motion.inner_dq**2
+    assert_allclose(work(motion.interaction_nm * motion.inner_dq), taken + kinetic, atol=5e-5)
+    gained = energies(arm.settings, motion)
+    motors = work(motion.support_nm * motion.inner_dq).sum(axis=1)
+    hand = work(arm.hand.power_w)
+    assert_allclose(gained - gained[0], hand + motors - taken.sum(axis=1), atol=2e-4)
+    assert taken[-1].sum() > 0.5
+
+
+def test_friction_only_takes() -> None:
+    motion = guided(0.0).motion
+    assert np.diff(motion.dissipated_j, axis=0).min() >= 0.0
+    assert (motion.friction_nm * motion.inner_dq).min() >= 0.0
+
+
+@cache
+def driven() -> tuple[ArmSettings, Simulation]:
+    settings = ArmSettings(sensors=IDEAL, duration_s=4.0, driven=True, carried_kg=1.0)
+    return settings, simulate(settings, SEED)
+
+
+def test_sensors_of_a_driven_arm_read_inverse_dynamics_and_friction() -> None:
+    settings, simulation = driven()
+    motion = simulation.truth.motion
+    assert simulation.log.tau_J is not None
+    error = simulation.log.tau_J - inverse_dynamics(settings, motion) - motion.friction_nm
+    assert np.abs(error).max() < 3e-3
+    assert error.std(axis=0).max() < 1e-4
+
+
+def test_driven_arm_spends_on_friction_what_passes_its_sensors() -> None:
+    settings, simulation = driven()
+    motion = simulation.truth.motion
+    links = energies(settings, motion) - 0.5 * (ROTORS * motion.inner_dq**2).sum(axis=1)
+    passed = work(motion.port_nm * motion.inner_dq).sum(axis=1)
+    assert_allclose(passed, links - links[0] + motion.dissipated_j.sum(axis=1), atol=5e-4)

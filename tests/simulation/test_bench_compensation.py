@@ -1,0 +1,86 @@
+"""A compensator in the loop: what it leaves, what it learns, what it saw."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.compensation.compensators import Compensator, EnergyCompensator, FixedCompensation
+from friction_audit.compensation.replay import run
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.motion import Sinusoid
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
+from friction_audit.simulation.simulation import Simulation
+
+IDEAL = BenchSettings(duration_s=12.0, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid()))
+TRUE = FixedCompensation(coulomb_nm=0.30, viscous_nms_per_rad=0.07)
+NOISY = replace(PANDA_SENSORS[0], clock_jitter_s=0.0, stale=0.0, lost=0.0)
+
+
+def compensated(settings: BenchSettings, compensator: Compensator, seed: int = 1) -> Simulation:
+    return simulate_bench(replace(settings, compensator=compensator), seed)
+
+
+def test_true_coefficients_leave_nothing_but_inertia_outside_the_dead_band() -> None:
+    """B ddq = F_m, up to the tick for which the torque is held: viscous friction times what the speed gains in it."""
+    motion = compensated(IDEAL, TRUE).truth.motion
+    left = (0.3 * motion.inner_ddq - motion.interaction_nm)[:, 0]
+    clear = (np.abs(motion.dq[1:, 0]) > 0.021) & (np.abs(motion.dq[:-1, 0]) > 0.021)
+    held = 0.07 * np.abs(motion.inner_ddq[:, 0]).max() * 1e-3
+    assert np.abs(left[1:][clear]).max() < 1.5 * held
+    assert np.abs(left).max() < 0.31
+
+
+def test_torque_of_a_tick_comes_from_the_velocity_of_the_tick_before() -> None:
+    motion = compensated(IDEAL, TRUE).truth.motion
+    before = motion.dq[:-1]
+    told = np.where(np.abs(before) > 0.02, 0.30 * np.sign(before) + 0.07 * before, 0.0)
+    assert_array_equal(motion.compensation_nm[0], 0.0)
+    assert_allclose(motion.compensation_nm[1:], told, atol=1e-15)
+    assert_array_equal(motion.passivity_nm, 0.0)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_energy_compensator_learns_the_friction_through_the_noise(seed: int) -> None:
+    settings = BenchSettings(duration_s=60.0, sensors=(PANDA_SENSORS[0],))
+    knew = compensated(settings, EnergyCompensator(window=8), seed).truth.compensators
+    assert_allclose(knew["coulomb_nm"][-1, 0], 0.30, atol=0.02)
+    assert_allclose(knew["viscous_nms_per_rad"][-1, 0], 0.07, atol=0.02)
+    assert knew["cycle"][-1, 0] > 25
+
+
+def test_compensator_with_learned_friction_eases_the_hand() -> None:
+    """Energy that the hand puts in, second half of the recording."""
+    settings = replace(IDEAL, duration_s=40.0)
+    spent = []
+    for compensator in (None, EnergyCompensator(model="coulomb")):
+        motion = simulate_bench(replace(settings, compensator=compensator), 1).truth.motion
+        spent.append(np.sum((motion.interaction_nm * motion.dq)[20_000:]))
+    assert spent[1] < 0.3 * spent[0]
+
+
+@pytest.mark.parametrize("compensator", [TRUE, EnergyCompensator(window=4)], ids=["fixed", "energy"])
+def test_the_log_is_what_the_compensator_saw(compensator: Compensator) -> None:
+    """A replay over the log finds every torque and everything it knew, to rounding."""
+    settings = BenchSettings(duration_s=20.0, sensors=(NOISY,))
+    simulation = compensated(settings, compensator)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    assert log.tau_compensation is not None
+    again = run(compensator, log.t, log.dq[:, 0], log.tau_interaction[:, 0])
+    assert_allclose(log.tau_compensation[1:, 0], again["compensation_nm"][:-1], atol=1e-9)
+    for name, trace in simulation.truth.compensators.items():
+        assert_allclose(trace[:, 0], again[name], rtol=1e-6, atol=1e-9, err_msg=name)
+
+
+def test_work_of_the_compensator_is_in_the_books() -> None:
+    """What hand and motor put in is what friction took and what still moves."""
+    motion = compensated(IDEAL, EnergyCompensator(model="coulomb")).truth.motion
+    moved = np.diff(motion.q[:, 0])
+    hand = 0.5 * (motion.interaction_nm[1:, 0] + motion.interaction_nm[:-1, 0]) * moved
+    motor = (motion.compensation_nm + motion.passivity_nm)[1:, 0] * moved
+    kept = motion.dissipated_j[:, 0] + 0.5 * 0.3 * motion.dq[:, 0] ** 2
+    assert motor.sum() > 0.3 * kept[-1]
+    assert_allclose(np.cumsum(hand + motor), kept[1:], atol=2e-4 * kept[-1])

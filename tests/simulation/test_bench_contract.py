@@ -1,0 +1,177 @@
+"""What holds of every effect: nothing at zero strength, finite and visible as usual, alone and in company."""
+
+from collections.abc import Iterator
+from dataclasses import fields, replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.errors import UsageError
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.effects import EFFECTS, Effect, Hidden
+from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
+from friction_audit.simulation.simulation import Motion, Simulation
+
+SEED = 4
+PLAIN = BenchSettings(duration_s=20.0)
+FINE = replace(PLAIN, sensors=(IDEAL_SENSORS,), duration_s=10.0)
+ALONE = [effect for effect in EFFECTS if not effect.needs_neighbours]
+CASES = [(effect, form) for effect in ALONE for form in effect.forms or ("",)]
+NAMES = [f"{effect.name}-{form}" for effect, form in CASES]
+
+FRICTION = (
+    "stribeck",
+    "stiction",
+    "nonlinear_viscous",
+    "asymmetric_coulomb",
+    "asymmetric_viscous",
+    "frictional_lag",
+    "load_dependent_friction",
+    "position_dependent_friction",
+    "warm_up",
+    "friction_step",
+)
+"""Effects that change friction and nothing else; what it has taken never comes back. Bristles are springs."""
+
+READING = ("gravity_error", "torque_bias", "torque_drift", "time_delay")
+"""Effects that change what is read and nothing else."""
+
+
+@pytest.fixture(scope="module")
+def nothing() -> Simulation:
+    return simulate_bench(PLAIN, SEED)
+
+
+def hide(effect: Effect, form: str, **numbers: float) -> Hidden:
+    group = effect.make({"form": form} if form else {})
+    return Hidden(**{effect.name: replace(group, **numbers)})
+
+
+def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
+    """Yield everything that was logged and everything that truly happened."""
+    yield "t", simulation.log.t
+    yield from simulation.log.channels().items()
+    yield from ((item.name, getattr(simulation.truth.motion, item.name)) for item in fields(Motion))
+
+
+def others_changed(effect: Effect) -> dict[str, float]:
+    """Return no strength, and other values than the usual ones for all that can be told besides."""
+    told = {item.name: 1.3 * item.usual + 0.01 for item in effect.parameters if item.name != effect.strength}
+    limits = {item.name: (item.low, item.high) for item in effect.parameters}
+    kept = {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in told.items()}
+    return kept | {effect.strength: 0.0}
+
+
+@pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
+def test_at_zero_strength_nothing_changes_to_the_bit(effect: Effect, form: str, nothing: Simulation) -> None:
+    """A joint gets warm with or without an effect on its friction: warm-up may tell how fast."""
+    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED)
+    for (name, column), (_, plain) in zip(columns(simulation), columns(nothing), strict=True):
+        if (effect.name, name) != ("warm_up", "warmth"):
+            assert_array_equal(column, plain, err_msg=name)
+    assert simulation.log.source == nothing.log.source
+
+
+@pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
+def test_as_usual_it_shows_and_stays_finite(effect: Effect, form: str, nothing: Simulation) -> None:
+    simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form),)), SEED)
+    for name, column in columns(simulation):
+        assert np.isfinite(column).all(), name
+    assert simulation.log.source.sha256 != nothing.log.source.sha256
+    assert_array_equal(simulation.log.t, nothing.log.t)
+    motion, plain = simulation.truth.motion, nothing.truth.motion
+    assert np.abs(motion.dq).max() < 2.0 * np.abs(plain.dq).max()
+    if effect.name in READING or form == "reading":
+        for item in fields(Motion):
+            assert_array_equal(getattr(motion, item.name), getattr(plain, item.name))
+    else:
+        assert np.abs(motion.q - plain.q).max() > 1e-5
+
+
+def net_work(motion: Motion) -> Any:
+    """Return the work of everything but friction on its side of the joint: trapezoids, held torques exactly."""
+    moved = np.diff(motion.inner_q[:, 0])
+    port = 0.5 * (motion.interaction_nm[1:, 0] + motion.interaction_nm[:-1, 0]) * moved
+    held = (motion.compensation_nm + motion.passivity_nm + motion.unlogged_nm)[1:, 0] * moved
+    return np.concatenate([[0.0], np.cumsum(port + held)])
+
+
+@pytest.mark.parametrize(
+    ("effect", "form"),
+    [(e, f) for e, f in CASES if e.name in FRICTION],
+    ids=[n for n in NAMES if n.split("-")[0] in FRICTION],
+)
+def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: Effect, form: str) -> None:
+    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    taken = motion.dissipated_j[:, 0]
+    assert (np.diff(taken) >= 0.0).all()
+    kinetic = 0.5 * FINE.joints[0].inertia_kg_m2 * motion.inner_dq[:, 0] ** 2
+    assert_allclose(net_work(motion), taken + kinetic, atol=1e-4 * taken[-1])
+    assert (motion.friction_nm * motion.inner_dq >= 0.0).all()
+
+
+@pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
+def test_the_joint_obeys_its_equation_of_motion(effect: Effect, form: str) -> None:
+    """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
+    elsewhere = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
+    motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
+    inertia = 0.3 + (0.1 if effect.name == "inertia_error" else 0.0)
+    left = inertia * motion.inner_ddq - (motion.interaction_nm + motion.unlogged_nm - motion.friction_nm)
+    if effect.name in elsewhere and form != "reading":
+        assert np.abs(left).max() > 1e-3 or form == "drag"
+    else:
+        assert_allclose(left, 0.0, atol=1e-9)
+
+
+def everything(number: int) -> Hidden:
+    """Return all effects at once but stiction or bristles, in the forms that a number chooses."""
+    chosen = {effect: effect.forms[number % len(effect.forms)] if effect.forms else "" for effect in EFFECTS}
+    groups = {effect.name: effect.make({"form": form} if form else {}) for effect, form in chosen.items()}
+    del groups["stiction" if number % 2 else "presliding"]
+    return Hidden(**groups)
+
+
+def test_bristles_and_stiction_exclude_each_other() -> None:
+    pair = {name: effect.make({}) for effect in EFFECTS if (name := effect.name) in ("presliding", "stiction")}
+    with pytest.raises(UsageError, match="bristles have a break-away of their own"):
+        Hidden(**pair)
+
+
+def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> None:
+    unlogged = next(effect for effect in EFFECTS if effect.name == "unlogged_compensation")
+    with pytest.raises(UsageError, match="sensor reads all that the motor gives"):
+        replace(PLAIN, logs_sensor=True, driven=True, hidden=(Hidden(unlogged_compensation=unlogged.make({})),))
+
+
+@pytest.mark.parametrize("driven", [False, True])
+@pytest.mark.parametrize(
+    "number", [0, 1, *(pytest.param(number, marks=pytest.mark.thorough) for number in range(2, 6))]
+)
+def test_all_effects_at_once(number: int, driven: bool) -> None:
+    settings = replace(PLAIN, logs_sensor=True, gravity_nm=5.0, driven=driven, duration_s=10.0)
+    hidden = everything(number)
+    if driven:
+        hidden = replace(hidden, unlogged_compensation=Hidden().unlogged_compensation)
+    simulation = simulate_bench(replace(settings, hidden=(hidden,)), SEED)
+    for name, column in columns(simulation):
+        assert np.isfinite(column).all(), name
+    assert np.abs(simulation.truth.motion.dq).max() < 5.0
+
+
+def test_nothing_hidden_disturbs_the_noise_or_the_hand() -> None:
+    """The sensors' noise, the stamps, the losses and the intended motion are those of the seed alone."""
+    stiff = replace(PLAIN, operator=Operator(stiffness_nm_per_rad=3000.0, damping_nms_per_rad=90.0))
+    exact = replace(PANDA_SENSORS[0], torque_step_nm=0.0, velocity_step_rad_s=0.0, stale=0.0)
+    settings = replace(stiff, sensors=(exact,))
+    noises = []
+    for inside in (Hidden(), everything(0), everything(2)):
+        prompt = replace(inside, time_delay=Hidden().time_delay)
+        simulation = simulate_bench(replace(settings, hidden=(prompt,)), SEED)
+        tick = np.rint(simulation.log.t * 1e3).astype(int)
+        noises.append((simulation.log.t, simulation.log.dq[:, 0] - simulation.truth.motion.dq[tick, 0]))
+    for t, noise in noises[1:]:
+        assert_array_equal(t, noises[0][0])
+        assert_allclose(noise, noises[0][1], atol=1e-12)

@@ -1,0 +1,110 @@
+"""The sensor reads what passes through it: computed once more from the hand's side, or from the link's."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.joint_log import Float
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.effects import Hidden
+from friction_audit.simulation.effects.backlash import Backlash
+from friction_audit.simulation.effects.joint_elasticity import JointElasticity
+from friction_audit.simulation.effects.presliding import Presliding
+from friction_audit.simulation.effects.stiction import Stiction
+from friction_audit.simulation.motion import intend
+from friction_audit.simulation.settings import IDEAL_SENSORS
+
+SEED = 3
+IDEAL = BenchSettings(duration_s=12.0, sensors=(IDEAL_SENSORS,))
+GRAVITY_NM, PHASE_RAD = 8.0, 0.4
+LOADED = replace(IDEAL, logs_sensor=True, gravity_nm=GRAVITY_NM, gravity_phase_rad=PHASE_RAD)
+
+ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-3))
+HIDDEN = {
+    "rigid": Hidden(),
+    "elastic": ELASTIC,
+    "backlash": Hidden(backlash=Backlash(gap_rad=5e-3)),
+    "presliding": Hidden(presliding=Presliding(displacement_rad=0.005)),
+    "stiction": Hidden(stiction=Stiction(excess_nm=0.2)),
+}
+
+
+def drive_torque(settings: BenchSettings, q: Float, dq: Float) -> Float:
+    """Return the torque of the operator's spring and damper, shape (n + 1,)."""
+    hand, ticks = settings.operator, len(q) - 1
+    wanted = intend(hand.motion, ticks, 1e-3, make_streams(SEED, 1).person)
+    spring, damper = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
+    return np.asarray(spring * (wanted.position - q) + damper * (wanted.velocity - dq))
+
+
+def impulse(t: Float, torque: Float) -> Float:
+    """Return the integral of a torque over time, shape (n + 1,). [N m s]"""
+    return np.concatenate([[0.0], np.cumsum(0.5 * (torque[1:] + torque[:-1]) * np.diff(t))])
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: str) -> None:
+    """In impulses: integral F_m dt = integral of the hand's spring and damper - m_hand dq, at every tick."""
+    settings = replace(IDEAL, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, SEED)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    q, dq = log.q[:, 0], log.dq[:, 0]
+    hand = impulse(log.t, drive_torque(settings, q, dq)) - settings.operator.inertia_kg_m2 * dq
+    sensor = impulse(log.t, log.tau_interaction[:, 0])
+    assert np.ptp(sensor) > 0.5
+    ringing = name in ("elastic", "backlash")
+    assert_allclose(sensor, hand, atol=5e-3 if ringing else 5e-4)
+
+
+@pytest.mark.parametrize("name", ["rigid", "presliding", "stiction"])
+def test_interaction_torque_of_a_rigid_joint_is_that_of_the_hand_at_every_tick(name: str) -> None:
+    settings = replace(IDEAL, hidden=(HIDDEN[name],))
+    motion = simulate_bench(settings, SEED).truth.motion
+    hand = drive_torque(settings, motion.q[:, 0], motion.dq[:, 0])
+    hand -= settings.operator.inertia_kg_m2 * motion.inner_ddq[:, 0]
+    assert_allclose(motion.interaction_nm[:, 0], hand, atol=1e-10)
+
+
+@pytest.mark.parametrize("name", HIDDEN)
+def test_sensor_under_a_load_reads_gravity_less_the_interaction(name: str) -> None:
+    """tau_J = g(q) - F_m, F_m the hand's torque less the hand's inertia; the motor bears g(q)."""
+    settings = replace(LOADED, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    assert log.gravity is not None
+    weight = GRAVITY_NM * np.sin(log.q + PHASE_RAD)
+    assert_allclose(log.gravity, weight, atol=1e-6)
+    assert_allclose(motion.support_nm, weight, atol=2e-3)
+    hand = impulse(log.t, drive_torque(settings, log.q[:, 0], log.dq[:, 0])) - 0.3 * log.dq[:, 0]
+    ringing = name in ("elastic", "backlash")
+    assert_allclose(impulse(log.t, (weight - log.tau_J)[:, 0]), hand, atol=2e-2 if ringing else 1e-3)
+
+
+@pytest.mark.parametrize("name", ["rigid", "elastic", "presliding"])
+def test_sensor_of_a_driven_joint_carries_inertia_gravity_and_friction_of_the_link(name: str) -> None:
+    """tau_J = J ddq + g(q) + tau_f."""
+    settings = replace(LOADED, driven=True, hidden=(HIDDEN[name],))
+    simulation = simulate_bench(settings, SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    link = 0.3 * motion.inner_ddq + GRAVITY_NM * np.sin(log.q + PHASE_RAD) + motion.friction_nm
+    assert_allclose(log.tau_J, link, atol=2e-3)
+    sliding = (motion.inner_dq != 0.0) & (name != "presliding")
+    dry = 0.30 * np.sign(motion.inner_dq) + 0.07 * motion.inner_dq
+    assert_allclose(motion.friction_nm[sliding], dry[sliding], atol=1e-12)
+    assert_allclose(log.q, motion.inner_q)
+
+
+def test_power_at_the_sensor_of_a_driven_joint_is_kinetic_potential_and_friction() -> None:
+    simulation = simulate_bench(replace(LOADED, driven=True, hidden=(ELASTIC,)), SEED)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    work = np.concatenate([[0.0], np.cumsum((0.5 * (log.tau_J[1:] + log.tau_J[:-1]) * np.diff(log.q, axis=0))[:, 0])])
+    height = GRAVITY_NM * (np.cos(PHASE_RAD) - np.cos(log.q[:, 0] + PHASE_RAD))
+    kept = 0.5 * 0.3 * log.dq[:, 0] ** 2 + height + motion.dissipated_j[:, 0]
+    assert_allclose(work, kept - kept[0], atol=1e-5 * np.ptp(kept))

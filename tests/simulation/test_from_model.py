@@ -1,0 +1,200 @@
+"""A model of joints simulated: what the model says of the simulated motion is the torque that was simulated."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
+from friction_audit.effects.term import Motion
+from friction_audit.effects.terms import TERMS, term_of
+from friction_audit.errors import UsageError
+from friction_audit.simulation.arm import ArmSettings
+from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.effects.stribeck import Stribeck
+from friction_audit.simulation.from_model import EQUALS, with_model
+from friction_audit.simulation.hide import hidden_effects
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
+from tests.effects.recordings import typical_term
+
+SIMPLE = {"coulomb": (0.4,), "viscous": (0.1,)}
+IDEAL = BenchSettings(sensors=(IDEAL_SENSORS,), duration_s=20.0)
+
+
+def model_of(terms: Mapping[str, Mapping[str, float]], inertia_kg_m2: float = 0.25) -> JointModel:
+    """A joint with Coulomb and viscous friction and terms by the names of their parameters; others are zero."""
+    fitted = [
+        FittedTerm(name, tuple(values.get(parameter.name, parameter.default) for parameter in term_of(name).parameters))
+        for name, values in terms.items()
+    ]
+    simple = tuple(FittedTerm(name, values) for name, values in SIMPLE.items())
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=(*simple, *fitted))
+
+
+def arm_of(*joints: JointModel | None) -> ArmModel:
+    return ArmModel(names=tuple(f"joint{k}" for k in range(len(joints))), joints=joints)
+
+
+EXAMPLES: dict[str, dict[str, float]] = {
+    "offset": {"offset_nm": 0.1},
+    "torque_bias": {"torque_bias_nm": -0.1},
+    "stribeck": {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0},
+    "nonlinear_viscous": {
+        "curved_viscous_nm": 0.1,
+        "curved_viscous_exponent": 2.0,
+        "curved_viscous_speed_rad_s": 1e-3,
+    },
+    "asymmetric_coulomb": {"coulomb_half_difference_nm": 0.1},
+    "asymmetric_viscous": {"viscous_half_difference_nms_per_rad": 0.03},
+    "position_dependent_friction": {
+        "position_friction_cos_nm": 0.1,
+        "position_friction_sin_nm": -0.05,
+        "position_friction_order": 3.0,
+        "position_friction_centre_rad": 0.2,
+        "position_friction_width_rad": 200.0,
+    },
+    "torque_ripple": {"ripple_sin_nm": 0.1, "ripple_order": 20.0},
+    "gravity_error": {"gravity_cos_nm": 0.2, "gravity_sin_nm": -0.1},
+    "cable_spring": {"cable_stiffness_nm_per_rad": 0.4, "cable_centre_rad": 0.1, "cable_free_rad": 0.3},
+    "inertia_error": {"extra_inertia_kg_m2": 0.05},
+    "friction_step": {
+        "step_coulomb_nm": 0.1,
+        "step_viscous_nms_per_rad": 0.02,
+        "step_time_s": 8.0,
+        "step_length_s": 4.0,
+    },
+    "presliding": {"bristle_nm": 0.4, "reach_rad": 0.004, "yielding_exponent": 1.0},
+    "time_delay": {"delay_s": 0.004, "delay_step_s": 0.004},
+    "joint_elasticity": {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1000.0},
+    "unlogged_compensation": {"unlogged_nm": 0.2, "unlogged_width_rad_s": 0.05},
+}
+
+
+PRELOADED = {"cable_stiffness_nm_per_rad": 0.4, "cable_preload_nm": 0.2, "cable_centre_rad": 0.1}
+CASES = [*EXAMPLES.items(), ("cable_spring", PRELOADED)]
+
+
+@pytest.mark.parametrize(("name", "values"), CASES, ids=lambda part: part if isinstance(part, str) else "")
+def test_the_model_says_of_the_motion_the_torque_that_was_simulated(name: str, values: dict[str, float]) -> None:
+    model = model_of({name: values})
+    simulation = simulate_bench(with_model(IDEAL, arm_of(model)), 3)
+    log = simulation.log
+    assert log.tau_interaction is not None
+    t, q, dq = log.t, log.q[:, 0], log.dq[:, 0]
+    motion = Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
+    without = model_of({})
+    read, far = log.tau_interaction[:, 0], away_from_reversals(dq)
+    left = [np.sqrt(np.mean((read - one.torque(motion))[far] ** 2)) for one in (without, model)]
+    assert left[1] < 0.15 * left[0]
+
+
+def away_from_reversals(dq: np.ndarray[tuple[int], np.dtype[np.float64]]) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
+    """Samples with 20 ms of motion in one direction on either side."""
+    way = np.sign(np.where(np.abs(dq) > 1e-3, dq, 0.0))
+    same = np.convolve(way, np.ones(41), "same")
+    return np.asarray(np.abs(same) == 41.0)
+
+
+def test_inertia_and_friction_are_taken_over() -> None:
+    model = simple_model(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3)
+    settings = with_model(IDEAL, arm_of(model))
+    assert settings.joints == (JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.5, viscous_nms_per_rad=0.3),)
+    assert settings.hidden == IDEAL.hidden
+    assert replace(settings, joints=IDEAL.joints) == IDEAL
+
+
+def test_a_joint_without_friction_has_none() -> None:
+    assert with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=0.2))).joints[0].coulomb_nm == 0.0
+
+
+def test_a_joint_without_inertia_is_refused() -> None:
+    with pytest.raises(UsageError, match=r"the model's joint 1: inertia_kg_m2 = -0.1: expected more than zero"):
+        with_model(IDEAL, arm_of(JointModel(inertia_kg_m2=-0.1)))
+
+
+def test_joints_without_a_model_stay_as_they_are() -> None:
+    arm = ArmSettings()
+    model = model_of({"stribeck": EXAMPLES["stribeck"]})
+    settings = with_model(arm, arm_of(None, model, *(None,) * 5))
+    assert settings.joints[0] == arm.joints[0]
+    assert settings.joints[1] == JointParameters(inertia_kg_m2=0.25, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+    assert settings.hidden[1].stribeck == Stribeck(excess_nm=0.15, speed_rad_s=0.1, exponent=2.0)
+    assert [(effect.joint, effect.name) for effect in hidden_effects(settings)] == [(2, "stribeck")]
+
+
+def test_the_numbers_of_joints_must_agree() -> None:
+    with pytest.raises(UsageError, match="the model has 2 joints, the scenario 1; expected as many"):
+        with_model(IDEAL, arm_of(None, None))
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "reason"),
+    [
+        ("torque_drift", {"drift_1_nm": 0.1}, "its own formulas differ"),
+        ("torque_ripple", {"ripple_sin_nm": 0.1, "ripple_cos_nm": 0.1, "ripple_order": 20.0}, "phase of a sine or"),
+        ("presliding", {"bristle_nm": 0.2, "reach_rad": 0.004, "yielding_exponent": 1.0}, "bear all of the Coulomb"),
+        ("gravity_error", {"gravity_error_source": 2.0, "link_mass_kg": 1.0}, "errs in the joint's own angle"),
+        (
+            "joint_elasticity",
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "soft_nm": 0.3},
+            "stiffens as a hyperbolic tangent",
+        ),
+        (
+            "load_dependent_friction",
+            {"load_friction_nm": 0.1, "load_exponent": 1.0, "load_static": 1.0},
+            "not the weight alone",
+        ),
+        ("backlash", {"backlash_share": 0.5, "gap_rad": 0.002, "contact_hz": 40.0}, "all inertia and friction"),
+        (
+            "joint_elasticity",
+            {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "far_share": 0.8},
+            "all inertia is behind its spring",
+        ),
+        (
+            "backlash",
+            {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "far_share": 0.6},
+            "all inertia is behind its play",
+        ),
+    ],
+)
+def test_a_term_without_an_equal_is_refused_by_name(name: str, values: dict[str, float], reason: str) -> None:
+    with pytest.raises(UsageError, match=rf"the model's joint 1: {name}: the simulator has no equal of it: .*{reason}"):
+        with_model(IDEAL, arm_of(model_of({name: values})))
+
+
+def test_damping_is_the_same_whichever_side_is_held() -> None:
+    """D = 2 r sqrt(K B) of the model, 2 r' sqrt(K B B_o / (B + B_o)) of the simulator."""
+    spring = {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "damping_ratio": 0.06}
+    play = {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "flank_damping_ratio": 0.3}
+    (hidden,) = with_model(IDEAL, arm_of(model_of({"joint_elasticity": spring, "backlash": play}, 0.25))).hidden
+    more = np.sqrt(1.0 + 0.25 / IDEAL.operator.inertia_kg_m2)
+    assert hidden.joint_elasticity.damping_ratio == pytest.approx(0.06 * more)
+    assert hidden.backlash.contact_damping_ratio == pytest.approx(0.3 * more)
+
+
+def test_what_is_beyond_the_simulator_is_refused() -> None:
+    model = model_of({"time_delay": {"delay_s": 0.5, "delay_step_s": 0.5}})
+    with pytest.raises(UsageError, match=re.escape("the model's joint 1: time_delay: delay_s=0.5: expected a number")):
+        with_model(IDEAL, arm_of(model))
+
+
+def test_two_terms_that_are_one_effect_are_refused() -> None:
+    model = model_of({"offset": {"offset_nm": 0.1}, "torque_bias": {"torque_bias_nm": 0.1}})
+    with pytest.raises(UsageError, match="torque_bias: another term is a torque_bias already"):
+        with_model(IDEAL, arm_of(model))
+
+
+def test_every_term_is_told_or_refused() -> None:
+    """No term breaks on its way to the simulator, whatever its name."""
+    assert set(EQUALS) <= {term.name for term in TERMS}
+    for term in TERMS:
+        if term.name not in ("inertia", *SIMPLE):
+            model = replace(model_of({}), terms=(*model_of({}).terms, typical_term(term)))
+            try:
+                settings = with_model(IDEAL, arm_of(model))
+            except UsageError as error:
+                assert str(error).startswith(f"the model's joint 1: {term.name}: ")  # noqa: PT017 - or it is told
+            else:
+                assert hidden_effects(settings)

@@ -1,0 +1,44 @@
+"""One compensator for each joint of an arm."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation, Guard, SigmoidCompensation
+from friction_audit.errors import UsageError
+from friction_audit.simulation.arm import ArmSettings
+from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.mechanism import JointByJoint, any_guards, of_each_joint
+
+ONE = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.03)
+SHORT = ArmSettings(duration_s=2.0)
+
+
+def test_seven_alike_are_as_one_for_all() -> None:
+    same = simulate(replace(SHORT, compensator=ONE), 0)
+    each = simulate(replace(SHORT, compensator=JointByJoint(compensators=(ONE,) * 7)), 0)
+    assert np.array_equal(same.truth.motion.q, each.truth.motion.q)
+    assert each.log.tau_compensation is not None
+
+
+def test_every_joint_has_its_own() -> None:
+    own = tuple(replace(ONE, coulomb_nm=0.0, viscous_nms_per_rad=0.01 * joint) for joint in range(7))
+    motion = simulate(replace(SHORT, compensator=JointByJoint(compensators=own)), 0).truth.motion
+    largest = np.abs(motion.compensation_nm).max(axis=0)
+    assert largest[0] == 0.0
+    assert (largest[1:] > 0.0).all()
+
+
+def test_as_many_as_joints() -> None:
+    with pytest.raises(UsageError, match="2 compensators: expected 7"):
+        of_each_joint(JointByJoint(compensators=(ONE, ONE)), 7)
+    assert of_each_joint(None, 2) == (None, None)
+
+
+def test_one_guard_is_enough() -> None:
+    guarded = SigmoidCompensation(height_nm=0.5, steepness_s_per_rad=9.0, guard=Guard(passivity=True))
+    assert any_guards(JointByJoint(compensators=(ONE, guarded)))
+    assert not any_guards(JointByJoint(compensators=(ONE, ONE)))
+    assert any_guards(EnergyCompensator())
+    assert not any_guards(None)

@@ -1,0 +1,186 @@
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
+from friction_audit.errors import UsageError
+from friction_audit.simulation import (
+    IDEAL_SENSORS,
+    PANDA_SENSORS,
+    BenchSettings,
+    HandGuidedPanda,
+    Hidden,
+    JointParameters,
+    Sensors,
+    simulate,
+)
+from friction_audit.simulation.effects.gravity_error import GravityError
+from friction_audit.simulation.effects.inertial_coupling import InertialCoupling
+from friction_audit.simulation.effects.joint_limit_stop import JointLimitStop
+from friction_audit.simulation.effects.position_dependent_friction import PositionDependentFriction
+from friction_audit.simulation.effects.torque_bias import TorqueBias
+from friction_audit.simulation.effects.torque_crosstalk import TorqueCrosstalk
+
+JOINT = JointParameters()
+SHORT = HandGuidedPanda(joint=4, joints=(JOINT,) * 7, duration_s=5.0)
+IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,) * 7)
+OTHERS = (0, 1, 2, 4, 5, 6)
+
+
+def hide(joint: int, hidden: Hidden) -> tuple[Hidden, ...]:
+    return tuple(hidden if number == joint else Hidden() for number in range(1, 8))
+
+
+def test_sensor_reads_gravity_less_the_interaction_torque() -> None:
+    simulation = simulate(IDEAL, 1)
+    log, motion = simulation.log, simulation.truth.motion
+    assert log.tau_J is not None
+    assert log.gravity is not None
+    interaction = log.gravity - log.tau_J
+    # The motor holds the gravity of where the joint would be without acceleration since the middle of the tick.
+    assert_allclose(interaction[:, 3], motion.interaction_nm[:, 3], atol=2e-5)
+    assert_allclose(interaction[:, OTHERS], 0.0, atol=1e-6)
+    assert np.ptp(log.gravity[:, 1]) > 0.1
+
+
+def test_truth_of_the_joints_at_rest_is_gravity_alone() -> None:
+    motion = simulate(IDEAL, 1).truth.motion
+    for name in ("dq", "inner_dq", "inner_ddq", "interaction_nm", "friction_nm", "compensation_nm", "dissipated_j"):
+        assert_array_equal(getattr(motion, name)[:, OTHERS], 0.0)
+    assert_array_equal(motion.q[:, OTHERS], np.tile(np.array(IDEAL.pose_rad)[list(OTHERS)], (len(motion.t), 1)))
+    assert_array_equal(motion.support_nm + motion.port_nm, motion.interaction_nm)
+
+
+@pytest.mark.parametrize("joint", [1, 2, 4])
+def test_gravity_that_the_joint_bears_is_that_of_the_model(joint: int) -> None:
+    simulation = simulate(replace(IDEAL, joint=joint), 6)
+    assert simulation.log.gravity is not None
+    # As logged: rounded to 1e-6.
+    assert_allclose(simulation.truth.motion.support_nm, simulation.log.gravity, atol=1e-5)
+
+
+def test_motion_and_noise_are_those_of_the_single_joint() -> None:
+    panda = simulate(SHORT, 2)
+    bench = simulate(BenchSettings(joints=(JOINT,), sensors=(SHORT.sensors[3],), duration_s=5.0), 2)
+    motion, alone = panda.truth.motion, bench.truth.motion
+    assert_allclose(motion.dq[:, 3], alone.dq[:, 0], atol=1e-9)
+    assert_allclose(motion.q[:, 3] - motion.q[0, 3], alone.q[:, 0], atol=1e-9)
+    assert_array_equal(panda.log.t, bench.log.t)
+    assert_allclose(panda.log.dq[:, 3], bench.log.dq[:, 0], atol=1.5e-6)
+    noise = [simulate(SHORT, seed).log.dq[:500, 0] for seed in (2, 2, 3)]
+    assert_array_equal(noise[0], noise[1])
+    assert (noise[0] != noise[2]).mean() > 0.9
+
+
+def test_log_looks_like_that_of_a_panda() -> None:
+    log = simulate(replace(SHORT, joint=1), 3).log
+    assert log.joint_names == tuple(f"panda_joint{number}" for number in range(1, 8))
+    assert log.source.robot == "panda"
+    assert set(log.channels()) == {"q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered", "gravity"}
+    assert log.tau_J is not None
+    for joint, step in ((1, 0.0357), (7, 0.006)):
+        steps = log.tau_J[:, joint - 1] / step
+        assert_allclose(steps, np.rint(steps), atol=1e-6)
+    assert (log.dq.std(axis=0) > 0.002).all()
+    noise = np.asarray(np.corrcoef(log.dq[:, 1:], rowvar=False))
+    assert np.abs(noise[~np.eye(6, dtype=bool)]).max() < 0.1
+
+
+def test_external_torque_follows_the_residual() -> None:
+    log = simulate(IDEAL, 4).log
+    assert log.tau_J is not None
+    assert log.gravity is not None
+    assert log.tau_ext_hat_filtered is not None
+    residual = (log.tau_J - log.gravity)[:, 3]
+    assert np.corrcoef(residual, log.tau_ext_hat_filtered[:, 3])[0, 1] > 0.99
+
+
+def test_compensator_is_logged_on_its_joint() -> None:
+    helper = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.0)
+    log = simulate(replace(SHORT, joint=2, compensator=helper), 5).log
+    assert log.tau_compensation is not None
+    assert log.tau_J_d is not None
+    assert np.abs(log.tau_compensation).max(axis=0).tolist() == [0.0, 0.2, 0.0, 0.0, 0.0, 0.0, 0.0]
+    assert_array_equal(log.tau_J_d, log.tau_compensation)
+
+
+def test_learning_compensator_tells_what_it_knew_of_its_joint() -> None:
+    simulation = simulate(replace(IDEAL, duration_s=15.0, compensator=EnergyCompensator()), 5)
+    log = simulation.log
+    assert log.tau_compensation is not None
+    assert log.tau_passivity is not None
+    assert log.tau_J_d is not None
+    assert_allclose(log.tau_J_d, log.tau_compensation + log.tau_passivity, atol=1e-12)
+    assert all(np.all(trace[:, OTHERS] == 0.0) for trace in simulation.truth.compensators.values())
+    assert any(np.any(trace[:, 3] != 0.0) for trace in simulation.truth.compensators.values())
+
+
+def test_faults_of_the_sensors_are_those_of_every_joint() -> None:
+    clean = simulate(IDEAL, 7).log
+    biased = simulate(replace(IDEAL, hidden=hide(6, Hidden(torque_bias=TorqueBias(torque_nm=0.2)))), 7).log
+    tilted = simulate(replace(IDEAL, hidden=hide(2, Hidden(gravity_error=GravityError(torque_nm=0.4)))), 7).log
+    assert clean.tau_J is not None
+    assert biased.tau_J is not None
+    assert clean.gravity is not None
+    assert tilted.gravity is not None
+    assert_allclose((biased.tau_J - clean.tau_J)[:, 5], -0.2, atol=1e-9)
+    assert_allclose((tilted.gravity - clean.gravity)[:, 1], 0.4 * np.sin(IDEAL.pose_rad[1]), atol=2e-6)
+    assert_array_equal(biased.dq, clean.dq)
+
+
+def test_crosstalk_brings_the_moved_joint_s_torque_to_its_neighbour() -> None:
+    leaking = Hidden(torque_crosstalk=TorqueCrosstalk(share=0.05))
+    clean = simulate(IDEAL, 8)
+    mixed = simulate(replace(IDEAL, hidden=(leaking,) * 7), 8)
+    assert clean.log.tau_J is not None
+    assert mixed.log.tau_J is not None
+    assert np.abs(mixed.log.tau_J - clean.log.tau_J)[:, 4].max() > 0.01
+
+
+def test_places_inside_the_joint_are_counted_from_its_zero_and_stops_from_the_start() -> None:
+    rough = Hidden(position_dependent_friction=PositionDependentFriction(share=0.5))
+    motion = simulate(replace(IDEAL, hidden=hide(4, rough)), 9).truth.motion
+    dq, moving = motion.dq[:, 3], motion.dq[:, 3] != 0
+    level = (motion.friction_nm[:, 3] - JOINT.viscous_nms_per_rad * dq)[moving] * np.sign(dq[moving])
+    assert_allclose(level, 0.3 * (1 + 0.5 * np.sin(3 * motion.q[moving, 3] + 0.5)), atol=1e-9)
+    walled = Hidden(joint_limit_stop=JointLimitStop(stiffness_nm_per_rad=500.0, at_rad=0.1))
+    stopped = simulate(replace(IDEAL, hidden=hide(4, walled)), 9).truth.motion
+    assert np.abs(stopped.q[:, 3] - IDEAL.pose_rad[3]).max() < 0.3
+
+
+def test_only_the_moved_joint_s_friction_matters() -> None:
+    heavy = tuple(JOINT if number == 4 else JointParameters(coulomb_nm=9.0) for number in range(1, 8))
+    one, two = (
+        simulate(IDEAL, 10).log,
+        simulate(replace(IDEAL, joints=heavy), 10).log,
+    )
+    assert one.source.sha256 == two.source.sha256
+
+
+@pytest.mark.parametrize("change", [{"joint": 8}, {"joint": 0}, {"sensors": (Sensors(),)}, {"pose_rad": (0.0,) * 6}])
+def test_joint_that_a_panda_does_not_have_is_refused(change: dict[str, object]) -> None:
+    with pytest.raises(UsageError, match="expected a joint from 1 to 7 and 7 of each"):
+        replace(SHORT, **change)  # type: ignore[arg-type]
+
+
+def test_sensors_are_those_of_a_panda() -> None:
+    assert HandGuidedPanda().sensors == PANDA_SENSORS
+
+
+@pytest.mark.parametrize(
+    ("joint", "hidden", "words"),
+    [
+        (
+            5,
+            {"position_dependent_friction": PositionDependentFriction(share=0.5)},
+            "in joint 5: does nothing where only",
+        ),
+        (4, {"inertial_coupling": InertialCoupling(ratio=0.3)}, "inertial_coupling in joint 4: does nothing"),
+    ],
+)
+def test_effect_that_cannot_show_itself_is_refused(joint: int, hidden: dict[str, Any], words: str) -> None:
+    with pytest.raises(UsageError, match=words):
+        replace(SHORT, hidden=hide(joint, Hidden(**hidden)))
