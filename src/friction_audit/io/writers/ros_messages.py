@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from rosbags.typesys.store import Typestore
 
 
-_OWN = "export/franka_msgs"
-_SHARED = "ingest/franka_msgs"
+_OWN = "io/writers/franka_msgs"
+_SHARED = "io/readers/franka_msgs"
 """Data beside the readers, which know the wire layouts; their code is not touched."""
 
 
