@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import parse_joint_numbers, require_joints, split_joints, write_joint_numbers
+from friction_audit.joint_numbers import parse_joint_numbers, require_joints, split_joints, write_joint_numbers
 
 
 @given(st.sets(st.integers(1, 40), min_size=1))

@@ -14,7 +14,8 @@ from friction_audit import __version__
 from friction_audit.cli import chain
 from friction_audit.cli.batch_files import RESULTS, check_results, recall_results, write_results
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import command_line, dump_config
+from friction_audit.cli.choices import option
+from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
 from friction_audit.errors import AnalysisError, InputError, UsageError
@@ -63,20 +64,18 @@ class SessionOptions:
 
     manifest: Annotated[
         Path | None,
-        typer.Option(
+        option(
+            SESSIONS,
+            "Table with the columns path, start, robot, temperature, payload, note; paths relative to it. The "
+            "logs that it names are read beside LOGS.",
             metavar="FILE.csv",
             exists=True,
             dir_okay=False,
-            help="Table with the columns path, start, robot, temperature, payload, note; paths relative to it. The "
-            "logs that it names are read beside LOGS.",
-            rich_help_panel=SESSIONS,
         ),
     ] = None
     diagnose: Annotated[
         bool,
-        typer.Option(
-            "--diagnose", help="Also name what the model misses in each session (slow).", rich_help_panel=SESSIONS
-        ),
+        option(SESSIONS, "Also name what the model misses in each session (slow).", "--diagnose"),
     ] = False
 
 
@@ -86,19 +85,19 @@ class DriftOptions:
 
     baseline: Annotated[
         str,
-        typer.Option(
+        option(
+            DRIFT,
+            "Sessions of the reference: the first K of each arm, or their numbers, e.g. 3-8,10.",
             metavar="K|LIST",
-            help="Sessions of the reference: the first K of each arm, or their numbers, e.g. 3-8,10.",
-            rich_help_panel=DRIFT,
         ),
     ] = "5"
     fail_on: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="COEFFICIENT=LIMIT",
-            help="Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
+        option(
+            DRIFT,
+            "Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
             "few or scattered to tell. Repeatable.",
-            rich_help_panel=DRIFT,
+            metavar="COEFFICIENT=LIMIT",
         ),
     ] = None
 
@@ -109,25 +108,17 @@ class RunningOptions:
 
     workers: Annotated[
         int | None,
-        typer.Option(
-            metavar="N", min=1, help="Processes on this machine. Default: one per core.", rich_help_panel=RUNNING
-        ),
+        option(RUNNING, "Processes on this machine. Default: one per core.", metavar="N", min=1),
     ] = None
     scheduler: Annotated[
         str | None,
-        typer.Option(
-            metavar="ADDRESS",
-            help="Scheduler of a Dask cluster, e.g. tcp://host:8786, that does the work instead.",
-            rich_help_panel=RUNNING,
+        option(
+            RUNNING, "Scheduler of a Dask cluster, e.g. tcp://host:8786, that does the work instead.", metavar="ADDRESS"
         ),
     ] = None
     rebuild: Annotated[
         bool,
-        typer.Option(
-            "--rebuild",
-            help="Compute everything anew; the ledger that is there is kept under another name.",
-            rich_help_panel=RUNNING,
-        ),
+        option(RUNNING, "Compute everything anew; the ledger that is there is kept under another name.", "--rebuild"),
     ] = False
 
     def __post_init__(self) -> None:
@@ -150,23 +141,14 @@ def command(
     ] = None,
     folder: Annotated[
         Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help=f"Folder of the ledger, {', '.join(RESULTS)} and the figures.",
-            rich_help_panel=OUTPUT,
-        ),
+        option(OUTPUT, f"Folder of the ledger, {', '.join(RESULTS)} and the figures.", "--output", "-o", metavar="DIR"),
     ] = Path("friction-drift"),
     figures: FiguresBeside = PNG,
 ) -> None:
     """Follow the friction of each joint over many recordings: what changed, when, and how sure we are."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
     from friction_audit.batch.remote import as_text
 
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     output, settings = shared.output, _settings(sessions, shared)
     drift_settings, limits = _drift_settings(drift)
     found = _find(logs or [], sessions.manifest, folder)

@@ -5,11 +5,12 @@ A test holds them equal to the tuples of the steps, figures and formats that the
 
 import difflib
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import typer
 
 from friction_audit.errors import UsageError, printable
-from friction_audit.joint_log import parse_joint_numbers
+from friction_audit.joint_numbers import parse_joint_numbers
 
 TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
 GRAVITIES = ("auto", "logged", "model", "none")
@@ -120,44 +121,38 @@ DIALECTS = (
 )
 
 
-def metavar(names: Sequence[str]) -> str:
-    """Return the names as the help text shows them."""
-    return "|".join(names)
+def option(
+    panel: str,
+    text: str,
+    *names: str,
+    one_of: Sequence[str] = (),
+    some_of: Sequence[str] = (),
+    **settings: Any,  # noqa: ANN401 - of typer.Option
+) -> object:
+    """Return an option under a heading of the help text.
 
-
-def one_of(names: Sequence[str]) -> Callable[[str], str]:
-    """Return an option's callback that accepts one of the names."""
-
-    def check(value: str) -> str:
-        _check(value, names)
-        return value
-
-    return check
-
-
-def some_of(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
-    """Return an option's callback that accepts names, repeated or separated by commas, each once."""
-
-    def check(values: list[str]) -> list[str]:
-        chosen = [name.strip() for value in values for name in value.split(",")]
-        for name in chosen:
-            _check(name, names)
-        return list(dict.fromkeys(chosen))
-
-    return check
+    Args:
+        panel: The heading.
+        text: Its help.
+        names: As typed; made from the parameter's name if there are none.
+        one_of: The values it accepts.
+        some_of: The values it accepts, repeated or separated by commas, each once.
+        settings: Of ``typer.Option``.
+    """
+    known = tuple(one_of or some_of)
+    if known:
+        check, offer = (_one, offer_one) if one_of else (_some, _offer_some)
+        settings = {"metavar": "|".join(known), "callback": check(known), "autocompletion": offer(known), **settings}
+    return typer.Option(*names, help=text, rich_help_panel=panel, **settings)
 
 
 def offer_one(names: Sequence[str]) -> Callable[[str], list[str]]:
     """Return what a shell completes an option of one name with."""
-
-    def offer(incomplete: str) -> list[str]:
-        return [name for name in names if name.startswith(incomplete)]
-
-    return offer
+    return lambda incomplete: [name for name in names if name.startswith(incomplete)]
 
 
-def offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
-    """Return what a shell completes an option of several names with: those that do not stand before the last comma."""
+def _offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
+    """Offer the names that do not stand before the last comma."""
 
     def offer(incomplete: str) -> list[str]:
         chosen, comma, begun = incomplete.rpartition(",")
@@ -165,6 +160,25 @@ def offer_some(names: Sequence[str]) -> Callable[[str], list[str]]:
         return [f"{chosen}{comma}{name}" for name in left if name.startswith(begun)]
 
     return offer
+
+
+def _one(names: Sequence[str]) -> Callable[[str | None], str | None]:
+    def check(value: str | None) -> str | None:
+        if value is not None:
+            _check(value, names)
+        return value
+
+    return check
+
+
+def _some(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
+    def check(values: list[str]) -> list[str]:
+        chosen = [name.strip() for value in values for name in value.split(",")]
+        for name in chosen:
+            _check(name, names)
+        return list(dict.fromkeys(chosen))
+
+    return check
 
 
 def near_misses(word: str, names: Sequence[str]) -> str:

@@ -5,10 +5,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from friction_audit.cli import chain, choices
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
@@ -37,75 +35,65 @@ class ComparisonOptions:
 
     arm: Annotated[
         str,
-        typer.Option(
-            metavar=choices.metavar(ARMS),
-            callback=choices.one_of(ARMS),
-            autocompletion=choices.offer_one(ARMS),
-            help="What the methods are tried on: one joint moved by a person, or a Panda guided by a hand.",
-            rich_help_panel=COMPARISON,
+        option(
+            COMPARISON,
+            "What the methods are tried on: one joint moved by a person, or a Panda guided by a hand.",
+            one_of=ARMS,
         ),
     ] = "joint"
     methods: Annotated[
         list[str],
-        typer.Option(
+        option(
+            COMPARISON,
+            "Methods beside none; repeatable, or separated by commas. Default: all.",
             "--methods",
-            metavar=choices.metavar(METHOD_NAMES),
-            callback=choices.some_of(METHOD_NAMES),
-            autocompletion=choices.offer_some(METHOD_NAMES),
-            help="Methods beside none; repeatable, or separated by commas. Default: all.",
-            rich_help_panel=COMPARISON,
+            some_of=METHOD_NAMES,
         ),
     ] = METHOD_NAMES  # type: ignore[assignment] # a dataclass takes no list
     seeds: Annotated[
         int,
-        typer.Option(metavar="INT", min=2, max=1000, help="Persons simulated.", rich_help_panel=COMPARISON),
+        option(COMPARISON, "Persons simulated.", metavar="INT", min=2, max=1000),
     ] = 20
     margin_seeds: Annotated[
         int | None,
-        typer.Option(
+        option(
+            COMPARISON,
+            "So many of them are asked for the stability margin too, about eight trials each. Default: 20 of the "
+            "joint, 6 of the arm; 0 for none.",
             metavar="INT",
             min=0,
             max=1000,
-            help="So many of them are asked for the stability margin too, about eight trials each. Default: 20 of the "
-            "joint, 6 of the arm; 0 for none.",
-            rich_help_panel=COMPARISON,
         ),
     ] = None
     duration: Annotated[
         float | None,
-        typer.Option(
-            metavar="SECONDS",
-            min=1.0,
-            help="Length of a trial. Default: 40 s of the joint, 30 s of the arm.",
-            rich_help_panel=COMPARISON,
+        option(
+            COMPARISON, "Length of a trial. Default: 40 s of the joint, 30 s of the arm.", metavar="SECONDS", min=1.0
         ),
     ] = None
     effects: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            COMPARISON,
+            "Hide an effect that no method knows of, as in simulate. Repeatable.",
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
             autocompletion=choices.offer_one(choices.EFFECTS),
-            help="Hide an effect that no method knows of, as in simulate. Repeatable.",
-            rich_help_panel=COMPARISON,
         ),
     ] = None
     assignments: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            COMPARISON,
+            "Another value for a setting of the simulation, as in simulate. Repeatable.",
             "--set",
             metavar="NAME=VALUE[@JOINTS]",
-            help="Another value for a setting of the simulation, as in simulate. Repeatable.",
-            rich_help_panel=COMPARISON,
         ),
     ] = None
-    ideal: Annotated[
-        bool, typer.Option("--ideal", help="Sensors without noise or resolution.", rich_help_panel=COMPARISON)
-    ] = False
+    ideal: Annotated[bool, option(COMPARISON, "Sensors without noise or resolution.", "--ideal")] = False
 
 
 def command(
-    context: typer.Context,
     comparison: ComparisonOptions,
     output: OutputOptions,
     general: GeneralOptions,
@@ -113,10 +101,7 @@ def command(
     folder: FigureFolder = Path("compared"),
 ) -> None:
     """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
-    if general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    voice = general.voice
     paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in FIGURES}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
     scene = _scene(comparison)

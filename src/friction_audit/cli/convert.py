@@ -7,8 +7,7 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import read_options
-from friction_audit.cli.choices import parse_joints
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.options import OUTPUT, GeneralOptions, LogPath, OutputOptions, ReadingOptions, SelectionOptions
 from friction_audit.errors import UsageError
@@ -38,7 +37,6 @@ def _list_dialects(wanted: bool) -> None:
 
 
 def command(
-    context: typer.Context,
     log: LogPath,
     out: Annotated[Path, typer.Argument(metavar="OUT", help="The new log; its suffix chooses the format.")],
     selection: SelectionOptions,
@@ -47,29 +45,20 @@ def command(
     general: GeneralOptions,
     dialect: Annotated[
         str | None,
-        typer.Option(
+        option(
+            OUTPUT,
+            "One of --list-dialects. Default: the first one of OUT's suffix.",
             metavar="NAME",
             autocompletion=choices.offer_one(choices.DIALECTS),
-            help="One of --list-dialects. Default: the first one of OUT's suffix.",
-            rich_help_panel=OUTPUT,
         ),
     ] = None,
     list_dialects: Annotated[  # noqa: ARG001 - its callback acts on it
         bool,
-        typer.Option(
-            "--list-dialects",
-            callback=_list_dialects,
-            is_eager=True,
-            help="List them and stop.",
-            rich_help_panel=OUTPUT,
-        ),
+        option(OUTPUT, "List them and stop.", "--list-dialects", callback=_list_dialects, is_eager=True),
     ] = False,
 ) -> None:
     """Write any log as a tidy Parquet, CSV or MCAP file, or in the form of another program."""
-    if general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    voice = general.voice
     options, joints = read_options(reading, selection), parse_joints(selection.joints)
     writer = _choose_writer(out, dialect)
     chain.check_outputs([out], overwrite=output.overwrite, log=log, folder=not writer.suffix)

@@ -5,11 +5,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
@@ -40,67 +38,54 @@ class DiagnosisOptions:
 
     candidates: Annotated[
         list[str],
-        typer.Option(
+        option(
+            DIAGNOSIS,
+            "Effects that may be named; repeatable, or separated by commas. Default: all.",
+            some_of=choices.EFFECTS,
             metavar="NAME",
-            callback=choices.some_of(choices.EFFECTS),
-            autocompletion=choices.offer_some(choices.EFFECTS),
-            help="Effects that may be named; repeatable, or separated by commas. Default: all.",
-            rich_help_panel=DIAGNOSIS,
         ),
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
     alpha: Annotated[
         float,
-        typer.Option(
-            metavar="P",
-            help="Probability of saying of a joint that something is missing where nothing is.",
-            rich_help_panel=DIAGNOSIS,
-        ),
+        option(DIAGNOSIS, "Probability of saying of a joint that something is missing where nothing is.", metavar="P"),
     ] = 0.05
     seed: Annotated[
         int,
-        typer.Option(
+        option(
+            DIAGNOSIS,
+            "Of the cycles that are locked away and of the tests; same seed, same answer.",
             metavar="INT",
             min=0,
-            help="Of the cycles that are locked away and of the tests; same seed, same answer.",
-            rich_help_panel=DIAGNOSIS,
         ),
     ] = 0
     model: Annotated[
         Path | None,
-        typer.Option(
+        option(
+            DIAGNOSIS,
+            "Declared model of the joints, e.g. of an earlier diagnosis. "
+            "Default: inertia, Coulomb and viscous friction.",
             metavar="FILE.toml",
             exists=True,
             dir_okay=False,
-            help="Declared model of the joints, e.g. of an earlier diagnosis. "
-            "Default: inertia, Coulomb and viscous friction.",
-            rich_help_panel=DIAGNOSIS,
         ),
     ] = None
 
 
 def command(
-    context: typer.Context,
     log: LogPath,
     options: DiagnosisOptions,
     shared: LogOptions,
     folder: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help=f"Also write {DOCUMENT}, the grown {MODEL} and the figures there.",
-            rich_help_panel=OUTPUT,
+        option(
+            OUTPUT, f"Also write {DOCUMENT}, the grown {MODEL} and the figures there.", "--output", "-o", metavar="DIR"
         ),
     ] = None,
     figures: FiguresBeside = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Find what the model of each joint misses, name it, and show how far the gap closes."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
     plan = plan_exports(folder, export, "diagnose")

@@ -3,11 +3,9 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
@@ -28,27 +26,17 @@ DOCUMENT, HISTORY = "estimate.json", "history.csv"
 
 
 def command(
-    context: typer.Context,
     log: LogPath,
     shared: AuditOptions,
     folder: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help=f"Also write {DOCUMENT}, {HISTORY} and the figures there.",
-            rich_help_panel=OUTPUT,
-        ),
+        option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
     ] = None,
     figures: FiguresBeside = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     plan = plan_exports(folder, export, "estimate")
     if folder is not None:

@@ -5,9 +5,15 @@ from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import Any
 
+import typer
 from typer.core import TyperCommand
 
+from friction_audit.cli.config import dump_config
+from friction_audit.cli.console import say
+
 GENERAL = "General"
+CONTEXT = "context"
+"""Parameter of a command that takes Typer's context."""
 
 
 class GroupedCommand(TyperCommand):
@@ -32,22 +38,27 @@ def _heading(parameter: Any) -> str:  # noqa: ANN401 - as above
 
 
 def with_option_groups(command: Callable[..., None]) -> Callable[..., None]:
-    """Return the command as Typer wants it: every dataclass parameter replaced by its fields.
+    """Return the command as Typer wants it: every dataclass parameter replaced by its fields, --dump-config served.
 
     A field carries its option as ``Annotated[type, typer.Option(...)]`` and its default as the field's default; a field
     that is a dataclass itself is a group within the group.
     """
-    parameters = inspect.signature(command).parameters.values()
+    parameters = [p for p in inspect.signature(command).parameters.values() if p.name != CONTEXT]
     groups = {p.name: p.annotation for p in parameters if is_dataclass(p.annotation)}
     flat = [one for p in parameters for one in (_fields(p.annotation) if p.name in groups else [_keyword(p)])]
+    takes_context = CONTEXT in inspect.signature(command).parameters
 
-    def run(**values: Any) -> None:  # noqa: ANN401 - whatever the options hold
+    def run(context: typer.Context, **values: Any) -> None:  # noqa: ANN401 - any option
+        if values.get("dump_config"):
+            say(dump_config(context), nl=False)
+            return
         filled = {name: _fill(group, values) for name, group in groups.items()}
-        command(**filled, **values)
+        command(**filled, **values, **({CONTEXT: context} if takes_context else {}))
 
     run.__name__, run.__doc__ = command.__name__, command.__doc__
-    run.__annotations__ = {p.name: p.annotation for p in flat}
-    run.__signature__ = inspect.Signature(flat)  # type: ignore[attr-defined]
+    context = inspect.Parameter(CONTEXT, inspect.Parameter.KEYWORD_ONLY, annotation=typer.Context)
+    run.__annotations__ = {p.name: p.annotation for p in (context, *flat)}
+    run.__signature__ = inspect.Signature([context, *flat])  # type: ignore[attr-defined]
     return run
 
 

@@ -8,8 +8,7 @@ import typer
 
 from friction_audit.cli import chain
 from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
-from friction_audit.cli.choices import parse_joints
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option, parse_joints
 from friction_audit.cli.console import DAMAGED, Voice, print_rich, remark, say
 from friction_audit.cli.options import (
     OUTPUT,
@@ -37,22 +36,16 @@ EXAMPLES = """Examples:
 
 
 def command(
-    context: typer.Context,
     logs: Annotated[list[Path], typer.Argument(metavar="LOG...", help="Log files, or directories of ROS 2 bags.")],
     selection: SelectionOptions,
     reading: ReadingOptions,
     torque: TorqueOptions,
     cycles: CycleOptions,
     general: GeneralOptions,
-    json: Annotated[
-        bool, typer.Option("--json", help="Print one JSON document and nothing else.", rich_help_panel=OUTPUT)
-    ] = False,
+    json: Annotated[bool, option(OUTPUT, "Print one JSON document and nothing else.", "--json")] = False,
 ) -> None:
     """Show what is in some logs: format, topics, channels as mapped, clock, joints, cycles."""
-    if general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    voice = general.voice
     options = read_options(reading, selection)
     view = _View(selection, torque_settings(torque, reading.robot), cycle_settings(cycles))
     failures: list[FrictionAuditError] = []

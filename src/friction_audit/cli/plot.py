@@ -3,12 +3,10 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import dump_config
-from friction_audit.cli.console import Voice, say
+from friction_audit.cli.choices import option
+from friction_audit.cli.console import say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
 from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFolder, ImageFormats, LogPath
 
@@ -22,27 +20,17 @@ EXAMPLES = """Examples:
 
 
 def command(
-    context: typer.Context,
     log: LogPath,
     shared: AuditOptions,
     kind: Annotated[
         list[str],
-        typer.Option(
-            metavar=choices.metavar(choices.KINDS),
-            callback=choices.some_of(choices.KINDS),
-            autocompletion=choices.offer_some(choices.KINDS),
-            help="What to draw; repeatable, or separated by commas.",
-            rich_help_panel=OUTPUT,
-        ),
+        option(OUTPUT, "What to draw; repeatable, or separated by commas.", some_of=choices.KINDS),
     ] = ["velocity-torque"],  # noqa: B006 - Typer copies it
     formats: ImageFormats = PNG,
     folder: FigureFolder = Path("figures"),
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     kinds = choices.PLOTTED if "all" in kind else tuple(kind)
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite, log=log)

@@ -4,11 +4,9 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
@@ -33,28 +31,18 @@ DOCUMENT, HISTORY = "replay.json", "replay.csv"
 
 
 def command(
-    context: typer.Context,
     log: LogPath,
     options: ReplayOptions,
     shared: LogOptions,
     folder: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            help=f"Also write {DOCUMENT}, {HISTORY} and the figures there.",
-            rich_help_panel=OUTPUT,
-        ),
+        option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
     ] = None,
     figures: FiguresBeside = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     plan = plan_exports(folder, export, "replay")

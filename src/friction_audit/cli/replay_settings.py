@@ -5,10 +5,8 @@ from math import isfinite
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
 from friction_audit.cli import choices
-from friction_audit.cli.choices import parse_numbers
+from friction_audit.cli.choices import option, parse_numbers
 from friction_audit.cli.options import CycleOptions
 from friction_audit.errors import UsageError
 
@@ -26,118 +24,88 @@ class ReplayOptions:
 
     assume: Annotated[
         str,
-        typer.Option(
-            metavar=choices.metavar(choices.ASSUMPTIONS),
-            callback=choices.one_of(choices.ASSUMPTIONS),
-            autocompletion=choices.offer_one(choices.ASSUMPTIONS),
-            help="What would have stayed as recorded.",
-            rich_help_panel=REPLAY,
-        ),
+        option(REPLAY, "What would have stayed as recorded.", one_of=choices.ASSUMPTIONS),
     ] = "same-motion"
     compensator: Annotated[
         str,
-        typer.Option(
-            metavar=choices.metavar(choices.COMPENSATORS),
-            callback=choices.one_of(choices.COMPENSATORS),
-            autocompletion=choices.offer_one(choices.COMPENSATORS),
-            help="energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
+        option(
+            REPLAY,
+            "energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
             "the others: its rivals.",
-            rich_help_panel=REPLAY,
+            one_of=choices.COMPENSATORS,
         ),
     ] = "energy"
     model: Annotated[
         str | None,
-        typer.Option(
-            metavar=choices.metavar(choices.MODELS),
-            callback=lambda name: name if name is None else choices.one_of(choices.MODELS)(name),
-            autocompletion=choices.offer_one(choices.MODELS),
-            help="Friction model of the compensator. Default: combined.",
-            rich_help_panel=REPLAY,
-        ),
+        option(REPLAY, "Friction model of the compensator. Default: combined.", one_of=choices.MODELS),
     ] = None
     joint_model: Annotated[
         Path | None,
-        typer.Option(
+        option(
+            REPLAY,
+            "Model of the joints, e.g. of a diagnosis: they move with same-torque and same-operator in place of "
+            "those fitted to the log; --compensator model applies their friction.",
             metavar="FILE.toml",
             exists=True,
             dir_okay=False,
-            help="Model of the joints, e.g. of a diagnosis: they move with same-torque and same-operator in place of "
-            "those fitted to the log; --compensator model applies their friction.",
-            rich_help_panel=REPLAY,
         ),
     ] = None
     window: Annotated[
         int | None,
-        typer.Option(
-            metavar="K",
-            help="Cycles per estimate. Default: 4 (with one coefficient 2); the paper has 2.",
-            rich_help_panel=REPLAY,
-        ),
+        option(REPLAY, "Cycles per estimate. Default: 4 (with one coefficient 2); the paper has 2.", metavar="K"),
     ] = None
     factor: Annotated[
         float,
-        typer.Option(metavar="FACTOR", help="Apply so many times the estimate.", rich_help_panel=REPLAY),
+        option(REPLAY, "Apply so many times the estimate.", metavar="FACTOR"),
     ] = 1.0
     fixed: Annotated[
         str | None,
-        typer.Option(
+        option(
+            REPLAY,
+            "Apply these coefficients throughout [N m, N m s/rad], whatever the estimate says.",
             metavar="coulomb=NM,viscous=NMS",
-            help="Apply these coefficients throughout [N m, N m s/rad], whatever the estimate says.",
-            rich_help_panel=REPLAY,
         ),
     ] = None
-    no_passivity: Annotated[
-        bool, typer.Option("--no-passivity", help="Without the passivity controller.", rich_help_panel=REPLAY)
-    ] = False
+    no_passivity: Annotated[bool, option(REPLAY, "Without the passivity controller.", "--no-passivity")] = False
     max_damping: Annotated[
         float | None,
-        typer.Option(
-            metavar="NMS", help="Largest damping it injects [N m s/rad]. Default: 50.", rich_help_panel=REPLAY
-        ),
+        option(REPLAY, "Largest damping it injects [N m s/rad]. Default: 50.", metavar="NMS"),
     ] = None
     max_torque: Annotated[
         float | None,
-        typer.Option(
+        option(
+            REPLAY,
+            "Largest torque of the compensator [N m]. Default: what the joints of a Panda bear, else no limit.",
             metavar="NM",
-            help="Largest torque of the compensator [N m]. Default: what the joints of a Panda bear, else no limit.",
-            rich_help_panel=REPLAY,
         ),
     ] = None
     max_rate: Annotated[
         float | None,
-        typer.Option(
-            metavar="NM/S",
-            help="Fastest change of it [N m/s]. Default: 1000 for a Panda, else no limit.",
-            rich_help_panel=REPLAY,
-        ),
+        option(REPLAY, "Fastest change of it [N m/s]. Default: 1000 for a Panda, else no limit.", metavar="NM/S"),
     ] = None
     observer_gain: Annotated[
         float | None,
-        typer.Option(metavar="1/S", help="Of the disturbance observer [1/s]. Default: 20.", rich_help_panel=REPLAY),
+        option(REPLAY, "Of the disturbance observer [1/s]. Default: 20.", metavar="1/S"),
     ] = None
     motor_inertia: Annotated[
         float | None,
-        typer.Option(
+        option(
+            REPLAY,
+            "That disturbance-observer and torque-regulation assume [kg m^2]. Default: as fitted to the log.",
             metavar="KG_M2",
-            help="That disturbance-observer and torque-regulation assume [kg m^2]. Default: as fitted to the log.",
-            rich_help_panel=REPLAY,
         ),
     ] = None
     desired_inertia: Annotated[
         float | None,
-        typer.Option(
-            metavar="KG_M2",
-            help="That torque-regulation shapes [kg m^2]. Default: half the motor's.",
-            rich_help_panel=REPLAY,
-        ),
+        option(REPLAY, "That torque-regulation shapes [kg m^2]. Default: half the motor's.", metavar="KG_M2"),
     ] = None
     operator: Annotated[
         str | None,
-        typer.Option(
-            metavar="MASS,DAMPING,STIFFNESS",
-            help="With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad]. "
+        option(
+            REPLAY,
+            "With same-operator: the person's impedance at the joint [kg m^2, N m s/rad, N m/rad]. "
             "Default: fitted from the log where it can be.",
-            rich_help_panel=REPLAY,
+            metavar="MASS,DAMPING,STIFFNESS",
         ),
     ] = None
 

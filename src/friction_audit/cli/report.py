@@ -8,7 +8,8 @@ import typer
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.config import command_line, dump_config
+from friction_audit.cli.choices import option
+from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
 from friction_audit.cli.export_files import ExportPlan, write_exports
@@ -40,33 +41,28 @@ def command(
     shared: AuditOptions,
     formats: Annotated[
         list[str],
-        typer.Option(
+        option(
+            OUTPUT,
+            "Formats of the report; repeatable, or separated by commas. Default: html.",
             "--format",
-            metavar=choices.metavar(FORMATS),
-            callback=choices.some_of(FORMATS),
-            autocompletion=choices.offer_some(FORMATS),
-            help="Formats of the report; repeatable, or separated by commas. Default: html.",
-            rich_help_panel=OUTPUT,
+            some_of=FORMATS,
         ),
     ] = [],  # noqa: B006 - Typer copies it
     folder: Annotated[
         Path | None,
-        typer.Option(
+        option(
+            OUTPUT,
+            "Folder of the report, whose file is called as the log is, e.g. run.report.html. Default: where you "
+            "are; with --json alone no file is written.",
             "--output",
             "-o",
             metavar="DIR",
-            help="Folder of the report, whose file is called as the log is, e.g. run.report.html. Default: where you "
-            "are; with --json alone no file is written.",
-            rich_help_panel=OUTPUT,
         ),
     ] = None,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Write all that a log says on one HTML page: friction, compensator, what the model misses, how sure we are."""
-    if shared.general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=shared.general.quiet, verbose=shared.general.verbose)
+    voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     files = _files(log, folder, formats, printed=output.json)
     plan = _plan(log, folder, export)

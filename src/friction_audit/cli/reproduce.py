@@ -5,10 +5,8 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from friction_audit.cli import chain, choices
-from friction_audit.cli.config import dump_config
+from friction_audit.cli import chain
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, print_rich, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
@@ -28,38 +26,32 @@ PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
 
 
 def command(
-    context: typer.Context,
     output: OutputOptions,
     general: GeneralOptions,
     figures: Annotated[
         list[str],
-        typer.Option(
+        option(
+            SIMULATION,
+            "Figures of the paper; repeatable, or separated by commas. Default: all.",
             "--figures",
-            metavar=choices.metavar(PAPER_FIGURES),
-            callback=choices.some_of(PAPER_FIGURES),
-            autocompletion=choices.offer_some(PAPER_FIGURES),
-            help="Figures of the paper; repeatable, or separated by commas. Default: all.",
-            rich_help_panel=SIMULATION,
+            some_of=PAPER_FIGURES,
         ),
     ] = list(PAPER_FIGURES),  # noqa: B006 - Typer copies it
     seeds: Annotated[
         int,
-        typer.Option(
+        option(
+            SIMULATION,
+            "Persons simulated where one moves the joint, at most 5 for the whole arm.",
             metavar="INT",
             min=1,
             max=1000,
-            help="Persons simulated where one moves the joint, at most 5 for the whole arm.",
-            rich_help_panel=SIMULATION,
         ),
     ] = 20,
     formats: ImageFormats = PNG,
     folder: FigureFolder = Path("reproduced"),
 ) -> None:
     """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""
-    if general.dump_config:
-        say(dump_config(context), nl=False)
-        return
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    voice = general.voice
     paths = {number: [folder / f"fig{number}.{suffix}" for suffix in formats] for number in figures}
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
     chosen, claims = _reproduce(paths, seeds, voice, overwrite=output.overwrite)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from friction_audit.cli import chain, choices
-from friction_audit.cli.config import dump_config
+from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.options import OUTPUT, GeneralOptions, OutputOptions
 from friction_audit.errors import UsageError
@@ -43,57 +43,50 @@ class SimulationOptions:
 
     seed: Annotated[
         int,
-        typer.Option(metavar="INT", min=0, help="Same seed, same log, to the bit.", rich_help_panel=SIMULATION),
+        option(SIMULATION, "Same seed, same log, to the bit.", metavar="INT", min=0),
     ] = 0
     duration: Annotated[
         float | None,
-        typer.Option(
-            metavar="SECONDS",
-            callback=_finite,
-            help="Length of the log. Default: the scenario's.",
-            rich_help_panel=SIMULATION,
-        ),
+        option(SIMULATION, "Length of the log. Default: the scenario's.", metavar="SECONDS", callback=_finite),
     ] = None
     rate: Annotated[
         float | None,
-        typer.Option(
-            metavar="HZ", callback=_finite, help="Sampling rate. Default: the scenario's.", rich_help_panel=SIMULATION
-        ),
+        option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite),
     ] = None
     model: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.toml",
-            help="Joints of this model, e.g. of a diagnosis, in the place of the scenario's; --set and --effect come"
+        option(
+            SIMULATION,
+            "Joints of this model, e.g. of a diagnosis, in the place of the scenario's; --set and --effect come"
             " on top.",
-            rich_help_panel=SIMULATION,
+            metavar="FILE.toml",
         ),
     ] = None
     effects: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            SIMULATION,
+            "Hide an effect, in all joints that move or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
             "--effect",
             metavar="NAME[:PARAMETER=VALUE,...][@JOINTS]",
             autocompletion=choices.offer_one(choices.EFFECTS),
-            help="Hide an effect, in all joints that move or in some, e.g. stribeck:excess_nm=0.2@2,5. Repeatable.",
-            rich_help_panel=SIMULATION,
         ),
     ] = None
     assignments: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            SIMULATION,
+            "Another value for a setting of the scenario, e.g. joints.coulomb_nm=0.4@2,5. Repeatable.",
             "--set",
             metavar="NAME=VALUE[@JOINTS]",
-            help="Another value for a setting of the scenario, e.g. joints.coulomb_nm=0.4@2,5. Repeatable.",
-            rich_help_panel=SIMULATION,
         ),
     ] = None
     ideal: Annotated[
         bool,
-        typer.Option(
+        option(
+            SIMULATION,
+            "Sensors and clock without noise, resolution or loss; --set may bring some of it back.",
             "--ideal",
-            help="Sensors and clock without noise, resolution or loss; --set may bring some of it back.",
-            rich_help_panel=SIMULATION,
         ),
     ] = False
 
@@ -104,22 +97,15 @@ class ListOptions:
 
     scenarios: Annotated[
         bool,
-        typer.Option(
-            "--list",
-            help="List the scenarios and stop; with SCENARIO, its settings and their values.",
-            rich_help_panel=SIMULATION,
-        ),
+        option(SIMULATION, "List the scenarios and stop; with SCENARIO, its settings and their values.", "--list"),
     ] = False
     effects_there_are: Annotated[
         bool,
-        typer.Option(
-            "--list-effects", help="List the effects and their parameters and stop.", rich_help_panel=SIMULATION
-        ),
+        option(SIMULATION, "List the effects and their parameters and stop.", "--list-effects"),
     ] = False
 
 
 def command(
-    context: typer.Context,
     scenario: Annotated[
         str | None,
         typer.Argument(metavar="SCENARIO", autocompletion=choices.offer_one(choices.SCENARIOS), help="One of --list."),
@@ -131,37 +117,30 @@ def command(
     general: GeneralOptions,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="The log; its suffix chooses the format.", rich_help_panel=OUTPUT
-        ),
+        option(OUTPUT, "The log; its suffix chooses the format.", "--output", "-o", metavar="FILE"),
     ] = None,
     dialect: Annotated[
         str | None,
-        typer.Option(
+        option(
+            OUTPUT,
+            "One of convert --list-dialects. Default: the first one of FILE's suffix.",
             metavar="NAME",
             autocompletion=choices.offer_one(choices.DIALECTS),
-            help="One of convert --list-dialects. Default: the first one of FILE's suffix.",
-            rich_help_panel=OUTPUT,
         ),
     ] = None,
     truth: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE.json", help="Also write what the log does not say: settings, effects.", rich_help_panel=OUTPUT
-        ),
+        option(OUTPUT, "Also write what the log does not say: settings, effects.", metavar="FILE.json"),
     ] = None,
 ) -> None:
     """Make a synthetic log whose friction and hidden effects are known."""
-    if general.dump_config:
-        say(dump_config(context), nl=False)
-        return
     if lists.scenarios or lists.effects_there_are:
         _list(scenario, lists, json=output.json)
         return
     chosen = _find_scenario(scenario)
     path, writer = _choose_output(out, dialect, truth, overwrite=output.overwrite)
     run = _Run(replace(chosen, settings=_settings(chosen, simulation)), simulation.seed)
-    voice = Voice(quiet=general.quiet, verbose=general.verbose)
+    voice = general.voice
     log = run.simulate(path, voice)
     simulated = run.write(log, path, writer, truth, voice, overwrite=output.overwrite)
     _report(simulated, log, path, writer, truth, voice, json=output.json)

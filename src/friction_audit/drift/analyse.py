@@ -18,7 +18,7 @@ from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, m
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.drift.shapes import base_shapes, make_directions
 from friction_audit.drift.words import describe_arm, describe_joint
-from friction_audit.joint_log import write_joint_numbers
+from friction_audit.joint_numbers import write_joint_numbers
 
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:

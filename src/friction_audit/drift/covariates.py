@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.drift.session import Order, Series, Session
-from friction_audit.joint_log import Float, write_joint_numbers
+from friction_audit.joint_log import Float
+from friction_audit.joint_numbers import write_joint_numbers
 
 RATE_RATIO = 2.0
 """Rates further apart than that filter noise differently."""

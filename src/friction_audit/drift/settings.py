@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import parse_joint_numbers
+from friction_audit.joint_numbers import parse_joint_numbers
 
 FEWEST_SESSIONS = 4
 """Two before and two after a step; fewer cannot tell a change from one odd session."""

@@ -14,7 +14,7 @@ from friction_audit.drift.report import ChangePoint, CoefficientDrift, JointDrif
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import FEWEST_SESSIONS
 from friction_audit.friction.history import Coefficient
-from friction_audit.joint_log import write_joint_numbers
+from friction_audit.joint_numbers import write_joint_numbers
 
 NAMES = {"coulomb_nm": "Coulomb friction", "viscous_nms_per_rad": "viscous friction"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}

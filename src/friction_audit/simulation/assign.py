@@ -11,7 +11,7 @@ from math import inf
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from friction_audit.errors import UsageError
-from friction_audit.joint_log import require_joints, split_joints, write_joint_numbers
+from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
 from friction_audit.simulation.plain_values import Value, can_be_made, kinds_of, name_of, reader_of, write_plain
 
 Settings = TypeVar("Settings")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.errors import UsageError, shortened
-from friction_audit.joint_log import write_joint_numbers
+from friction_audit.joint_numbers import write_joint_numbers
 from friction_audit.reporting.drift_words import (
     DRIFT,
     coefficient_name,
