@@ -7,9 +7,9 @@ import numpy as np
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from friction_audit.diagnosis.declared import declare, least_squares
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.rows import make_rows
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog

@@ -5,9 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
 from friction_audit.effects.model_file import save_model
-from friction_audit.effects.term import Motion
 from friction_audit.io.readers import read_log
 from tests.cli.conftest import Run
 

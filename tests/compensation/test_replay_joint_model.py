@@ -14,9 +14,9 @@ from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.rivals import Rival
 from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
 from friction_audit.compensation.tabled_loop import MovedJoint, modelled_joint
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
-from friction_audit.effects.term import Motion
 from friction_audit.effects.terms import TERMS
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.mean_sign import mean_sign
+from friction_audit.effects.joint_data import JointData, mean_sign
 from friction_audit.joint_log import Float
 
 GRID_HZ = 400.0

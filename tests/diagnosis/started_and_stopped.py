@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.breakaway import find_breakaways, signed_rest
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.breakaway import find_breakaways, signed_rest
+from friction_audit.effects.joint_data import JointData
 
 COULOMB_NM, EXCESS_NM, RISE_NM_PER_S = 0.3, 0.2, 1.5
 

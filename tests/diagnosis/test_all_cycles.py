@@ -9,10 +9,10 @@ from friction_audit.diagnosis.all_cycles import settled
 from friction_audit.diagnosis.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
 from friction_audit.diagnosis.candidates.warm_up import CANDIDATE as WARM_UP
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.shape_steps import steps_of
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import moved_joint

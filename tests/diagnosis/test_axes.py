@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.diagnosis.axes import AXES, curve, knots_of
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.profiles import UNITS
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.diagnosis.breakaway import STANDSTILL_S, find_breakaways, signed_rest, torque_known
+from friction_audit.effects.breakaway import STANDSTILL_S, find_breakaways, signed_rest, torque_known
 from friction_audit.joint_log import Float
 
 STEP_S = 1.0 / 400.0

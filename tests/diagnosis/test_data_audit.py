@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.data_audit import DataFinding, audit_data, faults
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prepare import prepare
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.preprocessing.interaction import Interaction

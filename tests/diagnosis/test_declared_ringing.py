@@ -8,7 +8,7 @@ import pytest
 from friction_audit.diagnosis.contacts import _of_a_file
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.terms.backlash import TERM
 from friction_audit.joint_log import Float

@@ -7,15 +7,15 @@ from functools import cache
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.naming import search_library
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -199,7 +199,7 @@ def test_what_stood_in_for_the_truth_and_does_not_hold_is_left_out_of_another_se
     ground = make_ground(joint.data, None, 0)
     locked = np.unique(ground.rows.cycle[ground.locked])
 
-    def turned(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+    def turned(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
         return np.asarray(missing(data) * np.where(np.isin(data.cycle, locked), -1.0, 1.0))[:, None]
 
     stand_in = replace(STEP, name="stand_in", shapes=({},), columns=turned, moment="")

@@ -5,7 +5,7 @@ import pytest
 
 from friction_audit.diagnosis.driving import driving
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 

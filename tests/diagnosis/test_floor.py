@@ -8,7 +8,7 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.floor import beside_wanted_curves, noise_floor
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 from tests.diagnosis.moved_joint import moved_joint
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile
 from friction_audit.dynamics.stick_slip import simulate
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float

@@ -8,7 +8,8 @@ from scipy.signal import lfilter
 
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.rows import CORNER_HZ, LOWEST_CORNER_HZ
+from friction_audit.diagnosis.rows import LOWEST_CORNER_HZ
+from friction_audit.effects.joint_data import CORNER_HZ
 from friction_audit.errors import AnalysisError
 from tests.diagnosis.moved_joint import INERTIA_KG_M2, TRUTH, moved_joint
 

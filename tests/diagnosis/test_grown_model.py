@@ -117,7 +117,7 @@ def test_joints_are_found_by_their_number(place: int) -> None:
 
 def test_numbers_that_a_declared_term_lacks_are_lacking_in_the_grown_one() -> None:
     term = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    told = [parameter.name for parameter in term.term.linear if not parameter.optional]
+    told = [parameter.name for parameter in term.effect.coefficients if not parameter.optional]
     fitted = {"coulomb_nm": coefficient(0.35, 0.1), "viscous_nms_per_rad": coefficient(0.09, 0.1)}
     fitted |= {name: coefficient(float(k), 0.1) for k, name in enumerate(told)}
     joint = grown(replace(NONE, joint=1, grown=fitted), declared=declared_arm(term)).joints[0]

@@ -8,9 +8,9 @@ from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.diagnosis.candidates.stribeck import CANDIDATE as STRIBECK
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.jointly import fit_jointly
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 

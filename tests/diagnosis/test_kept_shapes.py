@@ -8,9 +8,9 @@ import pytest
 from friction_audit.diagnosis.alternatives import Naming
 from friction_audit.diagnosis.declared import coefficients
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.kept_shapes import over_kept_shapes
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint

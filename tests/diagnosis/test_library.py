@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import build_library, plainer
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.toy_candidates import BUMP, TOYS, WAVE
@@ -39,7 +39,7 @@ def test_rules_are_those_of_the_candidate() -> None:
 def test_a_column_of_zeros_is_left_out_and_its_factor_is_zero_for_the_rule() -> None:
     asked: list[list[float]] = []
 
-    def columns(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+    def columns(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
         return np.column_stack([np.zeros(len(data.t)), data.q, np.zeros(len(data.t))])
 
     def admissible(factors: Float, _shape: Shape) -> bool:

@@ -2,8 +2,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.likely_work import longest_first
+from friction_audit.effects.joint_data import JointData
 from tests.diagnosis.moved_joint import moved_joint
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.mean_sign import mean_sign
+from friction_audit.effects.joint_data import mean_sign
 from friction_audit.joint_log import Float
 
 T: Float = np.arange(5, dtype=np.float64) * 0.01

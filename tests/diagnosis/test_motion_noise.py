@@ -7,9 +7,8 @@ import pytest
 
 from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.motion_noise import noise_in_columns, noisier
-from friction_audit.diagnosis.noise import grid_noise
+from friction_audit.effects.joint_data import JointData, grid_noise
 from tests.diagnosis.moved_joint import moved_joint
 
 

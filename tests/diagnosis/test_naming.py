@@ -6,15 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.cross_products import cross_products
 from friction_audit.diagnosis.evidence import evidence
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import build_library
-from friction_audit.diagnosis.mean_sign import mean_sign
 from friction_audit.diagnosis.naming import Names, find_names, with_moments_of_all_cycles, worth
 from friction_audit.diagnosis.ranking import Ranking
+from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
 from tests.diagnosis.toy_candidates import BUMP, SQUARE, STEP, TOYS
@@ -85,7 +84,7 @@ def test_what_was_there_on_the_working_cycles_only_is_dropped() -> None:
     assert names.disproved == ("bump",)
 
 
-def spring(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+def spring(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
     return np.column_stack([data.q, np.ones(len(data.q))])
 
 
@@ -143,7 +142,7 @@ def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bo
     def both(data: JointData) -> Float:
         return 3.0 * bump(data) + share * 3.0 * wave(data)
 
-    def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+    def columns(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
         return np.column_stack([bump(data), shape["form"] * wave(data)])
 
     def wave(data: JointData) -> Float:

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.outdone import _speaks, find_outdone, what_speaks
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 

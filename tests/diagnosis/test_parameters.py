@@ -8,9 +8,9 @@ import pytest
 
 from friction_audit.diagnosis.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.parameters import Parameters, parameters_of
 from friction_audit.diagnosis.refine import refine
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import TRUTH, moved_joint

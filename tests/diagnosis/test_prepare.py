@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prepare import fresh_samples, holes, low_pass_for, prepare
+from friction_audit.effects.joint_data import JointData
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.velocity import lag_of
 from friction_audit.simulation import BenchSettings, simulate

@@ -6,10 +6,10 @@ import pytest
 from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.diagnosis.candidates.backlash import flank_twist
 from friction_audit.diagnosis.ground import make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.profile_likelihood import profile_number
 from friction_audit.diagnosis.valleys import FARTHEST
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 

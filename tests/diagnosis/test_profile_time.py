@@ -6,10 +6,10 @@ import pytest
 from friction_audit.diagnosis.alternatives import Naming
 from friction_audit.diagnosis.candidates.warm_up import CANDIDATE
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.profile_time import time_interval
 from friction_audit.diagnosis.refine import refine
+from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, VISCOUS_NMS_PER_RAD, moved_joint

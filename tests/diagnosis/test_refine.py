@@ -8,9 +8,9 @@ import pytest
 
 from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.refine import refine
-from friction_audit.effects.term import Parameter
+from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.terms.stribeck import TERM
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint

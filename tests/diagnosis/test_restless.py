@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.restless import find_restless
 from friction_audit.diagnosis.result import Vibration
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 

@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.alternatives import Naming
-from friction_audit.diagnosis.candidate import Baseline, Candidate
+from friction_audit.diagnosis.candidate import Candidate
 from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.naming import Found, Names
 from friction_audit.diagnosis.result import Vibration
 from friction_audit.diagnosis.ringing import CORNER_HZ, find_ringing, on_every_sample, rings, shaking
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
@@ -115,7 +115,7 @@ def named(name: str, shape: dict[str, float]) -> Names:
         naming=Naming(name=name, rivals=(), alternatives=()),
         p_value=0.01,
     )
-    baseline = Baseline(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.1, torque=np.zeros(1))
+    baseline = Nominal(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.1, torque=np.zeros(1))
     return Names(found=(found,), library=Library(entries=(), untestable={}), baseline=baseline)
 
 

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.diagnosis.prepare import low_pass_for
-from friction_audit.diagnosis.rows import CORNER_HZ, LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
+from friction_audit.diagnosis.rows import LOWEST_CORNER_HZ, QUIET_SHARE, corner_for, filter_rows, make_rows
+from friction_audit.effects.joint_data import CORNER_HZ
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped

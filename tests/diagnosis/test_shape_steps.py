@@ -16,7 +16,7 @@ GROUND = make_ground(moved_joint(noise_nm=0.02, duration_s=10.0), None, 0)
 def numbers(candidate: Candidate) -> list[str]:
     """Names of the numbers of its shapes that are no kinds."""
     shapes = candidate.tried(GROUND.data)
-    whole = () if candidate.term is None else tuple(p.name for p in candidate.term.shape if p.whole)
+    whole = () if candidate.term is None else tuple(p.name for p in candidate.term.nonlinear if p.whole)
     return [name for name in (shapes[0] if shapes else ()) if name not in whole]
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from friction_audit.diagnosis.candidates import stribeck, unlogged_compensation
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint

@@ -2,24 +2,24 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
 
-def _bump(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+def _bump(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
     return np.exp(-(((data.q - shape["place_rad"]) / shape["width_rad"]) ** 2))[:, None]
 
 
-def _wave(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+def _wave(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
     return np.column_stack([np.sin(shape["rate"] * data.t), np.cos(shape["rate"] * data.t)])
 
 
-def _step(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+def _step(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
     return (np.sign(data.dq) * (data.t >= shape["moment_s"]))[:, None]
 
 
-def _square(data: JointData, _baseline: Baseline, _shape: Shape) -> Float:
+def _square(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
     return (data.dq * np.abs(data.dq))[:, None]
 
 

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from friction_audit.dynamics.rigid_body import RigidBody
-from friction_audit.effects.term import Motion, Others
+from friction_audit.dynamics.motion import Motion, Others, RigidBody
 from friction_audit.joint_log import Float
 
 N = 5

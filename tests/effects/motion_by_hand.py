@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.joint_log import Float
 
 

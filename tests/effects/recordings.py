@@ -2,8 +2,10 @@
 
 import numpy as np
 
+from friction_audit.dynamics.motion import Motion, Others
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion, Others, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 
 TYPICAL = {"presliding": (0.3, 0.005, 1.0, 0.005)}
 """Numbers of terms whose bounds are far apart: bristles with the damping of the middle would be a damper."""

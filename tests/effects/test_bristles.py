@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from friction_audit.dynamics.bristles import NO_BRISTLES, bristles_of
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 from friction_audit.joint_log import Float
 
@@ -20,7 +22,7 @@ def invent(monkeypatch: pytest.MonkeyPatch, basis: Callable[[Motion], Float]) ->
     term = Term(
         name="invented",
         label="invented",
-        linear=(Parameter(name="invented_nm", unit="N m", meaning="invented"),),
+        coefficients=(Parameter(name="invented_nm", unit="N m", meaning="invented"),),
         basis=lambda motion, _shape: basis(motion)[:, None],
         friction=True,
         forward="bristle",

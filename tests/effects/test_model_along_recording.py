@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.motion import Forward, Motion
 from friction_audit.dynamics.stick_slip import simulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
-from friction_audit.effects.term import Forward, Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float

@@ -181,7 +181,7 @@ def test_numbers_that_earlier_versions_did_not_know_may_be_left_out(tmp_path: Pa
     arm = load_model(path)
     assert arm.joints[0] is not None
     (term,) = arm.joints[0].terms
-    told = {p.name: value for p, value in zip(term.term.parameters, term.values, strict=True)}
+    told = {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
     assert {name: told.pop(name) for name in OF_ONE_LINK} == OF_ONE_LINK
     assert set(told.values()) == {0.0}
     save_model(arm, path, overwrite=True)

@@ -9,9 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.stick_slip import Operator, advance, make_body, simulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float

@@ -8,9 +8,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.dynamics.along_recording import BETWEEN
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import certain, read_along, tabulate
 from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 from friction_audit.joint_log import Float
 from tests.effects.recordings import make_recording, typical_term

@@ -5,8 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS, term_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -19,7 +21,7 @@ def typical(parameter: Parameter) -> float:
     return min(max(0.3, parameter.lower), parameter.upper)
 
 
-SHAPES = {term.name: tuple(typical(parameter) for parameter in term.shape) for term in TERMS}
+SHAPES = {term.name: tuple(typical(parameter) for parameter in term.nonlinear) for term in TERMS}
 
 
 def make_motion(dq: Float) -> Motion:
@@ -43,22 +45,22 @@ def motion() -> Motion:
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Term, motion: Motion) -> None:
     shape = SHAPES[term.name]
-    linear = tuple(0.3 + 0.1 * i for i in range(len(term.linear)))
+    linear = tuple(0.3 + 0.1 * i for i in range(len(term.coefficients)))
     regressor = term.regressor(motion, shape)
-    assert regressor.shape == (401, len(term.linear))
+    assert regressor.shape == (401, len(term.coefficients))
     assert np.array_equal(term.torque(linear + shape, motion), regressor @ np.array(linear))
 
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
 def test_friction_never_pushes(term: Term, motion: Motion) -> None:
-    if term.friction and all(parameter.lower >= 0.0 for parameter in term.linear):
-        values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
+    if term.friction and all(parameter.lower >= 0.0 for parameter in term.coefficients):
+        values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
         assert np.all(term.torque(values, motion) * motion.dq >= 0.0)
 
 
 @pytest.mark.parametrize("term", [term for term in TERMS if term.speed_only], ids=lambda term: term.name)
 def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Motion) -> None:
-    values = tuple(0.3 for _ in term.linear) + SHAPES[term.name]
+    values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
     elsewhere = Motion(
         t=3.0 * motion.t + 5.0,
         q=2.0 * motion.q - 1.0,
@@ -74,7 +76,7 @@ def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Moti
 def test_names_and_parameters_are_unique() -> None:
     every = [parameter for term in TERMS for parameter in term.parameters]
     assert len({parameter.name for parameter in every}) == len(set(every))
-    factors = [parameter.name for term in TERMS for parameter in term.linear]
+    factors = [parameter.name for term in TERMS for parameter in term.coefficients]
     assert len(set(factors)) == len(factors)
     assert len({term.name for term in TERMS}) == len(TERMS)
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose
 
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.terms.frictional_lag import TERM, lagged
 from friction_audit.joint_log import Float
 

@@ -23,7 +23,9 @@ def test_several_links_pull_each_by_numbers_of_its_own() -> None:
     columns = TERM.regressor(among_three(rigid=rigid_body()), (SEVERAL,))
     of_link = [0.0, 0.0, 1.0, 2.0, 3.0, 4.0, 0.0, 0.0, 5.0, 6.0, 7.0, 8.0, 0.0, 0.0, 0.0, 0.0]
     assert columns == pytest.approx(np.tile(of_link, (N, 1)))
-    names = [parameter.name for parameter, number in zip(TERM.linear, of_link, strict=True) if number in {4.0, 8.0}]
+    names = [
+        parameter.name for parameter, number in zip(TERM.coefficients, of_link, strict=True) if number in {4.0, 8.0}
+    ]
     assert names == ["link_mass_kg", "next_link_mass_kg"]
 
 

@@ -11,7 +11,7 @@ from tests.effects.motion_by_hand import motion_of
 @pytest.mark.parametrize(("source", "accelerations"), [(BEFORE, {0: 1.0}), (AFTER, {2: 3.0}), (BOTH, {0: 1.0, 2: 3.0})])
 def test_accelerations_of_neighbours(source: int, accelerations: dict[int, float]) -> None:
     columns = TERM.regressor(among_three(), (source,))
-    expected = np.zeros((N, len(TERM.linear)))
+    expected = np.zeros((N, len(TERM.coefficients)))
     for joint, value in accelerations.items():
         expected[:, joint] = value
     assert columns == pytest.approx(expected)
@@ -25,7 +25,7 @@ def test_all_others_with_their_squared_speeds_and_never_itself() -> None:
 
 def test_a_share_of_what_the_model_says_and_its_last_link() -> None:
     motion = among_three(rigid=rigid_body())
-    names = [parameter.name for parameter in TERM.linear]
+    names = [parameter.name for parameter in TERM.coefficients]
     share = names.index("inertial_torque_share")
     model, tip = TERM.regressor(motion, (MODEL,)), TERM.regressor(motion, (TIP,))
     assert np.flatnonzero(model.any(axis=0)).tolist() == [share]

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.terms.presliding import TERM, bristle
 from friction_audit.joint_log import Float
 

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
 
-from friction_audit.effects.term import Motion, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import backlash, joint_elasticity
 from friction_audit.joint_log import Float
 

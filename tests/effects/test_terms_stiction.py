@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.terms.stiction import TERM, since_onset
 from friction_audit.joint_log import Float
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.terms.time_delay import TERM
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.effects.term import Motion, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 
 T = np.arange(4000) / 400.0

@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import HIGHEST_HZ, FarSide, Transmission, added_torque, far_side, transmitted
-from friction_audit.effects.term import Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 

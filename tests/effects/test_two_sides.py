@@ -9,11 +9,11 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.dynamics.two_mass import can_follow, link_of, move_two_sides
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion
 from friction_audit.joint_log import Float
 from tests.effects.recordings import joint_with
 

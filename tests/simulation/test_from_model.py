@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
-from friction_audit.effects.term import Motion
 from friction_audit.effects.terms import TERMS, term_of
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings

@@ -17,8 +17,8 @@ from friction_audit.compensation.result import Signals
 from friction_audit.compensation.tabled_loop import MovedJoint, body_of, impedance, tabled_of
 from friction_audit.compensation.tally import COLUMNS, count_energy, fresh_tally, largest_sample
 from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.term import Motion
 from friction_audit.joint_log import Float, median_step, read_only
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction

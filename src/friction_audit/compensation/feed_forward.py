@@ -11,10 +11,10 @@ import numpy as np
 
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.move import bend_on, drag, held_torque, taken
 from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -113,7 +113,7 @@ OF_FRICTION = (
 
 def friction_terms(model: JointModel) -> tuple[FittedTerm, ...]:
     """Return the terms that a compensator of friction has to do with."""
-    return tuple(term for term in model.terms if term.term.friction or term.name in OF_FRICTION)
+    return tuple(term for term in model.terms if term.effect.friction or term.name in OF_FRICTION)
 
 
 def refusal(terms: Iterable[FittedTerm]) -> str:
@@ -130,7 +130,7 @@ def past_refusal(terms: Iterable[FittedTerm]) -> str:
 
 
 def _why_not(term: FittedTerm) -> str:
-    values = dict(zip((parameter.name for parameter in term.term.parameters), term.values, strict=True))
+    values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))
     if term.name == "gravity_error" and values["gravity_error_source"] != 0.0:
         return "it needs the model of the arm, and a replay moves one joint alone"
     if term.name == "warm_up" and values["warm_up_per_k"] != 0.0:

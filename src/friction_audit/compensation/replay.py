@@ -36,8 +36,8 @@ from friction_audit.compensation.result import JointReplay, Replay, ReplayHistor
 from friction_audit.compensation.rivals import tune
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.compensation.tabled_loop import MovedJoint, fitted_joint, modelled_joint
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.term import Motion
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.joint_log import Float, median_step
 from friction_audit.parallel import per_joint

@@ -24,11 +24,11 @@ from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, Fitted
 from friction_audit.compensation.records import Record
 from friction_audit.compensation.tally import count_energy
 from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.move import Step, advance, drag, held_torque, steps_per_sample, taken
 from friction_audit.dynamics.stick_slip import make_body
 from friction_audit.dynamics.torque_tables import Tables, tabulate
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
@@ -164,7 +164,7 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     unable = refusal(model.terms)
     if unable:
         return unable
-    if all(term.term.speed_only for term in model.terms):
+    if all(term.effect.speed_only for term in model.terms):
         return _of_speed(model)
     tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
     if past:

@@ -12,10 +12,11 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.shape_steps import steps_of
+from friction_audit.effects.joint_data import Nominal
 
 MOST_STEPS = 8
 SHARES = (1.0, 0.5, 0.25, 0.125)
@@ -24,7 +25,7 @@ SETTLED = 1e-6
 """Change of the misfit, as a share of it, that is not worth another step."""
 
 
-def settled(ground: Ground, found: Sequence[Found], baseline: Baseline) -> list[Found]:
+def settled(ground: Ground, found: Sequence[Found], baseline: Nominal) -> list[Found]:
     """The effects with the shapes that leave least on all cycles, near those that were found.
 
     Moments, time constants and rugged numbers stay: a descent finds none of them.
@@ -50,7 +51,7 @@ def settled(ground: Ground, found: Sequence[Found], baseline: Baseline) -> list[
 
 
 def _nearer(
-    ground: Ground, found: list[Found], baseline: Baseline, beside: Beside, left: float
+    ground: Ground, found: list[Found], baseline: Nominal, beside: Beside, left: float
 ) -> tuple[list[Found], float] | None:
     """The effects a step on and what they leave, where that is less."""
     steps = steps_of(ground, found, baseline).shapes
@@ -78,11 +79,11 @@ def _free(found: Found) -> list[str]:
     """Names of the numbers that may move."""
     fixed = {found.candidate.rugged, found.candidate.moment, found.candidate.fading}
     term = found.candidate.term
-    moves = found.shape if term is None else [p.name for p in term.shape if not p.whole]
+    moves = found.shape if term is None else [p.name for p in term.nonlinear if not p.whole]
     return [name for name in found.shape if name in moves and name not in fixed]
 
 
-def _moved(found: Found, steps: Shape, share: float, ground: Ground, baseline: Baseline) -> Found:
+def _moved(found: Found, steps: Shape, share: float, ground: Ground, baseline: Nominal) -> Found:
     """The effect a share of a step on, within the bounds of its numbers."""
     away = {name: found.shape[name] + share * step for name, step in steps.items()}
     inside = {name: float(np.clip(value, *found.candidate.bounds(name))) for name, value in away.items()}

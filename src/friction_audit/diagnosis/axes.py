@@ -6,8 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.displacement import strokes
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData, strokes
 from friction_audit.joint_log import Float
 
 KNOTS = 6

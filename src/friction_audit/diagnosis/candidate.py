@@ -4,32 +4,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import inf
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 Shape = Mapping[str, float]
 """Values of the numbers that enter a candidate nonlinearly."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Baseline:
-    """The declared model as fitted: what candidates may lean on. Never the measured torque itself.
-
-    Attributes:
-        inertia_kg_m2: Inertia. [kg m^2]
-        coulomb_nm: Coulomb friction. [N m]
-        viscous_nms_per_rad: Viscous friction. [N m s/rad]
-        torque: Torque that the model predicts, shape (n,). [N m]
-        declared: Names of the numbers above that somebody stated; all others were fitted.
-    """
-
-    inertia_kg_m2: float
-    coulomb_nm: float
-    viscous_nms_per_rad: float
-    torque: Float
-    declared: frozenset[str] = frozenset()
 
 
 def _plain(_shape: Shape) -> bool:
@@ -40,7 +21,7 @@ def _itself(_data: JointData, _shape: Shape) -> str:
     return ""
 
 
-def _sharp(_baseline: Baseline, _shape: Shape) -> float:
+def _sharp(_baseline: Nominal, _shape: Shape) -> float:
     return 0.0
 
 
@@ -116,9 +97,9 @@ class Candidate:
     name: str
     label: str
     shapes: tuple[Shape, ...] | Callable[[JointData], tuple[Shape, ...]]
-    columns: Callable[[JointData, Baseline, Shape], Float]
+    columns: Callable[[JointData, Nominal, Shape], Float]
     column_units: tuple[str, ...]
-    untestable: Callable[[JointData, Baseline], str | None]
+    untestable: Callable[[JointData, Nominal], str | None]
     admissible: Callable[[Float, Shape], bool]
     axis: str
     shown: Callable[[JointData], tuple[Shape, ...]] = _unseen
@@ -132,13 +113,13 @@ class Candidate:
     stands_in: Callable[[JointData, Shape], str] = _itself
     moment: str = ""
     exact: bool = False
-    blur: Callable[[Baseline, Shape], float] = _sharp
+    blur: Callable[[Nominal, Shape], float] = _sharp
     loose: Callable[[Shape], Mapping[str, tuple[float, float]]] = _firm
     fading: str = ""
     noisy: str = ""
     along_noise: tuple[str, ...] = ()
     assumed: tuple[str, ...] = ()
-    together: Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
+    together: Callable[[JointData, Nominal, Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     trials: Callable[[JointData], Callable[[Shape], float]] | None = None
     behind: Callable[[JointData, Sequence[FarSide], Sequence[Shape]], Iterator[tuple[int, Float]]] | None = None
     sought: Callable[[JointData, Shape], Mapping[str, tuple[float, float]]] = _nothing
@@ -147,10 +128,10 @@ class Candidate:
 
     def bounds(self, name: str) -> tuple[float, float]:
         """Between which values a number of a shape makes sense; anywhere, if the term does not know it."""
-        known = () if self.term is None else self.term.shape
+        known = () if self.term is None else self.term.nonlinear
         return next(((one.lower, one.upper) for one in known if one.name == name), (-inf, inf))
 
-    def each(self, data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    def each(self, data: JointData, baseline: Nominal, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         """Yield the place of each shape, in any order, and its columns, shape (n, p)."""
         if self.together is not None:
             yield from self.together(data, baseline, shapes)
@@ -159,7 +140,7 @@ class Candidate:
 
     def whole(self, shape: Shape) -> dict[str, float]:
         """A shape with what it lacks, as assumed."""
-        lacking = () if self.term is None else self.term.shape
+        lacking = () if self.term is None else self.term.nonlinear
         return {**shape, **{p.name: p.default for p in lacking if p.name in self.assumed and p.name not in shape}}
 
     def tried(self, data: JointData) -> tuple[Shape, ...]:
@@ -167,19 +148,19 @@ class Candidate:
         return self.shapes(data) if callable(self.shapes) else self.shapes
 
 
-def columns_of(term: Term) -> Callable[[JointData, Baseline, Shape], Float]:
+def columns_of(term: Term) -> Callable[[JointData, Nominal, Shape], Float]:
     """The columns of a candidate that is a term of a model, shapes by the names of the term's parameters."""
 
-    def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+    def columns(data: JointData, baseline: Nominal, shape: Shape) -> Float:
         return term.regressor(data.motion(baseline.torque), values_of(term, shape))
 
     return columns
 
 
-def columns_together(term: Term) -> Callable[[JointData, Baseline, Sequence[Shape]], Iterator[tuple[int, Float]]]:
+def columns_together(term: Term) -> Callable[[JointData, Nominal, Sequence[Shape]], Iterator[tuple[int, Float]]]:
     """The same for many shapes, of a term that builds them together."""
 
-    def columns(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+    def columns(data: JointData, baseline: Nominal, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
         values = [values_of(term, shape) for shape in shapes]
         yield from term.regressors(data.motion(baseline.torque), values)
 
@@ -188,4 +169,4 @@ def columns_together(term: Term) -> Callable[[JointData, Baseline, Sequence[Shap
 
 def values_of(term: Term, shape: Shape) -> tuple[float, ...]:
     """The numbers of a shape in the order of the term; one that it may lack has its default."""
-    return tuple(shape.get(p.name, p.default) if p.optional else shape[p.name] for p in term.shape)
+    return tuple(shape.get(p.name, p.default) if p.optional else shape[p.name] for p in term.nonlinear)

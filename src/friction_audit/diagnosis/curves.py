@@ -6,9 +6,9 @@ import numpy as np
 
 from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.diagnosis.groups import Group
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.omnibus import FEW_TO_TEST
 from friction_audit.diagnosis.rows import Rows
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 CYCLES_PER_COLUMN = 3

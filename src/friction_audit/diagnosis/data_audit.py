@@ -4,8 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prepare import fresh_samples, holes
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT

@@ -13,13 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline
-from friction_audit.diagnosis.candidates.smooth_motion import MOTION_BELOW_HZ, motion_below
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.mean_sign import mean_sign
 from friction_audit.diagnosis.rows import Rows
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion
+from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -53,11 +51,11 @@ class Declared:
     y: Float
     model: JointModel | None
 
-    def baseline(self, factors: Float) -> Baseline:
+    def baseline(self, factors: Float) -> Nominal:
         """What candidates lean on, for the factors of a fit, shape (b,)."""
         stated = {} if self.model is None else _stated(self.model)
         value = stated | dict(zip(self.names, factors.tolist(), strict=True))
-        return Baseline(
+        return Nominal(
             inertia_kg_m2=value[INERTIA],
             coulomb_nm=value["coulomb_nm"],
             viscous_nms_per_rad=value["viscous_nms_per_rad"],
@@ -82,7 +80,7 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
         rest = model.rest(data.motion())
         stated = model.inertia_kg_m2 * data.ddq
         for term in model.terms:
-            motion = _motion_of(term, model, data, rows) if term.term.forward in RINGING else data.motion(rest)
+            motion = _motion_of(term, model, data, rows) if term.effect.forward in RINGING else data.motion(rest)
             columns = _columns(term, motion)
             if term.name in model.held:
                 stated = stated + term.torque(motion)
@@ -123,11 +121,11 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows)
 
 def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
     """The linear columns of a term by name of their factor, its shape as stated; none for what the file lacks."""
-    shape = term.values[len(term.term.linear) :]
-    regressor = term.term.regressor(motion, shape)
+    shape = term.values[len(term.effect.coefficients) :]
+    regressor = term.effect.regressor(motion, shape)
     return {
         parameter.name: regressor[:, k]
-        for k, (parameter, value) in enumerate(zip(term.term.linear, term.values, strict=False))
+        for k, (parameter, value) in enumerate(zip(term.effect.coefficients, term.values, strict=False))
         if value != 0.0 or not parameter.optional
     }
 

@@ -5,12 +5,12 @@ from functools import partial
 from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.data_audit import audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.known_inertia import known_inertias
 from friction_audit.diagnosis.likely_work import longest_first
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_data import JointData
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import JointLog

@@ -13,12 +13,10 @@ from friction_audit.diagnosis.contacts import Undisturbed, contacts_beside, leav
 from friction_audit.diagnosis.cross_products import CrossProducts
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.declared import coefficients
-from friction_audit.diagnosis.displacement import strokes
 from friction_audit.diagnosis.floor import noise_floor
 from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.gap import Gap, measure_gap
 from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import Library, build_library, prewhitened_library, without
 from friction_audit.diagnosis.motion_noise import noise_in_columns
 from friction_audit.diagnosis.naming import (
@@ -42,6 +40,7 @@ from friction_audit.diagnosis.sampling_delay import put_on_time
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.slow_noise import news_of, prewhitened, slow_noise, told_by_both
 from friction_audit.diagnosis.tell import contact_effects, effects_of, message_of
+from friction_audit.effects.joint_data import JointData, strokes
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.grown_model import grow_model
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.result import JointDiscrepancy, SimulationGap
 from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, Provenance
-from friction_audit.effects.terms.far_share import FAR_SHARE
+from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -111,7 +111,7 @@ def _heavier(model: JointModel, inertia_kg_m2: float) -> JointModel:
 
 def _driving(term: FittedTerm, own: float) -> FittedTerm:
     """A term behind which is more inertia, where it has any behind it; its own is this share of all there is now."""
-    names = [parameter.name for parameter in term.term.parameters]
+    names = [parameter.name for parameter in term.effect.parameters]
     if FAR_SHARE.name not in names:
         return term
     at = names.index(FAR_SHARE.name)

@@ -8,15 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.curves import Curve, build_curves, build_surface
 from friction_audit.diagnosis.declared import Declared, declare, least_squares
 from friction_audit.diagnosis.groups import Group
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.noise import integral_time, runs_of
 from friction_audit.diagnosis.omnibus import cut_cycles, neighbours_remember
-from friction_audit.diagnosis.rows import CORNER_HZ, Rows, corner_for, make_rows
+from friction_audit.diagnosis.rows import Rows, corner_for, make_rows
 from friction_audit.diagnosis.split import split_cycles
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
@@ -84,7 +83,7 @@ class Ground:
         factors = least_squares(columns[self.working], self.y[self.working])
         return self.data.torque - self.declared.stated - np.hstack([self.declared.fine, *fine]) @ factors
 
-    def baseline(self, *effects: Float) -> Baseline:
+    def baseline(self, *effects: Float) -> Nominal:
         """The declared model as fitted on the working rows together with some columns."""
         columns = np.hstack([self.base, *effects])
         factors = least_squares(columns[self.working], self.y[self.working])

@@ -6,7 +6,8 @@ import numpy as np
 
 from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
-from friction_audit.effects.term import Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import TERMS
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
@@ -62,9 +63,9 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
     """
     fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
     terms = [
-        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.linear), *_shape(term, declared)))
+        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_shape(term, declared)))
         for term in TERMS
-        if term.name != "inertia" and all(p.name in fitted for p in term.linear if not p.optional)
+        if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional)
     ]
     held = () if declared is None else declared.held
     terms += [] if declared is None else [term for term in declared.terms if term.name in held]
@@ -96,7 +97,7 @@ def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
 def _shape(term: Term, declared: JointModel | None) -> tuple[float, ...]:
     """Return the shape of a declared term; its linear factors are fitted."""
     values = None if declared is None else declared.values(term.name)
-    return () if values is None else values[len(term.linear) :]
+    return () if values is None else values[len(term.coefficients) :]
 
 
 def _strangers(joint: JointDiscrepancy) -> list[str]:

@@ -16,12 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import Ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.sought import Sought, seek
 from friction_audit.dynamics.transmission import LANES, FarSide
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
 
@@ -58,7 +58,7 @@ class Fitted:
 
     shape: Shape
     columns: Float
-    baseline: Baseline
+    baseline: Nominal
 
 
 def fit_jointly(

@@ -14,10 +14,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.declared import CONFIDENCE, coefficients
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -26,7 +27,7 @@ NEXT = 4.0
 
 
 def over_kept_shapes(
-    ground: Ground, found: Sequence[Found], k: int, baseline: Baseline, linear: Sequence[Coefficient]
+    ground: Ground, found: Sequence[Found], k: int, baseline: Nominal, linear: Sequence[Coefficient]
 ) -> tuple[Coefficient, ...]:
     """Let all factors' intervals reach over those that they have with each shape that is kept.
 
@@ -50,7 +51,7 @@ def _over_both(one: Coefficient, other: Coefficient) -> Coefficient:
     return Coefficient(value=one.value, low=min(one.low, other.low), high=max(one.high, other.high))
 
 
-def _kept(ground: Ground, found: Found, baseline: Baseline, others: Float) -> list[Float]:
+def _kept(ground: Ground, found: Found, baseline: Nominal, others: Float) -> list[Float]:
     """Columns of the shapes that the log does not rule out, shape (m, p) each."""
     from scipy.special import chdtri
 
@@ -62,7 +63,7 @@ def _kept(ground: Ground, found: Found, baseline: Baseline, others: Float) -> li
     lacks = np.log([left for _, left in tried]) - np.log(min(left for _, left in tried))
     near = [shapes[i] for i in np.flatnonzero((lacks > most) & (lacks <= NEXT * most))]
     term = found.candidate.term
-    whole = [] if term is None else [p.name for p in term.shape if p.whole]
+    whole = [] if term is None else [p.name for p in term.nonlinear if p.whole]
     kept = [shapes[i] for i in np.flatnonzero(lacks <= most)]
     between = [
         _halfway(one, other) | {name: one[name] for name in whole if name in one} for one in kept for other in near
@@ -72,7 +73,7 @@ def _kept(ground: Ground, found: Found, baseline: Baseline, others: Float) -> li
     return [columns for columns, left in tried if left <= least]
 
 
-def _tried(ground: Ground, found: Found, baseline: Baseline, beside: Beside, shape: Shape) -> tuple[Float, float]:
+def _tried(ground: Ground, found: Found, baseline: Nominal, beside: Beside, shape: Shape) -> tuple[Float, float]:
     """Columns of a shape, and what they leave; of one that is not possible, everything."""
     columns = ground.rows.of(found.candidate.columns(ground.data, baseline, shape))
     factors, left = beside.fit(columns)

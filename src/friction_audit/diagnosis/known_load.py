@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.dynamics.rigid_body import INERTIAL_PARAMETERS, RigidBody
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import Arm

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.groups import Group, not_zero
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prewhitening import Prewhitening
 from friction_audit.diagnosis.rows import Rows
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
 ROOM_BYTES = 2**22
@@ -48,7 +48,7 @@ class Library:
         return next(entry for entry in self.entries if entry.candidate.name == name)
 
 
-def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Baseline, rows: Rows) -> Library:
+def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Nominal, rows: Rows) -> Library:
     """Ask every candidate whether the log can show it, and build its columns."""
     untestable = {candidate.name: candidate.untestable(data, baseline) for candidate in candidates}
     shapes = {c.name: c.tried(data) if untestable[c.name] is None else c.shown(data) for c in candidates}
@@ -58,7 +58,7 @@ def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Ba
     )
 
 
-def rebuild_library(library: Library, data: JointData, baseline: Baseline, rows: Rows) -> Library:
+def rebuild_library(library: Library, data: JointData, baseline: Nominal, rows: Rows) -> Library:
     """Build again what leans on the declared model, whose factors are better known."""
     entries = (
         _entry(entry.candidate, entry.candidate.tried(data), data, baseline, rows)
@@ -118,7 +118,7 @@ def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
     return _made(entry.candidate, shapes, columns, entry.trials) if more else entry
 
 
-def _entry(candidate: Candidate, shapes: tuple[Shape, ...], data: JointData, baseline: Baseline, rows: Rows) -> Entry:
+def _entry(candidate: Candidate, shapes: tuple[Shape, ...], data: JointData, baseline: Nominal, rows: Rows) -> Entry:
     columns = _columns_on_rows(candidate.each(data, baseline, shapes), len(shapes), rows)
     trials = None if candidate.trials is None else candidate.trials(data)
     return _made(candidate, shapes, columns, trials)

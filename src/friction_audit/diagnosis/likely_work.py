@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 
 FEWEST = 10
 """Samples from which anything is said."""

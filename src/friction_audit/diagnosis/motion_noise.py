@@ -12,10 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.both_velocities import best_of_both
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.noise import grid_noise
+from friction_audit.effects.joint_data import JointData, Nominal, grid_noise
 from friction_audit.joint_log import Float
 
 CORNER_SHARE = 0.4
@@ -24,7 +23,7 @@ TAPS = 41
 
 
 def noise_in_columns(
-    ground: Ground, candidate: Candidate, baseline: Baseline, shape: Shape, rng: np.random.Generator
+    ground: Ground, candidate: Candidate, baseline: Nominal, shape: Shape, rng: np.random.Generator
 ) -> Float:
     """What as much noise of position and velocity as there is changes in the columns of an effect, shape (m, p)."""
     data, rows = ground.data, ground.rows

@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.diagnosis.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred, with_wholes
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.confirmation import confirm
 from friction_audit.diagnosis.cross_products import CrossProducts, cross_products
 from friction_audit.diagnosis.driving import driving
@@ -20,6 +20,7 @@ from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.diagnosis.search import Search, result_of, search
 from friction_audit.diagnosis.sharpen import columns_of, sharpened
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 MOST_ROUNDS = 4
@@ -72,7 +73,7 @@ class Names:
 
     found: tuple[Found, ...]
     library: Library
-    baseline: Baseline
+    baseline: Nominal
     disproved: tuple[str, ...] = ()
 
 
@@ -125,7 +126,7 @@ def find_names(
     return Names(found=told, library=library, baseline=baseline, disproved=disproved)
 
 
-def _fitted_with(library: Library, outcome: Search, jointly: Sequence[tuple[Shape, Baseline]]) -> Baseline | None:
+def _fitted_with(library: Library, outcome: Search, jointly: Sequence[tuple[Shape, Nominal]]) -> Nominal | None:
     """The declared model that one of the effects found was fitted with; None if none was."""
     shapes = [library.entry(chosen.name).shapes[chosen.shape] for chosen in outcome.chosen]
     return next((baseline for own, baseline in jointly if any(own is shape for shape in shapes)), None)
@@ -290,7 +291,7 @@ def unknowns(names: Names) -> int:
 
 def _unknowns(library: Library, found: Found) -> int:
     term, shapes = found.candidate.term, library.entry(found.candidate.name).shapes
-    choices = set() if term is None else {parameter.name for parameter in term.shape if parameter.whole}
+    choices = set() if term is None else {parameter.name for parameter in term.nonlinear if parameter.whole}
     free = {name for name in found.shape if len({shape[name] for shape in shapes if name in shape}) > 1}
     return int(not_zero(found.columns).sum()) + len(free - choices)
 
@@ -309,8 +310,8 @@ def _refined(
     library: Library,
     outcome: Search,
     namings: Sequence[Naming],
-    baseline: Baseline,
-    jointly: Sequence[tuple[Shape, Baseline]],
+    baseline: Nominal,
+    jointly: Sequence[tuple[Shape, Nominal]],
 ) -> list[Found]:
     """The effects found, their shapes refined one after the other, the strongest first.
 
@@ -330,7 +331,7 @@ def _refined(
     return found
 
 
-def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Baseline, base: Float) -> Shape:
+def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Nominal, base: Float) -> Shape:
     """The shape with its moment where all cycles have it, of those that the working ones do not tell from it.
 
     They put a moment that lies in a locked cycle anywhere in there.

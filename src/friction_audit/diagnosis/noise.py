@@ -13,10 +13,6 @@ FEWEST_PAIRS = 0.1
 """Lags for which less than this share of the samples has a partner are not looked at."""
 LONGEST_MEMORY = 500
 
-SIGMA_PER_MEDIAN = 1.4826
-SIGMA_PER_BEND = {2: 1.0 / 0.643, 4: 1.0 / 0.670}
-"""Of noise that is white up to the corner, a fifth of the grid's rate, per rms of its second and fourth difference."""
-
 
 def runs_of(used: NDArray[np.bool_], cycle: Index) -> Index:
     """Number the unbroken stretches of used samples of one cycle, -1 elsewhere, shape (n,)."""
@@ -68,14 +64,3 @@ def integral_time(residual: Float, run: Index) -> float:
             break
         pair_sums.append(pair)
     return max(2.0 * float(np.sum(pair_sums)) - 1.0, 1.0)
-
-
-def grid_noise(signal: Float, differences: int = 2) -> float:
-    """Standard deviation of the noise of a signal on the fine grid, from differences that no motion reaches.
-
-    Args:
-        signal: Shape (n,).
-        differences: 2 for a velocity or a torque; 4 for a position, whose second ones are a motion's acceleration.
-    """
-    bend = np.abs(np.diff(signal, n=differences))
-    return SIGMA_PER_BEND[differences] * SIGMA_PER_MEDIAN * float(np.median(bend)) if len(bend) else 0.0

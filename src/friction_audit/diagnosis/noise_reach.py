@@ -13,10 +13,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.motion_noise import noisier
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -42,7 +43,7 @@ class Reach:
         return replace(number, low=min(number.low, *ends), high=max(number.high, *ends))
 
 
-def reach_of_noise(found: Found, ground: Ground, baseline: Baseline, others: Float) -> Reach:
+def reach_of_noise(found: Found, ground: Ground, baseline: Nominal, others: Float) -> Reach:
     """Fit the shape once more on all rows, and once with as much noise of the motion again.
 
     Args:
@@ -63,7 +64,7 @@ def reach_of_noise(found: Found, ground: Ground, baseline: Baseline, others: Flo
 
 
 def _fitted(
-    shape: Shape, free: Sequence[str], found: Found, ground: Ground, baseline: Baseline, others: Float
+    shape: Shape, free: Sequence[str], found: Found, ground: Ground, baseline: Nominal, others: Float
 ) -> dict[str, float]:
     """The free numbers, above zero, that leave least (Nelder and Mead 1965)."""
     from scipy.optimize import minimize

@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.diagnosis.all_cycles import settled
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.kept_shapes import over_kept_shapes
 from friction_audit.diagnosis.naming import Found
@@ -21,6 +20,7 @@ from friction_audit.diagnosis.profile_likelihood import profile_number
 from friction_audit.diagnosis.profile_moment import moment_interval
 from friction_audit.diagnosis.profile_time import time_interval
 from friction_audit.diagnosis.shape_steps import Steps, around, steps_of
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 
 READ_TWICE = (("compliance_rad_per_nm", "spring_nm_per_rad", -1), ("delay_s", "delay_step_s", 1))
@@ -43,7 +43,7 @@ class Parameters:
     effects: tuple[dict[str, Coefficient], ...]
 
 
-def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Parameters:
+def parameters_of(ground: Ground, found: Sequence[Found], baseline: Nominal) -> Parameters:
     """Fit everything together on all cycles."""
     found, profiled = _with_profiles(ground, settled(ground, found, baseline), baseline)
     steps, at = steps_of(ground, found, baseline), ground.base.shape[1]
@@ -62,7 +62,7 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Baseline) ->
 
 
 def _over_kept_shapes(
-    ground: Ground, found: Sequence[Found], baseline: Baseline, steps: Steps
+    ground: Ground, found: Sequence[Found], baseline: Nominal, steps: Steps
 ) -> tuple[Coefficient, ...]:
     """All factors, with intervals over all shapes that the log does not rule out where it does not tell a shape."""
     linear = steps.linear
@@ -73,7 +73,7 @@ def _over_kept_shapes(
 
 
 def _with_profiles(
-    ground: Ground, found: Sequence[Found], baseline: Baseline
+    ground: Ground, found: Sequence[Found], baseline: Nominal
 ) -> tuple[list[Found], list[dict[str, Coefficient]]]:
     """The effects with the best shapes on all cycles where those are rugged; intervals of those numbers and moments."""
     told = list(found)
@@ -116,7 +116,7 @@ def _reaching_both(values: dict[str, Coefficient]) -> dict[str, Coefficient]:
 
 
 def _through_noise(
-    values: dict[str, Coefficient], found: Found, every: Sequence[Found], ground: Ground, baseline: Baseline
+    values: dict[str, Coefficient], found: Found, every: Sequence[Found], ground: Ground, baseline: Nominal
 ) -> dict[str, Coefficient]:
     """The numbers of an effect, those that noise of the motion moves with intervals that reach as far."""
     name = found.candidate.noisy
@@ -145,5 +145,5 @@ def _loosened(values: dict[str, Coefficient], loose: Mapping[str, tuple[float, f
 def _factor_names(found: Found) -> list[str]:
     term = found.candidate.term
     if term is not None:
-        return [parameter.name for parameter in term.linear[: found.columns.shape[1]]]
+        return [parameter.name for parameter in term.coefficients[: found.columns.shape[1]]]
     return [f"factor_{k}_{unit}" for k, unit in enumerate(found.candidate.column_units, start=1)]

@@ -20,12 +20,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.both_velocities import best_of_both, crossover_of
-from friction_audit.diagnosis.breakaway import find_breakaways, signed_rest
 from friction_audit.diagnosis.certain_direction import certain_direction
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.known_load import KnownLoad, know_load
-from friction_audit.diagnosis.noise import grid_noise
 from friction_audit.diagnosis.steady_clock import steady_clock
+from friction_audit.effects.breakaway import find_breakaways, signed_rest
+from friction_audit.effects.joint_data import JointData, grid_noise
 from friction_audit.joint_log import MINIMUM_SAMPLES, Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.energy_cycles import EnergyCycles

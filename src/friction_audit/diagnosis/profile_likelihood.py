@@ -16,10 +16,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import CONFIDENCE
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.valleys import around, valleys
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -35,7 +36,7 @@ class Profiled:
     number: Coefficient
 
 
-def profile_number(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, base: Float) -> Profiled:
+def profile_number(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, base: Float) -> Profiled:
     """Profile the rugged number, above zero, of a shape on all rows.
 
     Args:

@@ -11,8 +11,9 @@ Hansen, Sample splitting and threshold estimation, Econometrica 68 (2000) 575, t
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -21,7 +22,7 @@ SIDE = 25
 """Moments that are tried on either side, each about half as far again as the one before."""
 
 
-def moment_interval(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, base: Float) -> Coefficient:
+def moment_interval(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, base: Float) -> Coefficient:
     """Tell how well the moment of a shape is known, on all rows.
 
     Args:

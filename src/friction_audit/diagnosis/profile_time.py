@@ -17,10 +17,10 @@ still falls, 2 c < b. So each time is tried with every law between u and u + u^2
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.declared import CONFIDENCE
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -31,7 +31,7 @@ MOST_BENT = 0.5
 """Of u^2, beside u: friction would rise again soon behind the warm joint if it were more."""
 
 
-def time_interval(found: Found, ground: Ground, baseline: Baseline, others: Float) -> Coefficient:
+def time_interval(found: Found, ground: Ground, baseline: Nominal, others: Float) -> Coefficient:
     """Tell how well the time constant of an effect is known, on all rows; without bounds where they are too far.
 
     Args:
@@ -53,7 +53,7 @@ def time_interval(found: Found, ground: Ground, baseline: Baseline, others: Floa
     return Coefficient(value=value, low=min(low, value), high=max(high, value))
 
 
-def _left(found: Found, times: Float, ground: Ground, baseline: Baseline, others: Float) -> Float:
+def _left(found: Found, times: Float, ground: Ground, baseline: Nominal, others: Float) -> Float:
     """Residual sum of squares with each time, the least of all laws, shape (k,)."""
     beside, name, left = Beside(others, ground.y), found.candidate.fading, np.zeros(len(times))
     falls = np.sign(beside.fit(found.columns)[0])

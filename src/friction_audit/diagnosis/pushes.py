@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.recurrence import Passes, passes_of
 from friction_audit.diagnosis.turns import Turns, nearest_turn
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 Samples = NDArray[np.bool_]

@@ -5,8 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 BEYOND_EDGE = 1.5
@@ -28,7 +29,7 @@ def refine(
     shape: Shape,
     tried: Sequence[Shape],
     ground: Ground,
-    baseline: Baseline,
+    baseline: Nominal,
     base: Float,
 ) -> Shape:
     """Make the residual on the working rows smallest between the neighbours on the grid (Nelder and Mead 1965).
@@ -81,7 +82,7 @@ def refine(
 
 def _free(candidate: Candidate, shape: Shape, tried: Sequence[Shape]) -> dict[str, tuple[float, float]]:
     """The range of each number that can be refined, by name: between neighbours on the grid, within its bounds."""
-    known = {} if candidate.term is None else {parameter.name: parameter for parameter in candidate.term.shape}
+    known = {} if candidate.term is None else {parameter.name: parameter for parameter in candidate.term.nonlinear}
     free = {}
     for name in shape:
         low, high = _neighbours(name, shape, tried)

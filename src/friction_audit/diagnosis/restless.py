@@ -7,7 +7,6 @@ import numpy as np
 
 from friction_audit.diagnosis.floor import beside_wanted_curves
 from friction_audit.diagnosis.ground import Ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.line import Line, find_line
 from friction_audit.diagnosis.result import Vibration
 from friction_audit.diagnosis.ringing import LEAST_VIBRATION
@@ -15,6 +14,7 @@ from friction_audit.diagnosis.rows import filter_rows
 from friction_audit.diagnosis.spectrum import HIGHEST_HZ, LOWEST_HZ, find_vibration
 from friction_audit.diagnosis.stroke_scatter import StrokeScatter, find_stroke_scatter
 from friction_audit.diagnosis.tell import vibration_of
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 ROUNDS_PER_RAD = (0.05, 10.0)

@@ -11,7 +11,6 @@ from math import sqrt
 
 import numpy as np
 
-from friction_audit.diagnosis.breakaway import Breakaways
 from friction_audit.diagnosis.candidate import Candidate
 from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
 from friction_audit.diagnosis.candidates.backlash import CONTACTS_HZ
@@ -26,6 +25,7 @@ from friction_audit.diagnosis.parameters import parameters_of
 from friction_audit.diagnosis.result import Effect, Vibration
 from friction_audit.diagnosis.spectrum import find_vibration
 from friction_audit.diagnosis.tell import effects_of
+from friction_audit.effects.breakaway import Breakaways
 from friction_audit.joint_log import Float
 
 RINGING = (ELASTICITY.name, BACKLASH.name)

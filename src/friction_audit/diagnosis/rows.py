@@ -15,12 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.breakaway import Breakaways, find_breakaways, torque_known
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prewhitening import Prewhitening, response
+from friction_audit.effects.breakaway import Breakaways, find_breakaways, torque_known
+from friction_audit.effects.joint_data import CORNER_HZ, JointData
 from friction_audit.joint_log import Float
 
-CORNER_HZ = 25.0
 LOWEST_CORNER_HZ = 8.0
 QUIET_SHARE = 0.5
 """Of the torque's noise: what a regressor's may be. With a third, a delay of 4 ms is lost; with all of it, half of the

@@ -19,9 +19,9 @@ from friction_audit.diagnosis.confirmation import evidence
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import Ground
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.naming import Names
 from friction_audit.diagnosis.ranking import BY_CHANCE
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 MOST_SAMPLES = 0.5

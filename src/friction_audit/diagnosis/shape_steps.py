@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.declared import coefficients
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -44,7 +44,7 @@ class Steps:
     bent: tuple[bool, ...]
 
 
-def steps_of(ground: Ground, found: Sequence[Found], baseline: Baseline) -> Steps:
+def steps_of(ground: Ground, found: Sequence[Found], baseline: Nominal) -> Steps:
     """Fit factors and steps together, on all cycles."""
     linear = np.hstack([ground.base, *(f.columns for f in found)])
     fitted = coefficients(linear, ground.y, ground.rows.cycle)
@@ -110,7 +110,7 @@ def _rms(columns: Float) -> Float:
     return np.asarray(np.sqrt(np.mean(columns**2, axis=0)), np.float64)
 
 
-def _slopes(ground: Ground, found: Found, baseline: Baseline, factors: Float) -> Float:
+def _slopes(ground: Ground, found: Found, baseline: Nominal, factors: Float) -> Float:
     """Derivative of an effect's torque with respect to each number of its shape, assumed ones last, shape (m, k).
 
     To one side alone at a bound: beyond it there is no such effect.

@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.alternatives import name_effects
-from friction_audit.diagnosis.candidate import Baseline, Shape
+from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.cross_products import CrossProducts
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.jointly import EVERYWHERE, NEARBY, Effort, fit_jointly
@@ -14,6 +14,7 @@ from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.ranking import Ranking
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.search import Search
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 NEAR, HALF = 60.0, 0.5
@@ -43,7 +44,7 @@ class Sharper(NamedTuple):
     name: str
     shape: Shape
     columns: Float
-    baseline: Baseline | None = None
+    baseline: Nominal | None = None
 
 
 def columns_of(library: Library, outcome: Search) -> list[Float]:

@@ -4,10 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import FRICTION, INERTIA
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 OFF, FAR_OFF = 1.4, 2.5
@@ -35,7 +36,7 @@ class Sought:
     shape: Shape
     of_shape: tuple[str, ...]
     of_model: tuple[str, ...]
-    baseline: Baseline
+    baseline: Nominal
     start: Float
     low: Float
     high: Float
@@ -57,7 +58,7 @@ class Sought:
         return numbers[: len(self.of_shape)], numbers[len(self.of_shape) :]
 
 
-def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline, *, everywhere: bool = False) -> Sought:
+def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, *, everywhere: bool = False) -> Sought:
     """Return what is looked for, from a shape and the declared model as fitted beside it.
 
     Args:
@@ -68,7 +69,7 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline,
         everywhere: Whether it is looked for among the hidden shapes of the candidate, and not near the one given.
     """
     ranges = candidate.hidden(ground.data) if everywhere else candidate.sought(ground.data, shape)
-    lacking = () if candidate.term is None else candidate.term.shape
+    lacking = () if candidate.term is None else candidate.term.nonlinear
     whole = {p.name: p.default for p in lacking if p.name in ranges} | ({} if everywhere else dict(shape))
     behind = _ranges(baseline, _usual_speed(ground), FAR_OFF if everywhere else OFF)
     of_model = tuple(name for name in ground.declared.names if name in BEHIND)
@@ -88,7 +89,7 @@ def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Baseline,
     )
 
 
-def _ranges(baseline: Baseline, usual_speed_rad_s: float, off: float) -> dict[str, tuple[float, float]]:
+def _ranges(baseline: Nominal, usual_speed_rad_s: float, off: float) -> dict[str, tuple[float, float]]:
     """From where to where each number of what is behind is looked for."""
     # A fit beside what is wrong may give numbers below zero.
     inertia, coulomb = max(baseline.inertia_kg_m2, 0.0), max(baseline.coulomb_nm, 0.0)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.result import Vibration
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 
 SEGMENT_S = 5.0

@@ -10,8 +10,9 @@ from collections.abc import Iterable
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.joint_data import Nominal
 
 FARTHEST = 1.8
 """Values are tried from so many times less to so many times more than the one that was found."""
@@ -27,7 +28,7 @@ def around(value: float) -> list[float]:
 
 
 def valleys(
-    candidate: Candidate, shape: Shape, values: Iterable[float], ground: Ground, baseline: Baseline, beside: Beside
+    candidate: Candidate, shape: Shape, values: Iterable[float], ground: Ground, baseline: Nominal, beside: Beside
 ) -> Valleys:
     """Try values of the rugged number of a shape, each with those of other numbers that go with it.
 

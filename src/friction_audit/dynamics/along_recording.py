@@ -19,12 +19,11 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.dynamics.motion import Forward, Model, Motion, Term
 from friction_audit.dynamics.move import run_pieces
 from friction_audit.dynamics.torque_tables import Tables, certain, tabulate
 from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
 from friction_audit.dynamics.two_mass import Link, can_follow, follow, link_of, move_two_sides
-from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Forward, Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -87,7 +86,7 @@ _Move = Callable[[Tables], _Moved]
 
 
 def simulate_along(
-    model: JointModel, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
+    model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
 ) -> Float | None:
     """Simulate a joint under a recorded torque.
 
@@ -102,14 +101,14 @@ def simulate_along(
         Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
         grows beyond all bounds.
     """
-    between = {term.term.forward: term for term in model.terms if term.term.forward in BETWEEN}
+    between = {term.effect.forward: term for term in model.terms if term.effect.forward in BETWEEN}
     if "delay" in between:
         drive = _undelayed(between["delay"], motion, drive)
     load = motion.load if load is None else load
     recording = _Recording(
         motion=motion, drive=drive, load=np.zeros(len(drive)) if load is None else load, pieces=pieces
     )
-    acting = [term for term in model.terms if term.term.forward not in BETWEEN]
+    acting = [term for term in model.terms if term.effect.forward not in BETWEEN]
     tables, past = tabulate(model.inertia_kg_m2, acting, replace(motion, rest=model.rest(motion)))
     if tables.inertia_kg_m2 <= LEAST_INERTIA * abs(model.inertia_kg_m2):
         return None
@@ -123,9 +122,7 @@ def simulate_along(
     return _settle(model, tables, past, recording, move)
 
 
-def _settle(
-    model: JointModel, tables: Tables, past: Sequence[FittedTerm], recording: _Recording, move: _Move
-) -> Float | None:
+def _settle(model: Model, tables: Tables, past: Sequence[Term], recording: _Recording, move: _Move) -> Float | None:
     """Sweep until motion and torque of terms with a past fit each other; return the velocity of the measured side."""
     recorded, inside = recording.motion, recording.inside
     motion, last = recorded, recorded.dq
@@ -166,7 +163,7 @@ def _one_side(recording: _Recording, ahead: Float) -> _Move:
     return move
 
 
-def _with_past(tables: Tables, past: Sequence[FittedTerm], model: JointModel, motion: Motion) -> Tables:
+def _with_past(tables: Tables, past: Sequence[Term], model: Model, motion: Motion) -> Tables:
     """Add the torque of terms with a past along a motion."""
     known = replace(motion, rest=model.rest(motion))
     for term in past:
@@ -202,7 +199,7 @@ def _rms(signal: Float) -> float:
     return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
 
 
-def _transmission(model: JointModel, motion: Motion, between: Mapping[Forward, FittedTerm]) -> Transmission | None:
+def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term]) -> Transmission | None:
     """The spring, the play, or both in a row, the spring in the place of the flanks; None without either."""
     spring, play = between.get("spring"), between.get("play")
     compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")
@@ -251,37 +248,37 @@ def _smoothed(signal: Float, time_s: float, step_s: float) -> Float:
     return np.asarray(gaussian_filter1d(signal, time_s / step_s, mode="nearest"))
 
 
-def _undelayed(term: FittedTerm, motion: Motion, drive: Float) -> Float:
+def _undelayed(term: Term, motion: Motion, drive: Float) -> Float:
     """The torque at its time; of a load that is late too, what was taken away too early is given back."""
     load = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(term, "delayed_load"))
     return np.asarray(np.interp(motion.t + _delay(term, motion), motion.t, drive + load) - load)
 
 
-def _delay(term: FittedTerm, motion: Motion) -> float:
+def _delay(term: Term, motion: Motion) -> float:
     """By how much the torque is late: what becomes of one that rises by 1 N m/s. [s]"""
     still = np.zeros(len(motion.t))
     rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0], load=None)
     return -float(np.median(term.torque(rising)))
 
 
-def _parameter(term: FittedTerm, ending: str) -> float:
+def _parameter(term: Term, ending: str) -> float:
     """Return the one parameter of a term whose name has an ending.
 
     Raises:
         AnalysisError: If there is none, or more than one.
     """
-    pairs = zip(term.term.parameters, term.values, strict=True)
+    pairs = zip(term.effect.parameters, term.values, strict=True)
     values = [value for parameter, value in pairs if parameter.name.endswith(ending)]
     if len(values) != 1:
         raise AnalysisError(
-            f"term {term.name}: {len(values)} parameters end on {ending}; expected one, for it is a {term.term.forward}"
+            f"term {term.name}: {len(values)} parameters end on {ending}; expected one for a {term.effect.forward}"
         )
     return values[0]
 
 
-def _optional(term: FittedTerm | None, ending: str, default: float) -> float:
+def _optional(term: Term | None, ending: str, default: float) -> float:
     """Return the one parameter of a term whose name has an ending; a default where there is none, or no term."""
-    if term is None or not any(parameter.name.endswith(ending) for parameter in term.term.parameters):
+    if term is None or not any(parameter.name.endswith(ending) for parameter in term.effect.parameters):
         return default
     return _parameter(term, ending)
 

@@ -19,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.joint_log import Float, read_only
 
 PATH_RAD = 0.4
@@ -71,7 +70,7 @@ class Bristles:
 NO_BRISTLES = Bristles(path=np.zeros(0), torque=np.zeros(0), stiffness=np.zeros(0), reach=np.zeros(0), damping_s=0.0)
 
 
-def bristles_of(term: FittedTerm) -> tuple[float, Bristles, Bristles]:
+def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
     """Ask a term for its curve after a reversal.
 
     Returns:
@@ -111,7 +110,7 @@ def _thin(curve: Float) -> NDArray[np.int64]:
     return np.unique(np.concatenate([[0], heights.clip(max=last), np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
 
 
-def _reversal(term: FittedTerm, speed: float) -> tuple[float, Float]:
+def _reversal(term: Term, speed: float) -> tuple[float, Float]:
     """Torque just before the reversal of a long stroke, and at every step behind it. [N m]"""
     steps = round(PATH_RAD / STEP_RAD)
     there = STEP_RAD * np.arange(steps + 1)

@@ -6,8 +6,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Model, Motion, Term
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -39,7 +38,7 @@ BODY = np.dtype(
 
 
 def make_body(
-    model: JointModel, *, mass_kg_m2: float = 0.0, damping_nms_per_rad: float = 0.0, stiffness_nm_per_rad: float = 0.0
+    model: Model, *, mass_kg_m2: float = 0.0, damping_nms_per_rad: float = 0.0, stiffness_nm_per_rad: float = 0.0
 ) -> Record:
     """Return the body of a joint, held by an operator where an impedance is given.
 
@@ -55,7 +54,7 @@ def make_body(
             f"inertia_kg_m2 = {model.inertia_kg_m2:g}; expected a number above 0: a joint without inertia has no motion"
             " to simulate; give the reflected inertia, rotor and gear included"
         )
-    unable = [term.name for term in model.terms if not term.term.speed_only]
+    unable = [term.name for term in model.terms if not term.effect.speed_only]
     if unable:
         raise AnalysisError(
             f"the model's {', '.join(unable)} follow from more than the velocity; the forward simulation expects terms"
@@ -66,7 +65,7 @@ def make_body(
     body["damping_nms_per_rad"], body["stiffness_nm_per_rad"] = damping_nms_per_rad, stiffness_nm_per_rad
     for term in model.terms:
         if term.name in PLAIN:
-            body[term.term.linear[0].name] = term.values[0]
+            body[term.effect.coefficients[0].name] = term.values[0]
     sampled = [term for term in model.terms if term.name not in PLAIN]
     if sampled:
         body["has_excess"], body["excess_step_rad_s"] = 1, EXCESS_TOP_RAD_S / (EXCESS_POINTS - 1)
@@ -77,7 +76,7 @@ def make_body(
     return body
 
 
-def _sample(terms: list[FittedTerm], sign: float) -> Float:
+def _sample(terms: list[Term], sign: float) -> Float:
     """Return the terms' torque against the motion, by speed in one direction, the limit at zero included."""
     speed = np.linspace(0.0, EXCESS_TOP_RAD_S, EXCESS_POINTS)
     speed[0] = 1e-12
@@ -128,7 +127,7 @@ class ForwardMotion:
 
 
 def simulate(
-    model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, operator: Operator | None = None
+    model: Model, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, operator: Operator | None = None
 ) -> ForwardMotion:
     """Simulate one joint under a sampled torque.
 

@@ -13,8 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bristles_of
-from friction_audit.effects.joint_model import FittedTerm
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.joint_log import Float
 
 CRAWL_RAD_S = 1e-9
@@ -82,9 +81,7 @@ class Tables(NamedTuple):
         )
 
 
-def tabulate(
-    inertia_kg_m2: float, terms: Iterable[FittedTerm], motion: Motion
-) -> tuple[Tables, tuple[FittedTerm, ...]]:
+def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tuple[Tables, tuple[Term, ...]]:
     """Tabulate the terms of a joint.
 
     Args:
@@ -97,7 +94,7 @@ def tabulate(
     """
     tables, past = _empty(motion)._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
-        forms = BRISTLE_FORMS if term.term.forward == "bristle" else FORMS
+        forms = BRISTLE_FORMS if term.effect.forward == "bristle" else FORMS
         share = next((share for form in forms if _holds(share := form(term, motion), term, motion)), None)
         if share is None or (share.bristles.some and tables.bristles.some):
             past.append(term)
@@ -151,12 +148,12 @@ def _add(one: Tables, other: Tables) -> Tables:
     )
 
 
-def _holds(share: Tables, term: FittedTerm, motion: Motion) -> bool:
+def _holds(share: Tables, term: Term, motion: Motion) -> bool:
     """Whether the tables of a term give its torque along the recording, wherever the direction is certain."""
     sure = certain(motion) != 0.0
     torque = term.torque(motion)
     error = (torque - read_along(share, motion))[sure]
-    allowed = BRISTLE_TOLERANCE if term.term.forward == "bristle" else TOLERANCE
+    allowed = BRISTLE_TOLERANCE if term.effect.forward == "bristle" else TOLERANCE
     return bool(_rms(error) <= allowed * _rms(torque[sure]) + ROUNDING_NM)
 
 
@@ -191,13 +188,13 @@ def _rms(signal: Float) -> float:
     return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
 
 
-def _asked(term: FittedTerm, motion: Motion) -> Float:
+def _asked(term: Term, motion: Motion) -> Float:
     """A term's torque for a motion that nobody made; nonsense, if the term needs the past, is found out later."""
     with np.errstate(all="ignore"):
         return term.torque(motion)
 
 
-def _speed_form(term: FittedTerm, motion: Motion) -> Tables:
+def _speed_form(term: Term, motion: Motion) -> Tables:
     """Torque over speed at one place, and the inertia that the term adds."""
     empty = _empty(motion)
     speeds = np.asarray(empty.speed_step * np.arange(len(motion.t)), np.float64)
@@ -207,7 +204,7 @@ def _speed_form(term: FittedTerm, motion: Motion) -> Tables:
     return empty._replace(inertia_kg_m2=_inertia(term, motion), speed=table)
 
 
-def _place_form(term: FittedTerm, motion: Motion) -> Tables:
+def _place_form(term: Term, motion: Motion) -> Tables:
     """Torque over place, with a share in proportion to the speed."""
     empty = _empty(motion)
     places = np.asarray(empty.place_start + empty.place_step * np.arange(len(motion.t)), np.float64)
@@ -215,20 +212,20 @@ def _place_form(term: FittedTerm, motion: Motion) -> Tables:
     return empty._replace(inertia_kg_m2=_inertia(term, motion), place=level, place_per_speed=slope)
 
 
-def _time_form(term: FittedTerm, motion: Motion) -> Tables:
+def _time_form(term: Term, motion: Motion) -> Tables:
     """Torque over time with all else as recorded, with a share in proportion to the speed."""
     empty = _empty(motion)
     level, slope = _affine(term, motion, empty)
     return empty._replace(inertia_kg_m2=_inertia(term, motion), time=level, time_per_speed=slope)
 
 
-def _dahl_form(term: FittedTerm, motion: Motion) -> Tables:
+def _dahl_form(term: Term, motion: Motion) -> Tables:
     """Bristles in Dahl's picture, and the dry friction whose place they take."""
     dry, dahl, _ = bristles_of(term)
     return _with_bristles(dry, dahl, motion)
 
 
-def _spring_form(term: FittedTerm, motion: Motion) -> Tables:
+def _spring_form(term: Term, motion: Motion) -> Tables:
     """Bristles as springs, and the dry friction whose place they take."""
     dry, _, springs = bristles_of(term)
     return _with_bristles(dry, springs, motion)
@@ -245,13 +242,13 @@ def _with_bristles(dry: float, found: Bristles, motion: Motion) -> Tables:
     )
 
 
-FORMS: tuple[Callable[[FittedTerm, Motion], Tables], ...] = (_speed_form, _place_form, _time_form)
+FORMS: tuple[Callable[[Term, Motion], Tables], ...] = (_speed_form, _place_form, _time_form)
 """In the order in which they are tried: the fewer a recorded quantity is needed for, the better."""
 
 BRISTLE_FORMS = (_dahl_form, _spring_form)
 
 
-def _affine(term: FittedTerm, motion: Motion, empty: Tables) -> tuple[Float, Float]:
+def _affine(term: Term, motion: Motion, empty: Tables) -> tuple[Float, Float]:
     """Torque in the limit at rest, and its slope in the speed, by direction, shape (2, n) each."""
     n = len(motion.t)
     fast = 0.5 * empty.speed_step * (n - 1)
@@ -262,6 +259,6 @@ def _affine(term: FittedTerm, motion: Motion, empty: Tables) -> tuple[Float, Flo
     return level, (moving - level) / fast
 
 
-def _inertia(term: FittedTerm, motion: Motion) -> float:
+def _inertia(term: Term, motion: Motion) -> float:
     """Inertia that a term adds: what it takes for one more rad/s^2, on average."""
     return float(np.mean(_asked(term, replace(motion, ddq=motion.ddq + 1.0)) - term.torque(motion)))

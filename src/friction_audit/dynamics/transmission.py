@@ -15,7 +15,7 @@ from math import ceil, copysign, pi, sqrt
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.term import Motion
+from friction_audit.dynamics.motion import Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, read_only
 

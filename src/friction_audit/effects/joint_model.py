@@ -6,7 +6,8 @@ from math import isfinite
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.term import Term
 from friction_audit.effects.terms import term_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
@@ -31,7 +32,7 @@ class FittedTerm:
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        parameters = self.term.parameters
+        parameters = self.effect.parameters
         if len(self.values) != len(parameters):
             names = ", ".join(parameter.name for parameter in parameters)
             raise AnalysisError(f"term {self.name}: {len(self.values)} values; expected {len(parameters)}: {names}")
@@ -41,13 +42,13 @@ class FittedTerm:
                 raise AnalysisError(f"term {self.name}: {parameter.name} = {value:g}; expected {bounds}")
 
     @property
-    def term(self) -> Term:
+    def effect(self) -> Term:
         """The term itself."""
         return term_of(self.name)
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque. [N m], shape (n,)."""
-        return self.term.torque(self.values, motion)
+        return self.effect.torque(self.values, motion)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -110,7 +111,7 @@ class JointModel:
 
     def friction(self, motion: Motion) -> Float:
         """Return the torque that the terms of friction take. [N m], shape (n,)."""
-        return _sum((term for term in self.terms if term.term.friction), self._known(motion))
+        return _sum((term for term in self.terms if term.effect.friction), self._known(motion))
 
     def rest(self, motion: Motion) -> Float:
         """Return the torque that inertia, Coulomb and viscous friction take. [N m], shape (n,)."""

@@ -73,8 +73,8 @@ def _joint_lines(joint: JointModel) -> Iterator[str]:
     yield from (f"{key} = {_text(getattr(origin, key))}" for key in ("method", "log", "sha256"))
     yield f"cycles = {origin.cycles}"
     for term in joint.terms:
-        yield from ("", f"[joint.terms.{term.name}]  # {term.term.label}")
-        for parameter, value in zip(term.term.parameters, term.values, strict=True):
+        yield from ("", f"[joint.terms.{term.name}]  # {term.effect.label}")
+        for parameter, value in zip(term.effect.parameters, term.values, strict=True):
             if value != parameter.default or not parameter.optional:
                 yield f"{parameter.name} = {float(value)!r}  # {parameter.unit}, {parameter.meaning}"
 

@@ -7,102 +7,12 @@ give it its shape, are known, so that a fit needs to search the shape only.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from math import inf
-from typing import Literal
 
 import numpy as np
 
-from friction_audit.dynamics.rigid_body import RigidBody
+from friction_audit.dynamics.motion import Forward, Motion
+from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Others:
-    """All joints of the arm, this one among them, j of them.
-
-    Attributes:
-        joint: Which of them this joint is, 0..j-1.
-        dq: Velocities, shape (n, j). [rad/s]
-        ddq: Accelerations, shape (n, j). [rad/s^2]
-        sensed: What their torque sensors read, gravity included, counted as the interaction torque counts,
-            shape (n, j). [N m]
-    """
-
-    joint: int
-    dq: Float
-    ddq: Float
-    sensed: Float
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Motion:
-    """Motion of one joint, shape (n,) each, and what a term may lean on besides.
-
-    Attributes:
-        t: Time. [s]
-        q: Position. [rad]
-        dq: Velocity. [rad/s]
-        ddq: Acceleration. [rad/s^2]
-        load: Load on the joint's gear besides ``rest``: gravity and the inertia of links as far as it is in the
-            sensor and not in ``rest``, counted as the interaction torque counts; predicted, never measured; None
-            where nobody has predicted it. [N m]
-        temperature: Temperature; None where it was not logged. [degC]
-        others: All joints of the arm; None for a single joint.
-        rest: Torque that inertia, Coulomb and viscous friction of the same model take; None where a term does not
-            need it. Terms that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
-        rigid: What the rigid-body model of the arm says about this joint; None where no model is known.
-        way: Mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant.
-    """
-
-    t: Float
-    q: Float
-    dq: Float
-    ddq: Float
-    load: Float | None = None
-    temperature: Float | None = None
-    others: Others | None = None
-    rest: Float | None = None
-    rigid: RigidBody | None = None
-    way: Float | None = None
-
-    @property
-    def direction(self) -> Float:
-        """Sign of the velocity, shape (n,)."""
-        return np.sign(self.dq) if self.way is None else self.way
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Parameter:
-    """A number of a term.
-
-    Attributes:
-        name: Its name with the unit behind it, e.g. ``coulomb_nm``; unique over all terms, but for a number of a shape
-            that means the same in several, as ``far_share``.
-        unit: The unit, as people write it.
-        meaning: One line.
-        lower: Smallest value that makes sense.
-        upper: Largest value that makes sense.
-        whole: True for a choice by number, between which there is nothing.
-        optional: True for a number that a file of a model may lack.
-        default: What an optional number is where it is lacking.
-    """
-
-    name: str
-    unit: str
-    meaning: str
-    lower: float = -inf
-    upper: float = inf
-    whole: bool = False
-    optional: bool = False
-    default: float = 0.0
-
-    def allows(self, value: float) -> bool:
-        """Return True for a finite value within the bounds."""
-        return bool(np.isfinite(value)) and self.lower <= value <= self.upper
-
-
-Forward = Literal["instant", "bristle", "delay", "spring", "play"]
-"""How a term takes part in a forward simulation, see ``Term.forward``."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -137,8 +47,8 @@ class Term:
 
     name: str
     label: str
-    linear: tuple[Parameter, ...]
-    shape: tuple[Parameter, ...] = ()
+    coefficients: tuple[Parameter, ...]
+    nonlinear: tuple[Parameter, ...] = ()
     basis: Callable[[Motion, Sequence[float]], Float]
     bases: Callable[[Motion, Sequence[Sequence[float]]], Iterator[tuple[int, Float]]] | None = None
     friction: bool = False
@@ -148,7 +58,7 @@ class Term:
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         """All parameters: the linear ones, then the shape."""
-        return self.linear + self.shape
+        return self.coefficients + self.nonlinear
 
     def regressor(self, motion: Motion, shape_values: Sequence[float] = ()) -> Float:
         """Return the torque per unit of each linear parameter, shape (n, len(linear))."""
@@ -163,5 +73,5 @@ class Term:
 
     def torque(self, values: Sequence[float], motion: Motion) -> Float:
         """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""
-        split = len(self.linear)
+        split = len(self.coefficients)
         return np.asarray(self.basis(motion, values[split:]) @ np.asarray(values[:split], dtype=np.float64))

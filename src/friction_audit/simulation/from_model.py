@@ -108,7 +108,7 @@ def _groups(joint: JointModel, setting: Setting, where: str) -> dict[str, Any]:
     for term in joint.terms:
         if term.name in SIMPLE:
             continue
-        values = {p.name: value for p, value in zip(term.term.parameters, term.values, strict=True)}
+        values = {p.name: value for p, value in zip(term.effect.parameters, term.values, strict=True)}
         try:
             name, given = EQUALS.get(term.name, _no_equal)(values, setting)
         except NoEqualError as reason:

@@ -4,7 +4,7 @@ import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
 from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.joint_data_by_hand import baseline
 

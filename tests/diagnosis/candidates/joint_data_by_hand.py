@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
 STEP_S = 0.005
@@ -49,6 +48,6 @@ def at_rest(n: int = 2000) -> JointData:
     return joint_data(np.full(n, 0.3), np.zeros(n), np.zeros(n))
 
 
-def baseline(data: JointData) -> Baseline:
+def baseline(data: JointData) -> Nominal:
     torque = 0.3 * data.ddq + 0.3 * np.clip(data.dq / 0.01, -1, 1) + 0.07 * data.dq
-    return Baseline(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07, torque=torque)
+    return Nominal(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07, torque=torque)

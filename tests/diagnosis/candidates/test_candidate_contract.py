@@ -8,7 +8,7 @@ from numpy.testing import assert_array_equal
 
 from friction_audit.diagnosis.candidate import Candidate
 from friction_audit.diagnosis.candidates import CANDIDATES
-from friction_audit.diagnosis.displacement import strokes
+from friction_audit.effects.joint_data import strokes
 from tests.diagnosis.candidates.joint_data_by_hand import at_rest, baseline, joint_data, two_sines
 from tests.diagnosis.started_and_stopped import started_and_stopped
 
@@ -135,18 +135,18 @@ def test_a_candidate_and_its_term_are_one(candidate: Candidate) -> None:
     term = candidate.term
     assert term is not None
     assert term.name == candidate.name
-    names = {parameter.name for parameter in term.shape if not parameter.optional}
+    names = {parameter.name for parameter in term.nonlinear if not parameter.optional}
     for shape in candidate.tried(MOVING):
         # Without a shape it is the term with a shape of zeros.
         assert not shape or names <= set(shape)
-        for parameter in term.shape if shape else ():
+        for parameter in term.nonlinear if shape else ():
             assert parameter.allows(shape.get(parameter.name, 0.0)), (parameter.name, shape)
 
 
 @with_term
 def test_what_a_shape_leaves_loose_are_numbers_of_the_term(candidate: Candidate) -> None:
     assert candidate.term is not None
-    names = {parameter.name for parameter in (*candidate.term.linear, *candidate.term.shape)}
+    names = {parameter.name for parameter in (*candidate.term.coefficients, *candidate.term.nonlinear)}
     for shape in candidate.tried(MOVING):
         for name, (least, most) in candidate.loose(shape).items():
             assert name in names
@@ -159,9 +159,11 @@ def test_what_is_admissible_a_model_can_hold(candidate: Candidate) -> None:
     assert term is not None
     rng = np.random.default_rng(0)
     shape = candidate.tried(MOVING)[0]
-    for factors in rng.normal(scale=0.02, size=(50, len(term.linear))):
+    for factors in rng.normal(scale=0.02, size=(50, len(term.coefficients))):
         if candidate.admissible(factors, shape):
-            assert all(parameter.allows(float(f)) for parameter, f in zip(term.linear, factors, strict=True)), factors
+            assert all(parameter.allows(float(f)) for parameter, f in zip(term.coefficients, factors, strict=True)), (
+                factors
+            )
 
 
 @each

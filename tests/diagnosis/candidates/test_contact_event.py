@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.candidates.contact_event import CANDIDATE, find_contacts
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.joint_data_by_hand import baseline, joint_data, two_sines
 

@@ -13,7 +13,7 @@ from friction_audit.diagnosis.candidates import (
     torque_crosstalk,
     unlogged_compensation,
 )
-from friction_audit.dynamics.rigid_body import RigidBody
+from friction_audit.dynamics.motion import RigidBody
 from friction_audit.effects.terms.gravity_error import OWN_ANGLE, SEVERAL, TERM
 from friction_audit.effects.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH
 from friction_audit.joint_log import Float
@@ -79,7 +79,7 @@ def test_two_links_that_are_wrong_at_once_are_told_with_their_numbers() -> None:
     assert SEVERAL_LINKS in gravity_error.CANDIDATE.tried(data)
     columns = gravity_error.CANDIDATE.columns(data, baseline(data), SEVERAL_LINKS)
     factors = np.linalg.lstsq(columns, torque)[0]
-    told = {p.name: f for p, f in zip(TERM.linear, factors, strict=True) if abs(f) > 1e-9}
+    told = {p.name: f for p, f in zip(TERM.coefficients, factors, strict=True) if abs(f) > 1e-9}
     names = ["next_link_moment_x_kg_m", "last_link_moment_x_kg_m", "last_link_moment_y_kg_m"]
     assert told == pytest.approx(dict(zip(names, [0.03, 0.02, -0.04], strict=True)))
     one_by_one = replace(

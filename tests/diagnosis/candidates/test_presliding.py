@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.candidates import backlash, presliding, time_delay
-from friction_audit.diagnosis.displacement import strokes
+from friction_audit.effects.joint_data import strokes
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.explained import share_explained
 from tests.diagnosis.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines

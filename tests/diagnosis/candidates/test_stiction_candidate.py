@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.candidates.stiction import AGEINGS_S, AT_ONCE_RAD, CANDIDATE, FEWEST_BREAKAWAYS
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.rows import make_rows
+from friction_audit.effects.joint_data import JointData
 from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 

@@ -9,10 +9,10 @@ from friction_audit.diagnosis.candidates import torque_bias
 from friction_audit.diagnosis.candidates.torque_drift import CANDIDATE, SHORTEST_S
 from friction_audit.diagnosis.cross_products import cross_products
 from friction_audit.diagnosis.declared import declare, least_squares
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.search import search
+from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 

@@ -6,9 +6,9 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.candidates import backlash, frictional_lag, joint_elasticity, presliding, time_delay
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.explained import share_explained
 from tests.diagnosis.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
@@ -55,7 +55,7 @@ def seen(torque: Float) -> Float:
 def share_seen(candidate: Candidate, torque: Float) -> float:
     """The share of a torque that a candidate explains, both as a regression sees them."""
 
-    def columns(data: JointData, base: Baseline, shape: Shape) -> Float:
+    def columns(data: JointData, base: Nominal, shape: Shape) -> Float:
         return seen(candidate.columns(data, base, shape)[:, 0])[:, None]
 
     return share_explained(replace(candidate, columns=columns), DATA, seen(torque))

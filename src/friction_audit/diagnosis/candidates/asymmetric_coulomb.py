@@ -1,7 +1,7 @@
 """Asymmetric Coulomb friction: half the difference of the two levels; in motion the same as a bias of the sensor."""
 
 from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
+from friction_audit.effects.excitation import both_directions
 from friction_audit.effects.terms.asymmetric_coulomb import TERM
 from friction_audit.joint_log import Float
 

@@ -1,7 +1,7 @@
 """Asymmetric viscous friction: half the difference of the two slopes."""
 
 from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
+from friction_audit.effects.excitation import both_directions
 from friction_audit.effects.terms.asymmetric_viscous import TERM
 from friction_audit.joint_log import Float
 

@@ -4,13 +4,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, values_of
-from friction_audit.diagnosis.candidates.excitation import reversals
-from friction_audit.diagnosis.candidates.inertia_behind import far_side_of, inertia_behind
-from friction_audit.diagnosis.candidates.smooth_motion import MOTION_BELOW_HZ, motions
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, values_of
 from friction_audit.dynamics.transmission import MANY_SAMPLES, FarSide
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.backlash import CONTACT_DAMPING_RATIO, TERM, plays
+from friction_audit.effects.transmission import MOTION_BELOW_HZ, far_side_of, motions, no_inertia
 from friction_audit.joint_log import Float
 
 SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
@@ -59,13 +58,13 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+def columns(data: JointData, baseline: Nominal, shape: Shape) -> Float:
     """What the play adds to the torque, along the motion as measured or below a frequency."""
     ((_, column),) = together(data, baseline, (shape,))
     return column
 
 
-def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+def together(data: JointData, baseline: Nominal, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many plays."""
     yield from struck(data, [far_side_of(baseline)] * len(shapes), shapes)
 
@@ -82,9 +81,9 @@ def struck(data: JointData, far: Sequence[FarSide], shapes: Sequence[Shape]) -> 
             yield places[k], column
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
-    return reversals(data, baseline) or inertia_behind(baseline)
+    return reversals(data, baseline) or no_inertia(baseline)
 
 
 def admissible(factors: Float, _shape: Shape) -> bool:
@@ -105,13 +104,13 @@ def hidden(data: JointData) -> dict[str, tuple[float, float]]:
     return {"gap_rad": (least * span, most * span), **SOUGHT_FLANKS}
 
 
-def flank_twist(baseline: Baseline, shape: Shape) -> float:
+def flank_twist(baseline: Nominal, shape: Shape) -> float:
     """By how much one flank gives way under friction: its law is unknown, so that much more or less is play. [rad]"""
     stiffness = baseline.inertia_kg_m2 * (2.0 * np.pi * shape["contact_hz"]) ** 2
     return float(abs(baseline.coulomb_nm) / stiffness) if stiffness > 0.0 else 0.0
 
 
-def lost_in_flanks(baseline: Baseline, shape: Shape) -> float:
+def lost_in_flanks(baseline: Nominal, shape: Shape) -> float:
     """Motion that both flanks take by giving way, and that a play may be told too wide or too narrow by. [rad]"""
     return 2.0 * flank_twist(baseline, shape)
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import span
-from friction_audit.diagnosis.candidates.extent import reach
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import JointData, Nominal, reach
 from friction_audit.effects.terms.cable_spring import TERM
 from friction_audit.joint_log import Float
 
@@ -34,14 +33,14 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return (*bent, STRAIGHT)
 
 
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+def columns(data: JointData, baseline: Nominal, shape: Shape) -> Float:
     """Those of the term; of the straight spring position and preload only."""
     if shape:
         return BENT(data, baseline, shape)
     return np.column_stack([data.q, np.zeros(len(data.q)), np.ones(len(data.q))])
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return span(data, baseline, 0.8)
 

@@ -11,13 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.breakaway import STANDSTILL_S
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
-from friction_audit.diagnosis.candidates.excitation import moves
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.mean_sign import mean_sign
+from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.pushes import ABOUT_S, CORNER_HZ, HALF, Push, bridged, find_pushes
 from friction_audit.diagnosis.rows import filter_rows, row_filter
+from friction_audit.effects.breakaway import STANDSTILL_S
+from friction_audit.effects.excitation import moves
+from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
 from friction_audit.joint_log import Float
 
 OUTLYING = 12.0
@@ -269,7 +268,7 @@ def contacts_of(shape: Shape) -> tuple[Contact, ...]:
     )
 
 
-def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
+def columns(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
     """Hats over each contact, shape (n, contacts * KNOTS); a column of zeros where there is none."""
     hats = [np.zeros((len(data.t), 1))] if not shape else []
     for contact in contacts_of(shape):
@@ -280,7 +279,7 @@ def columns(data: JointData, _baseline: Baseline, shape: Shape) -> Float:
     return np.hstack(hats)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return moves(data, baseline)
 

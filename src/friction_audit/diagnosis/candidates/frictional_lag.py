@@ -3,8 +3,8 @@
 import numpy as np
 
 from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of, columns_together
-from friction_audit.diagnosis.candidates.excitation import several_speeds
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.excitation import several_speeds
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.terms.frictional_lag import TERM
 from friction_audit.joint_log import Float
 

@@ -3,9 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
-from friction_audit.diagnosis.candidates.excitation import span
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.gravity_error import OF_LINKS, OF_ONE, OWN_ANGLE, SEVERAL, TERM, TILT
 from friction_audit.joint_log import Float
 
@@ -30,7 +30,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return tuple({SOURCE: float(source)} for source in (OWN_ANGLE, *links, *several, *tilt))
 
 
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+def columns(data: JointData, baseline: Nominal, shape: Shape) -> Float:
     """The columns of one source; of several links those that this motion tells apart, the others zero."""
     source = round(shape[SOURCE])
     found = TERM.regressor(data.motion(baseline.torque), (source,))
@@ -58,7 +58,7 @@ def told_apart(data: JointData) -> NDArray[np.bool_]:
     return told
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return span(data, baseline, 0.3)
 
@@ -78,7 +78,7 @@ CANDIDATE = Candidate(
     label="gravity not fully compensated",
     shapes=shapes,
     columns=columns,
-    column_units=tuple(p.unit for p in TERM.linear),
+    column_units=tuple(p.unit for p in TERM.coefficients),
     untestable=untestable,
     admissible=admissible,
     axis="position",

@@ -1,8 +1,8 @@
 """Inertia error: the acceleration, where somebody has stated the inertia."""
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import moves
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import moves
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.inertia_error import TERM
 from friction_audit.joint_log import Float
 
@@ -12,7 +12,7 @@ NOT_DECLARED = (
 )
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The number or the motion that is lacking.
 
     At one frequency the acceleration runs as the position does: then gravity is its alternative, and it gravity's.

@@ -3,13 +3,13 @@
 import numpy as np
 
 from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import neighbours_move
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.dynamics.rigid_body import INERTIAL_PARAMETERS
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS
+from friction_audit.effects.excitation import neighbours_move
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.terms.inertial_coupling import AFTER, ALL, BEFORE, BOTH, MODEL, TERM, TIP
 from friction_audit.joint_log import Float
 
-NAMES = tuple(parameter.name for parameter in TERM.linear)
+NAMES = tuple(parameter.name for parameter in TERM.coefficients)
 LARGEST_SHARE = 2.0
 """Of the model's inertial torque: 1 where nobody took it away, -1 where somebody took it twice."""
 LARGEST_MASS_KG = 10.0
@@ -48,7 +48,7 @@ CANDIDATE = Candidate(
     label="other joints shake this one",
     shapes=shapes,
     columns=columns_of(TERM),
-    column_units=tuple(p.unit for p in TERM.linear),
+    column_units=tuple(p.unit for p in TERM.coefficients),
     untestable=neighbours_move,
     admissible=admissible,
     axis="neighbour",

@@ -5,14 +5,12 @@ from math import sqrt
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, values_of
-from friction_audit.diagnosis.candidates.excitation import reversals
-from friction_audit.diagnosis.candidates.inertia_behind import far_side_of, inertia_behind
-from friction_audit.diagnosis.candidates.smooth_motion import MOTION_BELOW_HZ, motions
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.noise import grid_noise
+from friction_audit.diagnosis.candidate import Candidate, Shape, values_of
 from friction_audit.dynamics.transmission import HIGHEST_HZ, FarSide, far_side
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal, grid_noise
 from friction_audit.effects.terms.joint_elasticity import DAMPING_RATIO, TERM, springs
+from friction_audit.effects.transmission import MOTION_BELOW_HZ, far_side_of, motions, no_inertia
 from friction_audit.joint_log import Float
 
 RINGING_HZ = np.append(np.geomspace(2.0, 40.0, 60), np.geomspace(50.0, HIGHEST_HZ, 5))
@@ -88,13 +86,13 @@ def _stiffest_seen(data: JointData) -> float:
     return max(float(_ringing_at(data, RINGING_SEEN_HZ)), far_side(data.motion(data.torque)).coulomb_nm / noise)
 
 
-def columns(data: JointData, baseline: Baseline, shape: Shape) -> Float:
+def columns(data: JointData, baseline: Nominal, shape: Shape) -> Float:
     """What the spring adds to the torque per compliance, along the motion as measured or below a frequency."""
     ((_, column),) = together(data, baseline, (shape,))
     return column
 
 
-def together(data: JointData, baseline: Baseline, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
+def together(data: JointData, baseline: Nominal, shapes: Sequence[Shape]) -> Iterator[tuple[int, Float]]:
     """The same for many springs."""
     for place, added in twisted(data, [far_side_of(baseline)] * len(shapes), shapes):
         yield place, np.multiply(added, shapes[place]["spring_nm_per_rad"], out=added)
@@ -144,9 +142,9 @@ def _ringing_at(data: JointData, frequency_hz: Float | float) -> Float:
     return np.asarray(inertia * (2.0 * np.pi * np.asarray(frequency_hz)) ** 2)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
-    return reversals(data, baseline) or inertia_behind(baseline)
+    return reversals(data, baseline) or no_inertia(baseline)
 
 
 def told_too_stiff(shape: Shape) -> dict[str, tuple[float, float]]:

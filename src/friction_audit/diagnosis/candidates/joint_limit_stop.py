@@ -3,9 +3,9 @@
 A soft stop is to the joint what a slack cable is.
 """
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import span
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.joint_limit_stop import TERM
 from friction_audit.joint_log import Float
 
@@ -27,7 +27,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return span(data, baseline, 0.5)
 

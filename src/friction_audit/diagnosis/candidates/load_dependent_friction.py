@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import both_directions
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.load_dependent_friction import TERM
 from friction_audit.joint_log import Float
 
@@ -16,7 +16,7 @@ LEAST_CHANGE = 0.1
 """Of a high load, what it must change by: a steady load's friction is Coulomb friction."""
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     lacking = both_directions(data, baseline)
     if lacking:

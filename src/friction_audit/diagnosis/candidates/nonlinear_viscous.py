@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import speed_range
-from friction_audit.diagnosis.candidates.extent import speeds
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import speed_range
+from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.terms.nonlinear_viscous import TERM
 from friction_audit.joint_log import Float
 
@@ -31,7 +30,7 @@ def _curve(exponent: float, speed: float) -> dict[str, float]:
     return {"curved_viscous_exponent": exponent, "curved_viscous_speed_rad_s": speed}
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return speed_range(data, baseline, 5.0)
 

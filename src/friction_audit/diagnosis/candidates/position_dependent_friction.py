@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions, span
-from friction_audit.diagnosis.candidates.extent import reach
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import both_directions, span
+from friction_audit.effects.joint_data import JointData, Nominal, reach
 from friction_audit.effects.terms.position_dependent_friction import TERM
 from friction_audit.joint_log import Float
 
@@ -37,7 +36,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return both_directions(data, baseline) or span(data, baseline, 0.5)
 

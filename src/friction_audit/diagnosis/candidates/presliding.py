@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of, columns_together
-from friction_audit.diagnosis.candidates.excitation import reversals
-from friction_audit.diagnosis.displacement import strokes
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of, columns_together
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal, strokes
 from friction_audit.effects.terms.presliding import TERM
 from friction_audit.joint_log import Float
 
@@ -26,7 +25,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return reversals(data, baseline)
 

@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.breakaway import find_breakaways, torque_known
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import moves
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.breakaway import find_breakaways, torque_known
+from friction_audit.effects.excitation import moves
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.stiction import TERM
 from friction_audit.joint_log import Float
 
@@ -46,7 +46,7 @@ def _starts(data: JointData) -> tuple[int, int]:
     return int(counted.sum()), int(np.sum(counted & torque_known(data.torque, seen, data.step_s)))
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking for an excess that is gone at once."""
     starts, telling = _starts(data)
     if telling >= FEWEST_BREAKAWAYS:

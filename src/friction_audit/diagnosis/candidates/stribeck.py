@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import speed_range
-from friction_audit.diagnosis.candidates.extent import speeds
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import speed_range
+from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.terms.stribeck import TERM
 from friction_audit.joint_log import Float
 
@@ -18,11 +17,13 @@ LOWEST, HIGHEST = 0.01, 0.4
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Speeds of fading by the speeds of the log, each with the exponents."""
     (fast,) = speeds(data, 95.0)
-    fading = np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, SPEEDS), TERM.shape[0].lower, TERM.shape[0].upper)
+    fading = np.clip(
+        np.geomspace(LOWEST * fast, HIGHEST * fast, SPEEDS), TERM.nonlinear[0].lower, TERM.nonlinear[0].upper
+    )
     return tuple({"stribeck_speed_rad_s": float(v), "stribeck_exponent": d} for v in fading for d in EXPONENTS)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return speed_range(data, baseline, 8.0)
 

@@ -1,7 +1,7 @@
 """Torque bias: a constant; in motion the same as Coulomb friction that differs by direction."""
 
 from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
+from friction_audit.effects.excitation import both_directions
 from friction_audit.effects.terms.torque_bias import TERM
 from friction_audit.joint_log import Float
 

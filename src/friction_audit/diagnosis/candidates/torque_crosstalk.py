@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import neighbours_loaded
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import neighbours_loaded
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.terms.torque_crosstalk import TERM
 from friction_audit.joint_log import Float
 
@@ -16,7 +16,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return tuple({"crosstalk_side": side} for side, there in sides if there)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return neighbours_loaded(data, baseline)
 

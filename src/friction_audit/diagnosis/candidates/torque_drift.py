@@ -6,10 +6,9 @@ are zero when the recording starts. What a sensor drifted before is a constant i
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
-from friction_audit.diagnosis.candidates.extent import duration
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import both_directions
+from friction_audit.effects.joint_data import JointData, Nominal, duration
 from friction_audit.effects.terms.torque_drift import TERM, WAVES
 from friction_audit.joint_log import Float
 
@@ -20,7 +19,7 @@ CYCLES_PER_HALF_TURN = 2
 """A wave is slow that lasts longer than strokes do: else any misfit of the motion's own slow part passes for drift."""
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     length, found = duration(data), len(np.unique(data.cycle[data.used]))
     needed = CYCLES_PER_HALF_TURN * WAVES
@@ -42,7 +41,7 @@ CANDIDATE = Candidate(
     label=TERM.label,
     shapes=tuple({COUNT: float(waves)} for waves in range(1, WAVES + 1)),
     columns=columns_of(TERM),
-    column_units=("nm",) * len(TERM.linear),
+    column_units=("nm",) * len(TERM.coefficients),
     untestable=untestable,
     admissible=admissible,
     axis="time",

@@ -8,11 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of, columns_together
-from friction_audit.diagnosis.candidates.excitation import span
-from friction_audit.diagnosis.candidates.extent import reach, speeds
-from friction_audit.diagnosis.joint_data import JointData
-from friction_audit.diagnosis.rows import CORNER_HZ
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of, columns_together
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach, speeds
 from friction_audit.effects.terms.torque_ripple import TERM
 from friction_audit.joint_log import Float
 
@@ -63,7 +61,7 @@ def trials(data: JointData) -> Callable[[Shape], float]:
     return of
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     return span(data, baseline, 0.5)
 

@@ -6,10 +6,9 @@ a rise towards rest, which is Stribeck's. Viscous friction is fitted all the sam
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
-from friction_audit.diagnosis.candidates.extent import speeds
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import both_directions
+from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.terms.unlogged_compensation import DEAD_BAND, SMOOTH, TERM
 from friction_audit.joint_log import Float
 
@@ -26,7 +25,9 @@ SKEWS = (-0.3, 0.0, 0.3)
 def shapes(data: JointData) -> tuple[Shape, ...]:
     """Widths by the speeds of the log; smooth ones with some skew."""
     (fast,) = speeds(data, 95.0)
-    widths = np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, WIDTHS), TERM.shape[0].lower, TERM.shape[0].upper)
+    widths = np.clip(
+        np.geomspace(LOWEST * fast, HIGHEST * fast, WIDTHS), TERM.nonlinear[0].lower, TERM.nonlinear[0].upper
+    )
     forms = (*((skew, SMOOTH) for skew in SKEWS), (0.0, DEAD_BAND))
     return tuple(
         {"unlogged_width_rad_s": float(width), "unlogged_skew": skew, "unlogged_form": float(form)}
@@ -35,7 +36,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     )
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The numbers or the motion that are lacking."""
     return both_directions(data, baseline) if "coulomb_nm" in baseline.declared else NOT_DECLARED
 

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape, columns_of
-from friction_audit.diagnosis.candidates.excitation import both_directions
-from friction_audit.diagnosis.candidates.extent import duration
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.candidate import Candidate, Shape, columns_of
+from friction_audit.effects.excitation import both_directions
+from friction_audit.effects.joint_data import JointData, Nominal, duration
 from friction_audit.effects.terms.warm_up import TERM
 from friction_audit.joint_log import Float
 
@@ -30,7 +29,7 @@ def shapes(data: JointData) -> tuple[Shape, ...]:
     return tuple(tried)
 
 
-def untestable(data: JointData, baseline: Baseline) -> str | None:
+def untestable(data: JointData, baseline: Nominal) -> str | None:
     """The motion that is lacking."""
     length = duration(data)
     if length < SHORTEST_S:

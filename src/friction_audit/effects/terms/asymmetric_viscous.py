@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -16,7 +18,7 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="asymmetric_viscous",
     label="viscous friction differs by direction",
-    linear=(
+    coefficients=(
         Parameter(
             name="viscous_half_difference_nms_per_rad",
             unit="N m s/rad",

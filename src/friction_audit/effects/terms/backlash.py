@@ -7,6 +7,7 @@ play and strikes it on the other flank.
 from collections.abc import Iterator, Sequence
 from math import sqrt
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import (
     FarSide,
     Transmission,
@@ -16,8 +17,9 @@ from friction_audit.dynamics.transmission import (
     part_of,
     simple_torque,
 )
-from friction_audit.effects.term import Motion, Parameter, Term
-from friction_audit.effects.terms.far_share import FAR_SHARE
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
+from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.joint_log import Float
 
 CONTACT_DAMPING_RATIO = 0.2
@@ -69,7 +71,7 @@ def flank(inertia_kg_m2: float, usual_nm: float, shape: Sequence[float]) -> Tran
 TERM = Term(
     name="backlash",
     label="free play between motor and link",
-    linear=(
+    coefficients=(
         Parameter(
             name="backlash_share",
             unit="1",
@@ -78,7 +80,7 @@ TERM = Term(
             upper=1.5,
         ),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="gap_rad", unit="rad", meaning="full width of the play", lower=1e-7, upper=1.0),
         Parameter(name="contact_hz", unit="Hz", meaning="ringing on a flank that touches", lower=1.0, upper=1e3),
         Parameter(

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -24,14 +26,14 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="cable_spring",
     label="a cable pulls the joint back",
-    linear=(
+    coefficients=(
         Parameter(
             name="cable_stiffness_nm_per_rad", unit="N m/rad", meaning="stiffness where it begins to pull", lower=0.0
         ),
         Parameter(name="cable_hardening_nm_per_rad3", unit="N m/rad^3", meaning="growth of the stiffness"),
         Parameter(name="cable_preload_nm", unit="N m", meaning="pull at the centre"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="cable_centre_rad", unit="rad", meaning="position where it does not pull"),
         Parameter(name="cable_free_rad", unit="rad", meaning="way to either side without pull", lower=0.0),
     ),

@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -14,7 +16,7 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="coulomb",
     label="Coulomb friction",
-    linear=(Parameter(name="coulomb_nm", unit="N m", meaning="friction at any speed", lower=0.0),),
+    coefficients=(Parameter(name="coulomb_nm", unit="N m", meaning="friction at any speed", lower=0.0),),
     basis=basis,
     friction=True,
     speed_only=True,

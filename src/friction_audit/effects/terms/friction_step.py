@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -19,11 +21,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="friction_step",
     label="friction changes at one moment",
-    linear=(
+    coefficients=(
         Parameter(name="step_coulomb_nm", unit="N m", meaning="Coulomb friction after less before"),
         Parameter(name="step_viscous_nms_per_rad", unit="N m s/rad", meaning="viscous friction after less before"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="step_time_s", unit="s", meaning="when half of the change is over"),
         Parameter(name="step_length_s", unit="s", meaning="how long it takes", lower=0.0),
     ),

@@ -10,8 +10,10 @@ from math import exp
 
 import numpy as np
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import far_side
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -49,8 +51,10 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
 TERM = Term(
     name="frictional_lag",
     label="friction follows speed late",
-    linear=(Parameter(name="lagging_share", unit="1", meaning="share of friction that lags", lower=0.0, upper=2.0),),
-    shape=(
+    coefficients=(
+        Parameter(name="lagging_share", unit="1", meaning="share of friction that lags", lower=0.0, upper=2.0),
+    ),
+    nonlinear=(
         Parameter(name="friction_lag_s", unit="s", meaning="time by which friction lags", lower=1e-4, upper=10.0),
         Parameter(
             name="lagging_excess", unit="1", meaning="Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0

@@ -9,7 +9,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 OWN_ANGLE, TILT, SEVERAL = 0, -1, -2
@@ -25,7 +27,7 @@ OF_ONE = 8
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return the columns of one source of the error; those of the others are zero."""
     source = round(shape[0])
-    columns = np.zeros((len(TERM.linear), len(motion.t))).T  # one behind the other in memory
+    columns = np.zeros((len(TERM.coefficients), len(motion.t))).T  # one behind the other in memory
     if source == OWN_ANGLE:
         columns[:, OF_ANGLE] = np.column_stack([np.cos(motion.q), np.sin(motion.q)])
     elif motion.rigid is None:
@@ -58,7 +60,7 @@ def _of_another(link: str) -> Iterator[Parameter]:
 TERM = Term(
     name="gravity_error",
     label="gravity is not what was taken away",
-    linear=(
+    coefficients=(
         Parameter(name="gravity_cos_nm", unit="N m", meaning="of the cosine of the joint's angle"),
         Parameter(name="gravity_sin_nm", unit="N m", meaning="of the sine of the joint's angle"),
         Parameter(name="link_moment_x_kg_m", unit="kg m", meaning="mass times centre of mass, x in the joint's frame"),
@@ -70,7 +72,7 @@ TERM = Term(
         *_of_another("next"),
         *_of_another("last"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(
             name="gravity_error_source",
             unit="1",

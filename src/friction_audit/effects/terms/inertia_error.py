@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -14,6 +16,6 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="inertia_error",
     label="the stated inertia is wrong",
-    linear=(Parameter(name="extra_inertia_kg_m2", unit="kg m^2", meaning="true inertia less the one stated"),),
+    coefficients=(Parameter(name="extra_inertia_kg_m2", unit="kg m^2", meaning="true inertia less the one stated"),),
     basis=basis,
 )

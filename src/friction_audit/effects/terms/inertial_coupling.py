@@ -10,8 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.dynamics.rigid_body import INERTIAL_PARAMETERS
-from friction_audit.effects.term import Motion, Others, Parameter, Term
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion, Others
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 BEFORE, AFTER, BOTH, ALL, MODEL, TIP = range(6)
@@ -25,7 +26,7 @@ UNITS = ("kg", "kg_m", "kg_m", "kg_m") + ("kg_m2",) * 6
 def basis(motion: Motion, shape: Sequence[float]) -> Float:
     """Return the columns of one source of the torque; those of the others are zero."""
     source = round(shape[0])
-    columns = np.zeros((len(TERM.linear), len(motion.t))).T  # one behind the other in memory
+    columns = np.zeros((len(TERM.coefficients), len(motion.t))).T  # one behind the other in memory
     rigid = motion.rigid
     if source <= ALL:
         if motion.others is None:
@@ -50,7 +51,7 @@ def _meant(source: int, others: Others) -> range | tuple[int, ...]:
 TERM = Term(
     name="inertial_coupling",
     label="other joints shake this one",
-    linear=(
+    coefficients=(
         *(
             Parameter(
                 name=f"coupling_to_joint{k}_kg_m2", unit="kg m^2", meaning=f"torque per acceleration of joint {k}"
@@ -69,7 +70,7 @@ TERM = Term(
             for name, unit in zip(INERTIAL, UNITS, strict=True)
         ),
     ),
-    shape=(
+    nonlinear=(
         Parameter(
             name="coupling_source",
             unit="1",

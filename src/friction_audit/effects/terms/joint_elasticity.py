@@ -8,9 +8,11 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torques, far_side
-from friction_audit.effects.term import Motion, Parameter, Term
-from friction_audit.effects.terms.far_share import FAR_SHARE
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
+from friction_audit.effects.transmission import FAR_SHARE
 from friction_audit.joint_log import Float
 
 DAMPING_RATIO = 0.05
@@ -41,10 +43,10 @@ def springs(motion: Motion, far: Sequence[FarSide], shapes: Sequence[Sequence[fl
 TERM = Term(
     name="joint_elasticity",
     label="a spring between motor and link",
-    linear=(
+    coefficients=(
         Parameter(name="compliance_rad_per_nm", unit="rad/(N m)", meaning="twist per torque", lower=0.0, upper=1.0),
     ),
-    shape=(
+    nonlinear=(
         Parameter(
             name="spring_nm_per_rad",
             unit="N m/rad",

@@ -9,7 +9,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float, read_only
 
 DEPTH_RAD = 0.1
@@ -41,13 +43,13 @@ def _press(q: Float, dq: Float, upper: float, lower: float, exponent: float, col
 TERM = Term(
     name="joint_limit_stop",
     label="a stop near the end of the range",
-    linear=(
+    coefficients=(
         Parameter(name="stop_upper_nm", unit="N m", meaning="torque 0.1 rad into the upper stop", lower=0.0),
         Parameter(name="stop_lower_nm", unit="N m", meaning="torque 0.1 rad into the lower stop", lower=0.0),
         Parameter(name="stop_damping_nms_per_rad", unit="N m s/rad", meaning="damping while one is touched"),
         Parameter(name="stop_deep_damping_nms_per_rad", unit="N m s/rad", meaning="damping 0.1 rad into a stop"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="stop_upper_rad", unit="rad", meaning="where the upper stop begins"),
         Parameter(name="stop_lower_rad", unit="rad", meaning="where the lower stop begins"),
         Parameter(name="stop_exponent", unit="1", meaning="exponent of the depth", lower=0.5, upper=5.0),

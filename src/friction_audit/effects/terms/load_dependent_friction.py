@@ -10,7 +10,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -30,11 +32,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="load_dependent_friction",
     label="friction grows with load",
-    linear=(
+    coefficients=(
         Parameter(name="load_friction_nm", unit="N m", meaning="friction at a load of 1 N m, mean of both", lower=0.0),
         Parameter(name="load_friction_by_power_nm", unit="N m", meaning="that against less that with the load, halved"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="load_exponent", unit="1", meaning="exponent of the load", lower=0.5, upper=3.0),
         Parameter(
             name="load_directed",

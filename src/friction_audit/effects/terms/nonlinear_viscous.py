@@ -15,7 +15,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 CARREAU = 2.0
@@ -66,8 +68,8 @@ def _between(table: Float, place: Float) -> Float:
 TERM = Term(
     name="nonlinear_viscous",
     label="friction curved in speed",
-    linear=(Parameter(name="curved_viscous_nm", unit="N m", meaning="curved friction at 1 rad/s"),),
-    shape=(
+    coefficients=(Parameter(name="curved_viscous_nm", unit="N m", meaning="curved friction at 1 rad/s"),),
+    nonlinear=(
         Parameter(name="curved_viscous_exponent", unit="1", meaning="exponent at high speed", lower=-1.0, upper=5.0),
         Parameter(name="curved_viscous_speed_rad_s", unit="rad/s", meaning="speed of the bend", lower=1e-6, upper=1e3),
         Parameter(

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -16,7 +18,7 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="offset",
     label="constant torque",
-    linear=(Parameter(name="offset_nm", unit="N m", meaning="torque that the joint takes without moving"),),
+    coefficients=(Parameter(name="offset_nm", unit="N m", meaning="torque that the joint takes without moving"),),
     basis=basis,
     speed_only=True,
 )

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -23,11 +25,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="position_dependent_friction",
     label="friction changes with position",
-    linear=(
+    coefficients=(
         Parameter(name="position_friction_cos_nm", unit="N m", meaning="change at the centre"),
         Parameter(name="position_friction_sin_nm", unit="N m", meaning="change a quarter of a wave further"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="position_friction_order", unit="1", meaning="waves per revolution", lower=0.0, upper=1e4),
         Parameter(name="position_friction_centre_rad", unit="rad", meaning="centre of the stretch"),
         Parameter(name="position_friction_width_rad", unit="rad", meaning="half width of the stretch", lower=1e-4),

@@ -18,7 +18,9 @@ from math import exp
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 EVEN = 1e-6
@@ -114,8 +116,8 @@ def _dahl(path: Float, exponent: float) -> Float:
 TERM = Term(
     name="presliding",
     label="friction builds up after a reversal",
-    linear=(Parameter(name="bristle_nm", unit="N m", meaning="Coulomb friction of the bristles", lower=0.0),),
-    shape=(
+    coefficients=(Parameter(name="bristle_nm", unit="N m", meaning="Coulomb friction of the bristles", lower=0.0),),
+    nonlinear=(
         Parameter(
             name="reach_rad", unit="rad", meaning="Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0
         ),

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 SHORTEST_REST_S = 0.02
@@ -70,10 +72,10 @@ def _since_onset(q: Float, way: Float, moving: NDArray[np.bool_], step_s: float)
 TERM = Term(
     name="stiction",
     label="higher torque at breakaway",
-    linear=(
+    coefficients=(
         Parameter(name="breakaway_excess_nm", unit="N m", meaning="friction above sliding after a rest", lower=0.0),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="ageing_s", unit="s", meaning="rest over which it grows", lower=1e-4, upper=1e3),
         Parameter(name="renewal_rad", unit="rad", meaning="path over which it goes", lower=1e-7, upper=1.0),
     ),

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -22,8 +24,10 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="stribeck",
     label="Stribeck friction",
-    linear=(Parameter(name="stribeck_excess_nm", unit="N m", meaning="friction above Coulomb at rest", lower=0.0),),
-    shape=(
+    coefficients=(
+        Parameter(name="stribeck_excess_nm", unit="N m", meaning="friction above Coulomb at rest", lower=0.0),
+    ),
+    nonlinear=(
         Parameter(name="stribeck_speed_rad_s", unit="rad/s", meaning="speed of fading", lower=1e-6, upper=10.0),
         Parameter(name="stribeck_exponent", unit="1", meaning="exponent of fading", lower=0.2, upper=5.0),
     ),

@@ -9,8 +9,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.transmission import simple_torque
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -26,8 +28,10 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="time_delay",
     label="torque and motion are not simultaneous",
-    linear=(Parameter(name="delay_s", unit="s", meaning="by how much the torque is late", lower=-1.0, upper=1.0),),
-    shape=(
+    coefficients=(
+        Parameter(name="delay_s", unit="s", meaning="by how much the torque is late", lower=-1.0, upper=1.0),
+    ),
+    nonlinear=(
         Parameter(name="delay_step_s", unit="s", meaning="delay for which jumps are right", lower=-1.0, upper=1.0),
         Parameter(name="delayed_load", unit="1", meaning="1 if the load is late too", lower=0.0, upper=1.0, whole=True),
     ),

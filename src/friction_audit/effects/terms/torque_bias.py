@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -16,7 +18,7 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="torque_bias",
     label="offset of the torque sensor",
-    linear=(Parameter(name="torque_bias_nm", unit="N m", meaning="interaction torque as read without a load"),),
+    coefficients=(Parameter(name="torque_bias_nm", unit="N m", meaning="interaction torque as read without a load"),),
     basis=basis,
     speed_only=True,
 )

@@ -4,7 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 BOTH = 0
@@ -27,11 +29,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="torque_crosstalk",
     label="torque of a neighbour leaks in",
-    linear=(
+    coefficients=(
         Parameter(name="crosstalk_before", unit="1", meaning="share of the reading of the joint before"),
         Parameter(name="crosstalk_after", unit="1", meaning="share of the reading of the joint after"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(
             name="crosstalk_side",
             unit="1",

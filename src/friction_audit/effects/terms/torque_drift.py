@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 WAVES = 4
@@ -29,11 +31,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="torque_drift",
     label="the torque drifts slowly",
-    linear=tuple(
+    coefficients=tuple(
         Parameter(name=f"drift_{i}_nm", unit="N m", meaning=f"wave of {i - 0.5:g} half turns over the recording")
         for i in range(1, WAVES + 1)
     ),
-    shape=(
+    nonlinear=(
         # Files of earlier versions have all waves and do not say so.
         Parameter(
             name="drift_waves",

@@ -8,7 +8,9 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 SAME_STEP = 1e-12
@@ -40,11 +42,11 @@ def bases(motion: Motion, shapes: Sequence[Sequence[float]]) -> Iterator[tuple[i
 TERM = Term(
     name="torque_ripple",
     label="torque periodic in position",
-    linear=(
+    coefficients=(
         Parameter(name="ripple_cos_nm", unit="N m", meaning="ripple at q = 0"),
         Parameter(name="ripple_sin_nm", unit="N m", meaning="ripple a quarter of a wave further"),
     ),
-    shape=(Parameter(name="ripple_order", unit="1", meaning="waves per revolution", lower=0.0, upper=1e5),),
+    nonlinear=(Parameter(name="ripple_order", unit="1", meaning="waves per revolution", lower=0.0, upper=1e5),),
     basis=basis,
     bases=bases,
 )

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 SMOOTH, DEAD_BAND = 0, 1
@@ -26,8 +28,8 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="unlogged_compensation",
     label="a compensator that the log does not tell of",
-    linear=(Parameter(name="unlogged_nm", unit="N m", meaning="torque that it gives at high speed", lower=0.0),),
-    shape=(
+    coefficients=(Parameter(name="unlogged_nm", unit="N m", meaning="torque that it gives at high speed", lower=0.0),),
+    nonlinear=(
         Parameter(
             name="unlogged_width_rad_s", unit="rad/s", meaning="speed up to which it holds back", lower=1e-4, upper=10.0
         ),

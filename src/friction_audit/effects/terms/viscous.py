@@ -2,7 +2,9 @@
 
 from collections.abc import Sequence
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 
@@ -14,7 +16,7 @@ def basis(motion: Motion, _shape: Sequence[float]) -> Float:
 TERM = Term(
     name="viscous",
     label="viscous friction",
-    linear=(Parameter(name="viscous_nms_per_rad", unit="N m s/rad", meaning="friction per velocity", lower=0.0),),
+    coefficients=(Parameter(name="viscous_nms_per_rad", unit="N m s/rad", meaning="friction per velocity", lower=0.0),),
     basis=basis,
     friction=True,
     speed_only=True,

@@ -8,7 +8,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.effects.term import Motion, Parameter, Term
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.term import Term
 from friction_audit.joint_log import Float
 
 REFERENCE_DEGC = 25.0
@@ -27,11 +29,11 @@ def basis(motion: Motion, shape: Sequence[float]) -> Float:
 TERM = Term(
     name="warm_up",
     label="friction falls as the joint warms",
-    linear=(
+    coefficients=(
         Parameter(name="cold_coulomb_nm", unit="N m", meaning="Coulomb friction that a cold joint has more"),
         Parameter(name="cold_viscous_nms_per_rad", unit="N m s/rad", meaning="viscous friction that it has more"),
     ),
-    shape=(
+    nonlinear=(
         Parameter(name="warm_up_time_s", unit="s", meaning="time constant", lower=1e-2, upper=1e9),
         Parameter(name="warm_up_per_k", unit="1/K", meaning="share lost per kelvin", lower=0.0, upper=100.0),
     ),

@@ -10,10 +10,10 @@ import numpy as np
 from friction_audit.diagnosis.candidates.contact_event import Contact, find_contacts
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.grown_model import grow_model
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import UNANSWERED, Effect, JointDiscrepancy
 from friction_audit.diagnosis.rows import Rows, filter_rows, make_rows
+from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import Provenance
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float

@@ -75,7 +75,7 @@ def _model(model: JointModel) -> Document:
 def _terms(terms: Iterable[FittedTerm]) -> Document:
     """Return the terms by name, each its numbers by name, as a model file has them."""
     return {
-        one.name: {parameter.name: value for parameter, value in zip(one.term.parameters, one.values, strict=True)}
+        one.name: {parameter.name: value for parameter, value in zip(one.effect.parameters, one.values, strict=True)}
         for one in terms
     }
 

@@ -30,7 +30,7 @@ MOST_NUMBERS = 6
 """Parameters of an effect that a line has room for."""
 UNITS = {parameter.name: parameter.unit for term in TERMS for parameter in term.parameters}
 MEANINGS = {parameter.name: parameter.meaning for term in TERMS for parameter in term.parameters}
-FACTORS = {term.name: tuple(parameter.name for parameter in term.linear) for term in TERMS}
+FACTORS = {term.name: tuple(parameter.name for parameter in term.coefficients) for term in TERMS}
 SIZES = {"backlash": "gap_rad"}
 """Parameters that are an effect's size, where its factor is none."""
 SCALED = ("s", "rad", "rad/(N m)")

@@ -1,10 +1,8 @@
-"""What a log must hold before an effect may be spoken of: None, or one sentence that names the motion it lacks."""
+"""What a log must hold for an effect to be identifiable: None, or one sentence that names the motion it lacks."""
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline
-from friction_audit.diagnosis.displacement import strokes
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.joint_data import JointData, Nominal, strokes
 
 FEWEST_SAMPLES = 100
 FEWEST_REVERSALS = 8
@@ -12,24 +10,24 @@ CHANGE_PER_COULOMB = 0.5
 """A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen."""
 
 
-def moves(data: JointData, _baseline: Baseline) -> str | None:
+def moves(data: JointData, _nominal: Nominal) -> str | None:
     """Some motion at all."""
     if int(data.used.sum()) < FEWEST_SAMPLES:
         return "the joint hardly moves: move it back and forth for several cycles"
     return None
 
 
-def both_directions(data: JointData, baseline: Baseline) -> str | None:
+def both_directions(data: JointData, nominal: Nominal) -> str | None:
     """At least a tenth of the moving time in either direction."""
     share = float(np.mean(data.dq[data.used] > 0)) if data.used.any() else 0.0
     if not 0.1 <= share <= 0.9:  # noqa: PLR2004 - a tenth either way
-        return moves(data, baseline) or "the joint moves in one direction only: move it over the same range both ways"
-    return moves(data, baseline)
+        return moves(data, nominal) or "the joint moves in one direction only: move it over the same range both ways"
+    return moves(data, nominal)
 
 
-def speed_range(data: JointData, baseline: Baseline, ratio: float) -> str | None:
+def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
     """95th over 5th percentile of speed at least the ratio."""
-    lacking = moves(data, baseline)
+    lacking = moves(data, nominal)
     if lacking:
         return lacking
     slow, fast = np.percentile(np.abs(data.dq[data.used]), [5, 95])
@@ -38,9 +36,9 @@ def speed_range(data: JointData, baseline: Baseline, ratio: float) -> str | None
     return None
 
 
-def several_speeds(data: JointData, baseline: Baseline) -> str | None:
+def several_speeds(data: JointData, nominal: Nominal) -> str | None:
     """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot tell delay and inertia from others."""
-    lacking = moves(data, baseline)
+    lacking = moves(data, nominal)
     if lacking:
         return lacking
     cycle, speed = data.cycle[data.used], np.abs(data.dq[data.used])
@@ -52,9 +50,9 @@ def several_speeds(data: JointData, baseline: Baseline) -> str | None:
     return None
 
 
-def span(data: JointData, baseline: Baseline, least_rad: float) -> str | None:
+def span(data: JointData, nominal: Nominal, least_rad: float) -> str | None:
     """Range of positions of the moving joint at least so many radians."""
-    lacking = moves(data, baseline)
+    lacking = moves(data, nominal)
     if lacking:
         return lacking
     reach = float(np.ptp(data.q[data.used]))
@@ -63,16 +61,16 @@ def span(data: JointData, baseline: Baseline, least_rad: float) -> str | None:
     return None
 
 
-def reversals(data: JointData, baseline: Baseline) -> str | None:
+def reversals(data: JointData, nominal: Nominal) -> str | None:
     """Reversals among the working cycles and among the locked ones."""
     found = len(strokes(data).reversals)
     if found < FEWEST_REVERSALS:
         turn = f"turn the direction of motion at least {FEWEST_REVERSALS} times"
-        return moves(data, baseline) or f"{found} reversals: {turn}"
-    return moves(data, baseline)
+        return moves(data, nominal) or f"{found} reversals: {turn}"
+    return moves(data, nominal)
 
 
-def neighbours_move(data: JointData, _baseline: Baseline) -> str | None:
+def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
     """Another joint that moves."""
     other = np.delete(data.others_dq[data.valid], data.own_column, axis=1)
     if other.size == 0 or np.sqrt(np.mean(other**2, axis=0)).max() < data.dead_speed_rad_s:
@@ -80,16 +78,16 @@ def neighbours_move(data: JointData, _baseline: Baseline) -> str | None:
     return None
 
 
-def neighbours_loaded(data: JointData, baseline: Baseline) -> str | None:
+def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
     """A neighbour whose sensor reads something that changes."""
     joint, joints = data.own_column, data.others_torque.shape[1]
     beside = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
     if not beside:
         return "the log has one joint: record its neighbours too"
-    lacking = moves(data, baseline)
+    lacking = moves(data, nominal)
     if lacking:
         return lacking
     change = data.others_torque[data.used][:, beside].std(axis=0).max()
-    if change < CHANGE_PER_COULOMB * abs(baseline.coulomb_nm):
+    if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
         return "the torque of the neighbours hardly changes: load them, also while this joint rests"
     return None

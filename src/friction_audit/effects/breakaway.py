@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.noise import SIGMA_PER_MEDIAN, grid_noise
+from friction_audit.effects.joint_data import SIGMA_PER_MEDIAN, grid_noise
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]

@@ -1,0 +1,168 @@
+"""Motion of one joint, and what else is known of it: the input of every torque of a joint model."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, Protocol
+
+import numpy as np
+
+from friction_audit.joint_log import Float
+
+# Of a link: mass, first moments x, y, z, and the moments of inertia xx, xy, yy, xz, yz, zz about its joint's frame.
+INERTIAL_PARAMETERS = 10
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class RigidBody:
+    """Torques of one joint per unit of what may be wrong with the rigid-body model of the arm, at m times.
+
+    Attributes:
+        t: Times, coarse enough to be stored, fine enough to be interpolated, shape (m,). [s]
+        links: Numbers (1..j) of the links whose weight is given.
+        weight: Torque per unit of first moment x, y, z [kg m] and mass [kg] of those links, by gravity, and by the
+            links' inertia where it is in the balance; linearly dependent columns are zero, shape (m, len(links), 4).
+        tilt: Gravity torque per unit of gravity along two directions across the vertical [m/s^2], shape (m, 2).
+        inertial: Torque M ddq + c of the model; None where the link's inertia is not in the balance, shape (m,). [N m]
+        tip: The same per unit of each inertial parameter of the last link, shape (m, 10), or None.
+    """
+
+    t: Float
+    links: tuple[int, ...]
+    weight: Float
+    tilt: Float
+    inertial: Float | None
+    tip: Float | None
+
+    def at(self, t: Float, torque: Float) -> Float:
+        """Interpolate one of the torques at the times of a motion, shape (n, ...)."""
+        from scipy.interpolate import CubicSpline
+
+        if len(self.t) == len(t) and np.array_equal(self.t, t):
+            return torque
+        return np.asarray(CubicSpline(self.t, torque, axis=0)(t), np.float64)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Others:
+    """All joints of the arm, this one among them, j of them.
+
+    Attributes:
+        joint: Which of them this joint is, 0..j-1.
+        dq: Velocities, shape (n, j). [rad/s]
+        ddq: Accelerations, shape (n, j). [rad/s^2]
+        sensed: What their torque sensors read, gravity included, with the sign of the interaction torque,
+            shape (n, j). [N m]
+    """
+
+    joint: int
+    dq: Float
+    ddq: Float
+    sensed: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Motion:
+    """Motion of one joint, shape (n,) each, and other inputs of a torque.
+
+    Attributes:
+        t: Time. [s]
+        q: Position. [rad]
+        dq: Velocity. [rad/s]
+        ddq: Acceleration. [rad/s^2]
+        load: Load on the joint's gear in addition to ``rest``: gravity and the inertia of links as far as it is in the
+            sensor and not in ``rest``; predicted, never measured; None where it is not known. [N m]
+        temperature: Temperature; None where it was not logged. [degC]
+        others: All joints of the arm; None for a single joint.
+        rest: Torque of inertia, Coulomb and viscous friction of the same model; None where it is not needed. Effects
+            that change how torque gets to the sensor, as a delay or a spring does, act on it. [N m]
+        rigid: Torques of the rigid-body model of the arm; None where no model is known.
+        way: Mean sign of the velocity over the cell of each sample; None where the sign at the sample is meant.
+    """
+
+    t: Float
+    q: Float
+    dq: Float
+    ddq: Float
+    load: Float | None = None
+    temperature: Float | None = None
+    others: Others | None = None
+    rest: Float | None = None
+    rigid: RigidBody | None = None
+    way: Float | None = None
+
+    @property
+    def direction(self) -> Float:
+        """Sign of the velocity, shape (n,)."""
+        return np.sign(self.dq) if self.way is None else self.way
+
+
+# How a term takes part in a forward simulation, see ``effects.effect.Effect.forward``.
+Forward = Literal["instant", "bristle", "delay", "spring", "play"]
+
+
+class Named(Protocol):
+    """A parameter, as far as the dynamics need it."""
+
+    @property
+    def name(self) -> str:
+        """Name with the unit as suffix."""
+
+
+class Law(Protocol):
+    """The law of a term, as far as the dynamics need it."""
+
+    @property
+    def forward(self) -> Forward:
+        """How it takes part in a forward simulation."""
+
+    @property
+    def speed_only(self) -> bool:
+        """True if the torque follows from the velocity alone."""
+
+    @property
+    def coefficients(self) -> Sequence[Named]:
+        """Parameters in which the torque is linear."""
+
+    @property
+    def parameters(self) -> Sequence[Named]:
+        """All parameters, in the order of a term's values."""
+
+
+class Term(Protocol):
+    """A term of a joint model, with its values: a torque curve."""
+
+    @property
+    def name(self) -> str:
+        """Its name."""
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """Values of its parameters."""
+
+    @property
+    def effect(self) -> Law:
+        """Its law."""
+
+    def torque(self, motion: Motion) -> Float:
+        """Return the torque. [N m], shape (n,)."""
+
+
+class Model(Protocol):
+    """A joint model: inertia and terms."""
+
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Reflected inertia. [kg m^2]"""
+
+    @property
+    def terms(self) -> Sequence[Term]:
+        """All other terms."""
+
+    def torque(self, motion: Motion) -> Float:
+        """Return the torque F_m + u that the motion takes. [N m], shape (n,)."""
+
+    def friction(self, motion: Motion) -> Float:
+        """Return the torque of the friction terms. [N m], shape (n,)."""
+
+    def rest(self, motion: Motion) -> Float:
+        """Return the torque of inertia, Coulomb and viscous friction. [N m], shape (n,)."""

@@ -1,0 +1,215 @@
+"""What an effect is: a torque that a joint model may lack, with its formula and what a diagnosis needs to know of it.
+
+A joint model says F_m + u = sum of its terms: interaction torque and compensator torque pay for inertia, friction and
+all other effects. Each is linear in its coefficients once its nonlinear parameters are known, so that a fit searches
+over the nonlinear parameters only. An effect is one module: a subclass of ``Effect`` with its formula, and one
+instance ``EFFECT`` with its names, units, bounds and words; everything else in the program is derived from it.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Flag, auto
+from math import inf
+from typing import ClassVar
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Forward, Motion
+from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.excitation import moves
+from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+# Values of nonlinear parameters by name: a point of the grid.
+Nonlinear = Mapping[str, float]
+Ranges = Mapping[str, tuple[float, float]]
+
+
+class Trait(Flag):
+    """What holds for the torque of an effect."""
+
+    NONE = 0
+    FRICTION = auto()  # it is dissipated
+    SPEED_ONLY = auto()  # it follows from the velocity alone
+    NEEDS_NOMINAL = auto()  # its columns hold torque of the nominal model and change with that
+    EXACT = auto()  # its formula cannot be wrong, as that of a constant cannot
+    ODD = auto()  # at the same place and time it is opposite in the other direction
+    EVEN = auto()  # neither it nor what its formula misses depends on the direction
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Effect:
+    """One effect; a subclass defines ``columns`` and overrides what only it needs.
+
+    Attributes:
+        name: From the vocabulary of the program, or ``inertia``, ``coulomb``, ``viscous``, ``offset``.
+        label: A few words for people.
+        family: ``velocity``, ``load and place``, ``sensors``, ``structure``, ``slow and events`` or ``nominal``.
+        axis: Quantity on which it shows: speed, position, displacement, time, acceleration, load, neighbour.
+        coefficients: Parameters in which the torque is linear, one per column; bounds above zero are sign constraints.
+            Empty for an effect that no joint model can hold.
+        nonlinear: The other parameters.
+        traits: What holds for the torque.
+        forward: How it takes part in a forward simulation:
+
+            - ``instant``: by its torque at the time, place and velocity of the instant, load, temperature and other
+              joints as recorded. Where the past matters too, its torque along the motion is iterated.
+            - ``bristle``: by a torque that builds up with the path since a reversal.
+            - ``delay``: the torque that drives the joint was read late; the columns act on ``Motion.rest``.
+            - ``spring``: the measured side is ahead of the side of friction by the torque between them, times the
+              parameter whose name ends on ``_rad_per_nm``; farther up to the one that ends on ``soft_nm``.
+            - ``play``: the measured side moves within a gap, of the full width of the parameter whose name ends on
+              ``_rad``, before it takes the side of friction with it.
+
+            Of a spring and of a gap ``far_share`` is the part of the inertia on the side of friction; the parameter
+            that ends on ``damping_ratio`` damps the ringing, on flanks at the frequency that ends on ``_hz``.
+        record: The motion on which it shows itself best.
+        separate: Names of effects that are easily confused with it, and the motion that separates the two; every pair
+            stands in one of the two effects.
+    """
+
+    name: str
+    label: str
+    family: str
+    axis: str
+    coefficients: tuple[Parameter, ...] = ()
+    nonlinear: tuple[Parameter, ...] = ()
+    traits: Trait = Trait.NONE
+    forward: Forward = "instant"
+    record: str = ""
+    separate: Mapping[str, str] = field(default_factory=dict)
+
+    # What few effects set, in their class.
+    indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
+    part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
+    multimodal: ClassVar[str] = ""  # nonlinear parameter over which the misfit has many minima
+    multimodal_with: ClassVar[tuple[Nonlinear, ...]] = ()  # values of others to try with each value of that one
+    moment: ClassVar[str] = ""  # nonlinear parameter that is a moment, which a held-out cycle may hide
+    time_constant: ClassVar[str] = ""  # nonlinear parameter that is a time constant
+    noise_biased: ClassVar[tuple[str, ...]] = ()  # parameters that noise of the motion biases, the first above all
+    assumed: ClassVar[tuple[str, ...]] = ()  # parameters that the grid may lack and intervals take for unknown
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the torque per unit of each coefficient, shape (n, p).
+
+        Args:
+            motion: Motion of the joint.
+            values: Nonlinear parameters, in order.
+        """
+        raise NotImplementedError(f"{self.name} has no formula")
+
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield place and columns for many values, in any order; overridden where they have work in common."""
+        yield from ((place, self.columns(motion, values)) for place, values in enumerate(many))
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return the values of the nonlinear parameters to try on a joint; one empty mapping without any."""
+        return ({},)
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """Return why a log cannot show the effect, i.e. which motion is lacking; None if it can."""
+        return moves(data, nominal)
+
+    def identifiable_part(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """Return the part of the grid that a log shows although ``not_identifiable`` says what it cannot."""
+        return ()
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """Return whether coefficients are physically possible: by default, above their lower bounds."""
+        pairs = zip(self.coefficients, coefficients.tolist(), strict=False)
+        return all(one.lower < value <= one.upper for one, value in pairs)
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """Return the columns on the samples of a joint, shape (n, p)."""
+        return self.columns(data.motion(nominal.torque), self.values(at))
+
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        """Yield place and columns for many points of the grid, in any order."""
+        yield from ((place, self.regressor(data, nominal, at)) for place, at in enumerate(grid))
+
+    def regressors_together(
+        self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[int, Float]]:
+        """``regressors`` of an effect whose ``columns_of_many`` have work in common."""
+        yield from self.columns_of_many(data.motion(nominal.torque), [self.values(at) for at in grid])
+
+    # A search that fits the effect together with inertia and friction on its far side.
+
+    def transmitted(
+        self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[int, Float]] | None:
+        """Yield place and torque of points of the grid, each with its own far side; None if it has none."""
+        return None
+
+    def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
+        """Return from where to where parameters, all above zero, are fitted together with the far side."""
+        return {}
+
+    def hidden_ranges(self, data: JointData) -> Ranges:
+        """Return the same for values that no point of the grid comes near; empty where there are none."""
+        return {}
+
+    def simpler(self, at: Nonlinear) -> tuple[Nonlinear, ...]:
+        """Return values with fewer parameters near one, to be fitted too."""
+        return ()
+
+    # What a point of the grid means for the answer.
+
+    def needs_gain(self, at: Nonlinear) -> bool:
+        """Return whether a point of the grid is taken only where it clearly improves on the best of the others."""
+        return False
+
+    def stands_in(self, data: JointData, at: Nonlinear) -> str:
+        """Return why a point of the grid cannot be this effect in this motion; empty where it can."""
+        return ""
+
+    def trials(self, data: JointData) -> Callable[[Nonlinear], float] | None:
+        """Return of how many independent trials a point was the best, 0 where of the grid's; None if always so."""
+        return None
+
+    def systematic_error(self, nominal: Nominal, at: Nonlinear) -> float:
+        """Return by how much the multimodal parameter may be off for what its formula assumes."""
+        return 0.0
+
+    def factor_ranges(self, at: Nonlinear) -> Ranges:
+        """Return parameters that may be so many times their estimate, for what a point of the grid assumes."""
+        return {}
+
+    # Derived.
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """All parameters: coefficients, then nonlinear ones."""
+        return self.coefficients + self.nonlinear
+
+    @property
+    def friction(self) -> bool:
+        """Whether its torque is dissipated."""
+        return Trait.FRICTION in self.traits
+
+    @property
+    def speed_only(self) -> bool:
+        """Whether its torque follows from the velocity alone."""
+        return Trait.SPEED_ONLY in self.traits
+
+    def may_absorb_error_of(self, other: "Effect") -> bool:
+        """Return whether the effect may be what the formula of another, larger one misses."""
+        return not (Trait.ODD in self.traits and Trait.EVEN in other.traits)
+
+    def torque(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the torque, given the values of ``parameters`` in order. [N m], shape (n,)."""
+        split = len(self.coefficients)
+        return np.asarray(self.columns(motion, values[split:]) @ np.asarray(values[:split], dtype=np.float64))
+
+    def values(self, at: Nonlinear) -> tuple[float, ...]:
+        """Return the nonlinear parameters in order; an optional one that is lacking has its default."""
+        return tuple(at.get(p.name, p.default) if p.optional else at[p.name] for p in self.nonlinear)
+
+    def bounds(self, name: str) -> tuple[float, float]:
+        """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
+        return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))
+
+    def with_assumed(self, at: Nonlinear) -> dict[str, float]:
+        """Return a point of the grid with the assumed parameters that it lacks."""
+        return {**at, **{p.name: p.default for p in self.nonlinear if p.name in self.assumed and p.name not in at}}

@@ -1,0 +1,105 @@
+"""All effects by name. Importing this module loads no numerics: the effects are imported when they are first used."""
+
+import difflib
+from collections.abc import Sequence
+from functools import cache
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from friction_audit.errors import AnalysisError
+
+if TYPE_CHECKING:
+    from friction_audit.effects.effect import Effect
+
+# Modules of this package that each define one EFFECT, in the order of the documentation, of help and of the search.
+NAMES = (
+    "stribeck",
+    "stiction",
+    "nonlinear_viscous",
+    "asymmetric_coulomb",
+    "asymmetric_viscous",
+    "presliding",
+    "frictional_lag",
+    "load_dependent_friction",
+    "position_dependent_friction",
+    "torque_ripple",
+    "gravity_error",
+    "cable_spring",
+    "joint_limit_stop",
+    "torque_bias",
+    "torque_drift",
+    "time_delay",
+    "torque_crosstalk",
+    "joint_elasticity",
+    "backlash",
+    "inertia_error",
+    "inertial_coupling",
+    "warm_up",
+    "friction_step",
+    "contact_event",
+    "unlogged_compensation",
+)
+
+
+@cache
+def effects() -> tuple["Effect", ...]:
+    """Return the effects that a diagnosis may name, in the order of ``NAMES``."""
+    return tuple(import_module(f"friction_audit.effects.{name}").EFFECT for name in NAMES)
+
+
+@cache
+def terms() -> tuple["Effect", ...]:
+    """Return everything that may be a term of a joint model: the nominal terms, then the effects with a formula."""
+    nominal: tuple[Effect, ...] = import_module("friction_audit.effects.nominal").NOMINAL
+    return nominal + tuple(effect for effect in effects() if effect.coefficients)
+
+
+def effect_of(name: str) -> "Effect":
+    """Return an effect of ``effects()`` by name.
+
+    Raises:
+        KeyError: If there is none.
+    """
+    return {effect.name: effect for effect in effects()}[name]
+
+
+def term_of(name: str) -> "Effect":
+    """Return a term by name.
+
+    Raises:
+        AnalysisError: If there is none; the message names those that are near.
+    """
+    for term in terms():
+        if term.name == name:
+            return term
+    names = [term.name for term in terms()]
+    raise AnalysisError(f"{name!r} is no term{near_names(name, names)}; expected {', '.join(names)}")
+
+
+def near_names(name: str, names: list[str]) -> str:
+    """Return `` (did you mean ...?)``, or nothing where no name is near."""
+    near = difflib.get_close_matches(name, names, 1)
+    return f" (did you mean {near[0]}?)" if near else ""
+
+
+def motion_between(one: str, other: str) -> str:
+    """Return which motion separates two effects; of a pair that is not easily confused, the motions of both."""
+    first, second = effect_of(one), effect_of(other)
+    known = first.separate.get(other) or second.separate.get(one)
+    return known or "; ".join(dict.fromkeys([first.record, second.record]))
+
+
+def motion_to_decide(name: str, alternatives: Sequence[str]) -> str:
+    """Say what to record to separate an effect from its alternatives; empty without any.
+
+    Args:
+        name: The effect.
+        alternatives: Names of effects that a log does not separate from it, the most likely first.
+
+    Returns:
+        One motion, or one for each alternative with its name in front.
+    """
+    motions = {other: motion_between(name, other) for other in alternatives}
+    if len(set(motions.values())) <= 1:
+        return next(iter(motions.values()), "")
+    return "; ".join(f"against {other}: {motion}" for other, motion in motions.items())
