@@ -14,15 +14,15 @@ number = signal.Signals(int(sys.argv.pop(1)))
 signal.signal(signal.SIGINT, signal.default_int_handler)  # what a shell starts in the background ignores it
 """
 AT_THE_DRAFT = """
-from friction_audit import whole_file
-replace = whole_file._replace
+from friction_audit.io import files
+replace = files._replace
 
 def stopped(draft, *places):
     print("draft of", draft.stat().st_size, "bytes", file=sys.stderr)
     os.kill(os.getpid(), number)
     replace(draft, *places)
 
-whole_file._replace = stopped
+files._replace = stopped
 """
 """The program gets a signal when a file is written and not yet in its place."""
 WHILE_IMPORTING = """
