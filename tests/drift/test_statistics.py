@@ -4,14 +4,23 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from friction_audit.drift.change_points import Search, find_isolated, find_steps, holm, segmentation
+from friction_audit.drift.change_points import find_isolated, find_steps, segmentation
+from friction_audit.drift.change_test import (
+    Autocorrelation,
+    detrend,
+    estimate_autocorrelation,
+    lagged_sum,
+    make_directions,
+    score,
+    step_down,
+    step_places,
+    studentise,
+)
 from friction_audit.drift.control_chart import noncentrality
 from friction_audit.drift.covariates import without_temperature
-from friction_audit.drift.family import score, statistic_of, step_down
-from friction_audit.drift.memory import INDEPENDENT, find_memory, leftover, persistence
-from friction_audit.drift.regression import fit_model, tell_apart
+from friction_audit.drift.regression import fit_model, residual_scatter, shape_of, steps_scatter
 from friction_audit.drift.session import Series, make_series
-from friction_audit.drift.shapes import make_directions, residual_scatter, step_places, steps_scatter, studentise
+from friction_audit.drift.settings import DriftSettings
 from friction_audit.drift.words import percent
 from friction_audit.joint_log import Float
 from tests.drift.made_sessions import make_sessions, noisy
@@ -70,11 +79,6 @@ def test_step_down_by_hand() -> None:
 
 def test_score_is_minus_log_of_p() -> None:
     assert score(2.0, 10) == pytest.approx(-np.log(stats.t.sf(2.0, 10)))
-    assert statistic_of(float(score(2.0, 10)), 10) == pytest.approx(2.0)
-
-
-def test_holm_by_hand() -> None:
-    assert holm([0.01, 0.04, 0.03]) == pytest.approx([0.03, 0.06, 0.06])
 
 
 def test_isolated_session_and_step() -> None:
@@ -93,7 +97,7 @@ def test_segmentation_of_plain_steps() -> None:
 @pytest.mark.parametrize(("series", "too_many"), [(3, 2), pytest.param(8, 3, marks=pytest.mark.thorough)])
 def test_hardly_a_step_more_than_there_are(series: int, too_many: int) -> None:
     """One step each: another is told in 5 % of them, in 2 or more of 3 or 3 or more of 8 with probability 0.007."""
-    search = Search(alpha=0.05, permutations=99, seed=0, growth=1.0)
+    search = DriftSettings(permutations=99)
     stepped = np.where(np.arange(30) >= 12, 1.1, 1.0)
     found = [find_steps(series_of(noisy(30, seed) * stepped), search) for seed in range(series)]
     assert all(12 in {step.place for step in steps} for steps in found)
@@ -125,41 +129,41 @@ def wandering(rng: np.random.Generator, count: int, length: int, correlation: fl
     return noise
 
 
-def test_persistence_by_hand() -> None:
+def test_lagged_sum_by_hand() -> None:
     alternating = np.tile([1.0, -1.0], 8)[None, :]
     # Products over one, two and three sessions: -15, 14, -13, each over its lag, over the 16 squares.
-    assert persistence(alternating)[0] == pytest.approx((-15 + 14 / 2 - 13 / 3) / 16)
+    assert lagged_sum(alternating)[0] == pytest.approx((-15 + 14 / 2 - 13 / 3) / 16)
     broken = alternating.copy()
     broken[0, 3] = -1e6
-    assert abs(persistence(broken)[0]) < 1.0
+    assert abs(lagged_sum(broken)[0]) < 1.0
 
 
 def test_what_is_left_holds_no_step() -> None:
     directions = make_directions(series_of(noisy(30, 0)))
     stepped = 5.0 + 3.0 * (np.arange(30) >= 12)
-    assert leftover(stepped[None, :] * directions.weight, directions) == pytest.approx(0.0, abs=1e-9)
+    assert detrend(stepped[None, :] * directions.weight, directions) == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize("correlation", [0.0, 0.4, 0.7])
-def test_memory_of_many_series(correlation: float) -> None:
+def test_autocorrelation_of_many_series(correlation: float) -> None:
     """The estimate is near the truth, steps and ramps notwithstanding; what it does is not underrated."""
     rng = np.random.default_rng(1)
     drifts = [0.0, 0.3 * np.arange(60), 8.0 * (np.arange(60) >= 40)]
     noise = wandering(rng, 14, 60, correlation)
     family = [make_directions(series_of(0.3 + 0.003 * (one + drifts[k % 3]), 1e-5)) for k, one in enumerate(noise)]
-    memory = find_memory(family, rng)
-    assert memory.correlation == pytest.approx(correlation, abs=0.15)
+    found = estimate_autocorrelation(family, rng)
+    assert found.first == pytest.approx(correlation, abs=0.15)
     largest = [
         np.quantile(np.max(np.abs(studentise(wandering(rng, 2000, 60, c), family[0])), axis=1), 0.99)
         for c in (0.0, correlation)
     ]
-    assert memory.growth > 0.95 * largest[1] / largest[0]
-    assert memory.growth < 1.6 * largest[1] / largest[0]
+    assert found.growth > 0.95 * largest[1] / largest[0]
+    assert found.growth < 1.6 * largest[1] / largest[0]
 
 
-def test_few_sessions_say_nothing_of_memory() -> None:
+def test_few_sessions_have_no_autocorrelation() -> None:
     directions = make_directions(series_of(noisy(8, 0)))
-    assert find_memory([directions], np.random.default_rng(0)) == INDEPENDENT
+    assert estimate_autocorrelation([directions], np.random.default_rng(0)) == Autocorrelation()
 
 
 @pytest.mark.parametrize(
@@ -167,7 +171,7 @@ def test_few_sessions_say_nothing_of_memory() -> None:
     [(0.0, 10.0, 1, "step"), (0.0, 10.0, 3, "steps"), (10.0, 0.0, 1, "ramp"), (0.0, 3.0, 1, "step_or_ramp")],
 )
 def test_the_better_description(steps: float, ramp: float, count: int, shape: str) -> None:
-    assert tell_apart(steps, ramp, count) == shape
+    assert shape_of(steps, ramp, count) == shape
 
 
 def test_percent_for_people() -> None:

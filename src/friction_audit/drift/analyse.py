@@ -3,31 +3,34 @@
 from collections.abc import Sequence
 from importlib import import_module
 
-from friction_audit.drift.change_points import find_isolated, leave_odd_out
-from friction_audit.drift.covariates import (
-    LikeTemperature,
-    choose_comparable,
-    counts,
-    use_temperature,
-    without_temperature,
-)
-from friction_audit.drift.describe import Verdict, describe_series, too_few
-from friction_audit.drift.family import FamilyTest, judge_family
+from friction_audit.drift.change_points import find_isolated, leave_outliers_out
+from friction_audit.drift.change_test import judge_family
+from friction_audit.drift.coefficient import Verdict, describe_series, too_few
+from friction_audit.drift.covariates import LikeTemperature, choose_comparable, use_temperature, without_temperature
+from friction_audit.drift.regression import baseline_columns
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, DriftReport, JointDrift
 from friction_audit.drift.session import COEFFICIENTS, Order, Series, Session, make_series, put_in_order
 from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
-from friction_audit.drift.shapes import base_shapes, make_directions
 from friction_audit.drift.words import describe_arm, describe_joint
 from friction_audit.joint_numbers import write_joint_numbers
 
+HEAVY = (
+    "scipy.optimize",
+    "scipy.signal",
+    "scipy.stats",
+    "statsmodels.robust.robust_linear_model",
+    "statsmodels.stats.multitest",
+)
+
+
+def load() -> None:
+    """Import ahead what an analysis imports where it is used."""
+    for name in HEAVY:
+        import_module(name)
+
 
 def analyse_drift(sessions: Sequence[Session], settings: DriftSettings) -> DriftReport:
-    """Find what changed between sessions, for each arm by itself.
-
-    Args:
-        sessions: Of any arms, in any order.
-        settings: How drift is looked for.
-    """
+    """Find what changed between sessions of any arms, in any order, for each arm by itself."""
     return DriftReport(arms=tuple(analyse_arm(arm, settings) for arm in arms_of(sessions)))
 
 
@@ -42,15 +45,15 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
     order = put_in_order(sessions)
     alike = choose_comparable(order)
     reference, odd = choose_reference(alike.compared, settings.baseline)
-    family, warnings = collect(order, alike.compared)
-    verdicts = judge([series.counted() for series in family], settings)
+    family, warnings = _collect(order, alike.compared)
+    verdicts = _judge([series.counted() for series in family], settings)
     coefficients = [
         too_few(series, order.sessions)
         if verdict is None
         else describe_series(series, verdict, reference, order.sessions, settings)
         for series, verdict in zip(family, verdicts, strict=True)
     ]
-    joints = by_joint(family, coefficients, order.sessions)
+    joints = _by_joint(family, coefficients, order.sessions)
     robot = order.sessions[0].robot
     return ArmDrift(
         robot=robot,
@@ -60,7 +63,7 @@ def analyse_arm(sessions: Sequence[Session], settings: DriftSettings) -> ArmDrif
         left_out=alike.left_out,
         joints=joints,
         ordered_by=order.by,
-        autocorrelation=max((verdict.memory.correlation for verdict in verdicts if verdict is not None), default=0.0),
+        autocorrelation=max((one.autocorrelation.first for one in verdicts if one is not None), default=0.0),
         drift=any(joint.drift for joint in joints),
         message=describe_arm(robot, len(alike.compared), joints),
         warnings=(*alike.warnings, *odd, *warnings),
@@ -87,78 +90,60 @@ def choose_reference(
     return chosen, (why,) if missing else ()
 
 
-def collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], list[str]]:
+def _collect(order: Order, compared: tuple[int, ...]) -> tuple[list[Series], list[str]]:
     """Return each coefficient of each joint, isolated sessions and those without a temperature set aside."""
     joints = sorted({joint.joint for index in compared for joint in order.sessions[index].joints})
     family: list[Series] = []
-    warnings: dict[str, list[int]] = {}
+    warnings: dict[str, set[int]] = {}
     for joint in joints:
         for coefficient in COEFFICIENTS:
             series = make_series(order.sessions, compared, joint, coefficient, by_start=order.by == "start")
-            like = use_temperature(counts(series, find_isolated(series.y, series.y_error)))
-            family.append(leave_odd_out(like.series))
-            for text in _temperature_words(order, like):
-                warnings.setdefault(text, []).append(joint)
-    return family, [_of_joints(text, of, joints) for text, of in warnings.items()]
+            like = use_temperature(series.keeping(~find_isolated(series.y, series.y_error)))
+            family.append(leave_outliers_out(like.series))
+            for text in _temperature_warnings(order, like):
+                warnings.setdefault(text, set()).add(joint)
+    return family, [_of_joints(text, sorted(some), joints) for text, some in warnings.items()]
 
 
-def _temperature_words(order: Order, like: LikeTemperature) -> list[str]:
+def _temperature_warnings(order: Order, like: LikeTemperature) -> list[str]:
     names = ", ".join(order.sessions[index].path for index in like.unknown)
     unknown = [f"not compared, since their temperature is not known: {names}"] if names else []
     return [*([like.warning] if like.warning else []), *unknown]
 
 
-def _of_joints(text: str, of: Sequence[int], joints: Sequence[int]) -> str:
-    some = sorted(set(of))
-    return text if some == list(joints) else f"joint{'s' if len(some) > 1 else ''} {write_joint_numbers(some)}: {text}"
+def _of_joints(text: str, some: Sequence[int], joints: Sequence[int]) -> str:
+    return text if some == joints else f"joint{'s' if len(some) > 1 else ''} {write_joint_numbers(some)}: {text}"
 
 
-def judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
-    """Test the coefficients of an arm; None for those with too few sessions.
-
-    Args:
-        family: Series, all of whose sessions count.
-        settings: How drift is looked for.
-    """
-    testable = [i for i, series in enumerate(family) if is_testable(series)]
+def _judge(family: Sequence[Series], settings: DriftSettings) -> list[Verdict | None]:
+    """Test the coefficients of an arm, all of whose sessions count; None for those with too few sessions."""
+    # One degree of freedom is left given level, temperature and one change.
+    testable = [
+        i
+        for i, series in enumerate(family)
+        if len(series.y) >= FEWEST_SESSIONS and len(series.y) > baseline_columns(series).shape[1] + 1
+    ]
     verdicts: list[Verdict | None] = [None] * len(family)
     if not testable:
         return verdicts
     chosen = [family[i] for i in testable]
-    test = _test(chosen, settings)
-    bare = [without_temperature(series) for series in chosen]
-    plain = _test(bare, settings) if any(series.temperature is not None for series in chosen) else test
+    test = judge_family(chosen, settings)
+    warm = any(series.temperature is not None for series in chosen)
+    plain = judge_family([without_temperature(series) for series in chosen], settings) if warm else test
     for k, i in enumerate(testable):
         verdicts[i] = Verdict(
             p_value=float(test.p_value[k]),
             ramp_p_value=float(test.ramp_p_value[k]),
             p_without_temperature=float(plain.p_value[k]),
             critical=test.critical,
-            memory=test.memory[k],
+            autocorrelation=test.autocorrelation[k],
         )
     return verdicts
 
 
-def is_testable(series: Series) -> bool:
-    """Return whether so many sessions are left that a change may be told from scatter."""
-    return len(series.y) >= FEWEST_SESSIONS and len(series.y) > base_shapes(series).shape[1] + 1
-
-
-def _test(family: Sequence[Series], settings: DriftSettings) -> FamilyTest:
-    return judge_family(
-        [make_directions(series) for series in family],
-        [series.place for series in family],
-        [series.coefficient for series in family],
-        alpha=settings.alpha,
-        permutations=settings.permutations,
-        seed=settings.seed,
-    )
-
-
-def by_joint(
+def _by_joint(
     family: Sequence[Series], coefficients: Sequence[CoefficientDrift], sessions: Sequence[Session]
 ) -> tuple[JointDrift, ...]:
-    """Put the coefficients of each joint together."""
     names = {joint.joint: joint.name for session in reversed(sessions) for joint in session.joints}
     joints = []
     for number in dict.fromkeys(series.joint for series in family):
@@ -167,19 +152,3 @@ def by_joint(
         message = describe_joint(number, own)
         joints.append(JointDrift(joint=number, name=names[number], coefficients=own, drift=drifts, message=message))
     return tuple(joints)
-
-
-HEAVY = (
-    "scipy.optimize",
-    "scipy.signal",
-    "scipy.stats",
-    "statsmodels.robust.robust_linear_model",
-    "statsmodels.stats.multitest",
-    "friction_audit.drift.analyse",
-)
-
-
-def load() -> None:
-    """Import it."""
-    for name in HEAVY:
-        import_module(name)

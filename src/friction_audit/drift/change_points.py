@@ -1,4 +1,4 @@
-"""Change points: where the steps are, how many of them, and how surely."""
+"""Change points of one series: where the steps are, how many, and which single sessions are outliers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,29 +7,37 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.drift.family import FEWEST_TO_PERMUTE, draw_normal, key_lots, past_keys
-from friction_audit.drift.session import Series
-from friction_audit.drift.settings import FEWEST_SESSIONS
-from friction_audit.drift.shapes import (
+from friction_audit.drift.change_test import (
+    FEWEST_TO_PERMUTE,
     SHORTEST_SEGMENT,
     Directions,
-    base_shapes,
+    draw_normal,
+    key_lots,
     make_directions,
     orthogonal,
-    ramp_shapes,
-    robust_weight,
+    past_keys,
     step_places,
-    steps_scatter,
     studentise,
     studentise_orders,
 )
+from friction_audit.drift.regression import baseline_columns, ramp_columns, robust_weight, steps_scatter
+from friction_audit.drift.session import Series
+from friction_audit.drift.settings import FEWEST_SESSIONS, DriftSettings
 from friction_audit.joint_log import Float
 
 MOST_CHANGES = 6
 SESSIONS_PER_CHANGE = 5
+MOMENT_95 = 7.35  # likelihood ratio of the moment of a step, 95 % (Hansen 2000, -2 log(1 - sqrt(0.95)))
 
-MOMENT_95 = 7.35
-"""Likelihood ratio within which the true moment of a step lies with 95 % (Hansen 2000, -2 log(1 - sqrt(0.95)))."""
+REACH = 2  # sessions on each side that an isolated one is compared with
+FAR = 5.0  # standard deviations of a difference of two sessions
+FEWEST = 5  # with fewer sessions the outlier is not determined
+ODD = 0.01  # probability that a series of normal scatter has an outlier (Bonferroni over the sessions)
+# With fewer sessions a change of the others is not known well enough to say which session misses it: with 8, 15 % of
+# arms where nothing changes had a false change, without it 5 % (benchmarks/drift/summaries.md, "8 sessions").
+FEWEST_FOR_SHAPES = 12
+SHARE_ODD = 10  # at most one session in so many is an outlier of a change: more of them are no exception
+ALIKE = 0.5  # a session whose neighbour in time is off by this share of the same deviation is not alone
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,41 +57,33 @@ class Step:
     p_value: float
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Search:
-    """How the steps of one series are judged.
-
-    Attributes:
-        alpha: Probability of a step too many.
-        permutations: Random orders.
-        seed: Of the orders.
-        growth: By how much autocorrelation makes statistics larger.
-    """
-
-    alpha: float
-    permutations: int
-    seed: int
-    growth: float
-
-
-def find_steps(series: Series, search: Search) -> tuple[Step, ...]:
+def find_steps(series: Series, settings: DriftSettings, growth: float = 1.0) -> tuple[Step, ...]:
     """Find the steps of a series that is known to drift: at least one.
 
     One step more is taken as long as a segment shows one by itself (as in Bai and Perron 1998, l + 1 against l), Holm's
-    procedure over the segments; where the steps are then is what the best segmentation of all says (dynamic
-    programming).
+    procedure over the segments; the places are those of the best segmentation of all (dynamic programming).
 
     Args:
         series: All of its sessions count.
-        search: How they are judged.
+        settings: How steps are judged.
+        growth: By how much autocorrelation makes statistics larger.
     """
     y, weight = at_like_temperature(series), robust_weight(series)
+
+    def judged(first: int, last: int) -> Step:
+        return _judge(_between(y, weight, first, last), first, settings, growth)
+
     most = max(1, min(MOST_CHANGES, len(y) // SESSIONS_PER_CHANGE))
-    count, places = 1, settle(y, weight, segmentation(y, 1))
-    while count < most and shows_another(y, weight, places, search):
-        count += 1
-        places = settle(y, weight, segmentation(y, count))
-    return judge_steps(y, weight, places, search)
+    places = _settle(y, weight, segmentation(y, 1))
+    for count in range(2, most + 1):
+        ends = [0, *places, len(y)]
+        alone = [judged(a, b).p_value for a, b in pairwise(ends) if b - a >= FEWEST_SESSIONS]
+        if not alone or min(_holm(alone)) > settings.alpha:
+            break
+        places = _settle(y, weight, segmentation(y, count))
+    steps = [judged(*_span(places, k, len(y))) for k in range(len(places))]
+    adjusted = _holm([step.p_value for step in steps])
+    return tuple(replace(step, p_value=p) for step, p in zip(steps, adjusted, strict=True))
 
 
 def segmentation(y: Float, count: int) -> list[int]:
@@ -94,30 +94,22 @@ def segmentation(y: Float, count: int) -> list[int]:
     return [int(end) for end in KernelCPD(kernel="linear", min_size=SHORTEST_SEGMENT).fit(scaled).predict(count)[:-1]]
 
 
-def shows_another(y: Float, weight: Float, places: Sequence[int], search: Search) -> bool:
-    """Return whether any segment shows a step by itself."""
-    ends = [0, *places, len(y)]
-    spans = [(a, b) for a, b in pairwise(ends) if b - a >= FEWEST_SESSIONS]
-    p_values = [_judge(_between(y, weight, a, b), a, search).p_value for a, b in spans]
-    return bool(p_values) and min(holm(p_values)) <= search.alpha
-
-
 def at_like_temperature(series: Series) -> Float:
-    """Return y without what the temperature does, jointly with the best single shape, shape (n,)."""
+    """Return y without the effect of the temperature, fitted jointly with the best single shape, shape (n,)."""
     if series.temperature is None:
         return series.y
     directions = make_directions(series)
-    best = int(np.argmax(np.abs(directions.residual @ directions.direction) * directions.handicap))
+    best = int(np.argmax(np.abs(directions.residual @ directions.direction) * directions.factor))
     split, places = directions.split[best], np.arange(len(series.y))
     between = (places >= split) & (places < directions.back[best])
-    shape = ramp_shapes(series)[:, 0] if split == 0 else between.astype(float)
-    base = base_shapes(series)
+    shape = ramp_columns(series)[:, 0] if split == 0 else between.astype(float)
+    base = baseline_columns(series)
     design = np.column_stack([base, shape]) * directions.weight[:, None]
     slope = np.linalg.lstsq(design, series.y * directions.weight, rcond=None)[0][1]
     return np.asarray(series.y - slope * base[:, 1])
 
 
-def settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
+def _settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
     """Move each step to its best place between its neighbours, by the errors of the sessions."""
     moved = list(places)
     for k in range(len(moved)):
@@ -127,31 +119,34 @@ def settle(y: Float, weight: Float, places: Sequence[int]) -> list[int]:
     return moved
 
 
-def judge_steps(y: Float, weight: Float, places: Sequence[int], search: Search) -> tuple[Step, ...]:
-    """Return each step with its moment and its p-value between its neighbours."""
-    spans = [_span(places, k, len(y)) for k in range(len(places))]
-    steps = [_judge(_between(y, weight, first, last), first, search) for first, last in spans]
-    return tuple(
-        replace(step, p_value=p) for step, p in zip(steps, holm([step.p_value for step in steps]), strict=True)
-    )
-
-
 def _span(places: Sequence[int], k: int, length: int) -> tuple[int, int]:
     return (places[k - 1] if k else 0), (places[k + 1] if k + 1 < len(places) else length)
 
 
 def _between(y: Float, weight: Float, first: int, last: int) -> Directions:
-    """Return the directions of one step between two others."""
     n = last - first
     splits = step_places(n)
-    shapes = (np.arange(n)[:, None] >= splits[None, :]).astype(float)
-    return orthogonal(shapes, split=splits, base=np.ones((n, 1)), y=y[first:last], weight=weight[first:last])
+    return orthogonal(
+        (np.arange(n)[:, None] >= splits[None, :]).astype(float),
+        split=splits,
+        back=np.full(len(splits), n),
+        base=np.ones((n, 1)),
+        y=y[first:last],
+        weight=weight[first:last],
+    )
 
 
-def _judge(directions: Directions, first: int, search: Search) -> Step:
-    drawn = _draw_largest(directions, search)
-    real = np.abs(studentise(directions.residual[None, :], directions))[0] / search.growth
-    low, high = moment(directions, search.growth)
+def _judge(directions: Directions, first: int, settings: DriftSettings, growth: float) -> Step:
+    """Return the best step with its p-value, by the largest statistic of random orders."""
+    length, orders, seed = len(directions.residual), settings.permutations, settings.seed
+    if length < FEWEST_TO_PERMUTE:
+        drawn = np.max(draw_normal(directions, orders, past_keys(orders, length, seed)), axis=1)
+    else:
+        lots = key_lots(orders, length, length, seed)
+        each = (np.abs(studentise_orders(directions, np.argsort(keys, axis=1))) for _, keys in lots)
+        drawn = np.concatenate([np.max(one, axis=1) for one in each])
+    real = np.abs(studentise(directions.residual[None, :], directions))[0] / growth
+    low, high = _moment(directions, growth)
     return Step(
         place=first + int(directions.split[np.argmax(real)]),
         low=first + low,
@@ -160,18 +155,7 @@ def _judge(directions: Directions, first: int, search: Search) -> Step:
     )
 
 
-def _draw_largest(directions: Directions, search: Search) -> Float:
-    """Return the largest statistic without a step in each order, shape (orders,)."""
-    length, orders = len(directions.residual), search.permutations
-    if length < FEWEST_TO_PERMUTE:
-        rng = past_keys(orders, length, search.seed)
-        return np.asarray(np.max(draw_normal(directions, orders, rng), axis=1))
-    lots = key_lots(orders, length, length, search.seed)
-    drawn = (np.abs(studentise_orders(directions, np.argsort(keys, axis=1))) for _, keys in lots)
-    return np.concatenate([np.max(one, axis=1) for one in drawn])
-
-
-def moment(directions: Directions, growth: float) -> tuple[int, int]:
+def _moment(directions: Directions, growth: float) -> tuple[int, int]:
     """Return the first and the last place of a step that its likelihood allows with 95 %.
 
     With few sessions the variance is uncertain: the bound of the likelihood ratio grows as that of a t-test does.
@@ -182,47 +166,22 @@ def moment(directions: Directions, growth: float) -> tuple[int, int]:
     best = float(np.max(along))
     freedom = max(directions.freedom, 1)
     variance = max(float(np.sum(directions.residual**2)) - best, 0.0) / freedom
-    certain = float(chi2.cdf(MOMENT_95, 1))
-    bound = float(f.ppf(certain, 1, freedom)) * growth**2
+    bound = float(f.ppf(float(chi2.cdf(MOMENT_95, 1)), 1, freedom)) * growth**2
     possible: NDArray[np.int64] = directions.split[best - along <= bound * variance]
     return int(possible[0]), int(possible[-1])
 
 
-def holm(p_values: Sequence[float]) -> list[float]:
-    """Return p-values for all of them together (Holm 1979)."""
+def _holm(p_values: Sequence[float]) -> list[float]:
     from statsmodels.stats.multitest import multipletests
 
     return [float(p) for p in multipletests(p_values, method="holm")[1]]
 
 
-REACH = 2
-"""So many sessions on each side are asked."""
-
-FAR = 5.0
-"""Standard deviations of a difference of two sessions."""
-
-FEWEST = 5
-"""With fewer sessions nobody can tell which one is the odd one."""
-
-ODD = 0.01
-"""Probability that a series of normal scatter has a session set aside (Bonferroni over the sessions)."""
-
-FEWEST_FOR_SHAPES = 12
-"""With fewer sessions a change of the others is not known well enough to say which session misses it: with 8, 15 % of
-arms where nothing changes had a false change, without it 5 % (`benchmarks/drift/summaries.md`, "8 sessions")."""
-
-SHARE_ODD = 10
-"""At most one session in so many is set aside by ``leave_odd_out``: more of them are no exception."""
-
-ALIKE = 0.5
-"""A session whose neighbour in time is off by at least this share of the same deviation is not alone."""
-
-
 def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
-    """Find the sessions that differ from both neighbours on each side by far more than neighbours use to.
+    """Find the sessions that differ from both neighbours on each side by far more than neighbours usually do.
 
     A step has alike sessions on both of its sides, a ramp has neighbours on either side: neither is isolated. The
-    first and the last session may be: one session after a step is told from a broken estimate by the next one.
+    first and the last session may be: only the next session separates a step from a broken estimate.
 
     Args:
         y: Estimates in the order of the sessions, shape (n,).
@@ -240,9 +199,9 @@ def find_isolated(y: Float, error: Float) -> NDArray[np.bool_]:
     return ~near
 
 
-def leave_odd_out(series: Series) -> Series:
+def leave_outliers_out(series: Series) -> Series:
     """Set the sessions aside that miss the change which all others show, at the ends of the series too."""
-    while (odd := _most_odd(series.counted())) is not None:
+    while (odd := _outlier(series.counted())) is not None:
         places = np.flatnonzero(series.kept)
         series = replace(series, kept=series.kept & (np.arange(len(series.kept)) != places[odd]))
         if np.count_nonzero(~series.kept) >= len(series.kept) // SHARE_ODD:
@@ -250,7 +209,7 @@ def leave_odd_out(series: Series) -> Series:
     return series
 
 
-def _most_odd(series: Series) -> int | None:
+def _outlier(series: Series) -> int | None:
     """Return the place of the session with the largest externally studentised residual, or None if none is an outlier.
 
     The residual is taken around every step and ramp that describes the other sessions about as well as the best one
@@ -273,6 +232,6 @@ def _most_odd(series: Series) -> int | None:
     size = np.where(allowed, np.abs(left) / np.sqrt(free * without / freedom), np.inf)
     odd = int(np.argmax(np.min(size, axis=1)))
     shape = int(np.argmin(size[odd]))
-    beside = [left[i, shape] / left[odd, shape] for i in (odd - 1, odd + 1) if 0 <= i < n]
-    alone = max(beside) < ALIKE
+    neighbours = [left[i, shape] / left[odd, shape] for i in (odd - 1, odd + 1) if 0 <= i < n]
+    alone = max(neighbours) < ALIKE
     return odd if alone and size[odd, shape] > float(t.isf(ODD / (2 * n), freedom)) else None

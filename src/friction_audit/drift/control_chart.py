@@ -1,17 +1,18 @@
-"""Control chart: every session against the reference."""
+"""Control chart: every session against the reference; and the smallest change that the sessions can show."""
 
 import math
 from collections.abc import Collection
 
 import numpy as np
 
-from friction_audit.drift.family import statistic_of
-from friction_audit.drift.regression import Fit, is_near_zero, relative_size
+from friction_audit.drift.change_test import orthogonal
+from friction_audit.drift.regression import Fit, baseline_columns, is_near_zero, ramp_columns, relative_size
 from friction_audit.drift.report import ControlPoint
 from friction_audit.drift.session import Series
-from friction_audit.drift.shapes import base_shapes, orthogonal, ramp_shapes
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
+
+FAR = 30.0  # beyond it the noise of the numerator of t is negligible against that of its denominator
 
 
 def make_chart(
@@ -39,8 +40,7 @@ def make_chart(
     weight = np.where(inside, 1.0 / variance, 0.0)
     mean, mean_variance = float(np.average(y, weights=weight)), float(1.0 / np.sum(weight))
     spread = variance + np.where(inside, -mean_variance, mean_variance)
-    bound = float(t.isf(alpha / (2.0 * len(y)), fit.freedom))
-    half = bound * np.sqrt(np.maximum(spread, 0.0))
+    half = float(t.isf(alpha / (2.0 * len(y)), fit.freedom)) * np.sqrt(np.maximum(spread, 0.0))
     outside = (np.abs(y - mean) > half) & (half > 0.0)
     ends = np.column_stack([y - mean, -half, half])
     if series.logarithmic:
@@ -48,19 +48,13 @@ def make_chart(
         deviation = _coefficients(level.value * relative_size(ends))
     else:
         deviation = _coefficients(ends)
-        near = is_near_zero(level)
-        relative = [UNDETERMINED] * len(ends) if near else _coefficients(ends / abs(level.value))
+        relative = [UNDETERMINED] * len(ends) if is_near_zero(level) else _coefficients(ends / abs(level.value))
     rows = zip(series.session.tolist(), deviation, relative, outside.tolist(), strict=True)
     return tuple(ControlPoint(session=i, deviation=d, relative=r, outside=out) for i, d, r, out in rows)
 
 
 def _coefficients(rows: Float) -> list[Coefficient]:
-    """Return values with their lower and upper ends, from an array of shape (n, 3)."""
     return [Coefficient(value=value, low=low, high=high) for value, low, high in rows.tolist()]
-
-
-FAR = 30.0
-"""Beyond it the noise of the numerator of t does not count beside that of its denominator."""
 
 
 def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float, power: float) -> float:
@@ -75,17 +69,21 @@ def smallest_change(series: Series, fit: Fit, *, critical: float, growth: float,
         growth: By how much autocorrelation makes statistics larger.
         power: Probability to find it.
     """
-    weight = 1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0))
+    from scipy.stats import t
+
+    start = np.zeros(1, dtype=np.int64)
     ramp = orthogonal(
-        ramp_shapes(series)[:, :1],
-        split=np.zeros(1, dtype=np.int64),
-        base=base_shapes(series),
+        ramp_columns(series)[:, :1],
+        split=start,
+        back=start + len(series.y),
+        base=baseline_columns(series),
         y=series.y,
-        weight=weight,
+        weight=1.0 / (np.sqrt(series.y_error**2 + fit.scatter**2) * max(fit.scale, 1.0)),
     )
     if ramp.freedom < 1 or ramp.length[0] == 0.0:
         return math.nan
-    return noncentrality(statistic_of(critical, ramp.freedom), ramp.freedom, power) * growth / float(ramp.length[0])
+    statistic = float(t.isf(np.exp(-critical), ramp.freedom))
+    return noncentrality(statistic, ramp.freedom, power) * growth / float(ramp.length[0])
 
 
 def noncentrality(statistic: float, freedom: int, power: float) -> float:

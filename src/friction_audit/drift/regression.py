@@ -1,4 +1,4 @@
-"""A model of the drift of one coefficient, fitted: weights with the scatter between sessions, Huber's loss."""
+"""Regression of one coefficient over the sessions: a random effect of each session, Huber's loss, robust intervals."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -7,23 +7,66 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.drift.session import NORMAL_95, Series, Session
-from friction_audit.drift.shapes import base_shapes, ramp_shapes, residual_scatter, robust_weight
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
-CONFIDENCE = 0.95
+MAD_TO_SD = 1.4826  # standard deviation of a normal distribution over its median absolute deviation
+FEWEST_FOR_HUBER = 8  # fewer sessions do not separate an outlier from the others: plain weighted least squares
+EXACT = 1e-6  # residuals so far below their errors are those of a made-up series, which has no outliers
+ROUNDING = 1e-13  # residuals of this share of the values are rounding, however small the errors are stated
+NEAR_ZERO = 2.0  # half intervals; a level that is not larger has no relative change
+STRONG_EVIDENCE = 6.0  # difference of information criteria that prefers one model (Kass and Raftery 1995)
+PLACE_AND_SIZE = 2  # parameters of a step; a ramp has one, its size
+COLLINEAR = 1e4  # condition number beyond which a slope over sessions and one over temperature are confounded
+SETTLED = 4  # rounds of mean and scatter in turns; they converge at once
 
-FEWEST_FOR_HUBER = 8
-"""Fewer sessions do not tell an outlier from the others: plain weighted least squares."""
 
-EXACT = 1e-6
-"""Residuals so far below their errors are those of a made-up series; they have no outliers."""
+def steps_scatter(y: Float, error: Float) -> float:
+    """Return the scatter between sessions beyond their errors (n,), from differences of neighbours.
 
-ROUNDING = 1e-13
-"""Residuals of so much of the values are rounding, however small the errors are stated."""
+    A few steps or a slow ramp do not matter. The variance of a difference is 2 tau^2 + s_i^2 + s_{i+1}^2.
+    """
+    if len(y) <= 1:
+        return 0.0
+    spread = (MAD_TO_SD * float(np.median(np.abs(np.diff(y))))) ** 2
+    own = float(np.median(error[1:] ** 2 + error[:-1] ** 2))
+    return float(np.sqrt(max(spread - own, 0.0) / 2))
 
-NEAR_ZERO = 2.0
-"""Half intervals of the reference's level; a level that is not larger has no relative change."""
+
+def residual_scatter(residual: Float, error: Float, freedom: int) -> float:
+    """Return tau such that sum r_i^2 / (s_i^2 + tau^2) equals the degrees of freedom (Paule and Mandel 1982), or 0."""
+    from scipy.optimize import brentq
+
+    def excess(tau: float) -> float:
+        return float(np.sum(residual**2 / (error**2 + tau**2))) - freedom
+
+    if freedom < 1 or excess(0.0) <= 0.0:
+        return 0.0
+    return float(brentq(excess, 0.0, float(np.sqrt(np.sum(residual**2) / freedom)) + 1e-300, xtol=1e-12))
+
+
+def baseline_columns(series: Series) -> Float:
+    """Return what is no drift: the level and, where it can be used, the temperature, shape (n, b)."""
+    level = np.ones(len(series.place))
+    if series.temperature is None:
+        return level[:, None]
+    return np.column_stack([level, series.temperature - np.mean(series.temperature)])
+
+
+def ramp_columns(series: Series) -> Float:
+    """Return straight changes from 0 at the first session to 1 at the last, over sessions and days, shape (n, r)."""
+    clocks = [series.place] if series.day is None else [series.place, series.day]
+    spans = [(clock - clock[0]) / (clock[-1] - clock[0]) for clock in clocks if clock[-1] > clock[0]]
+    return np.column_stack(spans) if spans else np.zeros((len(series.place), 0))
+
+
+def robust_weight(series: Series) -> Float:
+    """Return one over the standard error, the scatter between neighbouring sessions included, shape (n,)."""
+    y = series.y
+    if series.temperature is not None:
+        base = baseline_columns(series)
+        y = y - base @ np.linalg.lstsq(base, y, rcond=None)[0]
+    return 1.0 / np.sqrt(series.y_error**2 + steps_scatter(y, series.y_error) ** 2)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -35,7 +78,7 @@ class Fit:
         covariance: Of them, autocorrelation included, shape (p, p).
         freedom: Sessions minus parameters.
         scatter: Standard deviation between sessions beyond the errors of the estimates.
-        scale: What the whitened residuals' standard deviation is; 1 if errors and scatter are right.
+        scale: Standard deviation of the whitened residuals; 1 if errors and scatter are right.
     """
 
     value: Float
@@ -44,59 +87,146 @@ class Fit:
     scatter: float
     scale: float
 
-    def contrast(self, weights: Float) -> tuple[float, float]:
-        """Return a combination of the coefficients and its standard error."""
-        return float(weights @ self.value), float(np.sqrt(np.maximum(weights @ self.covariance @ weights, 0.0)))
-
     def interval(self, weights: Float) -> Coefficient:
         """Return a combination of the coefficients with its 95 % interval."""
         from scipy.stats import t
 
-        value, error = self.contrast(weights)
-        half = float(t.ppf(0.5 + CONFIDENCE / 2, self.freedom)) * error if self.freedom > 0 else float("nan")
+        value, variance = float(weights @ self.value), weights @ self.covariance @ weights
+        quantile = float(t.ppf(0.975, self.freedom)) if self.freedom > 0 else float("nan")
+        half = quantile * float(np.sqrt(np.maximum(variance, 0.0)))
         return Coefficient(value=value, low=value - half, high=value + half)
 
 
-def fit_model(series: Series, shapes: Float, inflation: float = 1.0) -> Fit:
-    """Fit y of the sessions that count by columns.
+def fit_model(series: Series, columns: Float, inflation: float = 1.0) -> Fit:
+    """Fit y of the n sessions that count by columns (n, p).
 
     Args:
-        series: All of its sessions count, n of them.
-        shapes: Columns of the model, level and temperature included, shape (n, p).
+        series: All of its sessions count.
+        columns: Of the model, level and temperature included, shape (n, p).
         inflation: Variance of a mean over that of independent sessions.
     """
     from statsmodels.robust.norms import HuberT
     from statsmodels.robust.robust_linear_model import RLM  # the whole of statsmodels.api takes longer to load
 
-    freedom = len(series.y) - shapes.shape[1]
-    scatter = _scatter(series, shapes, freedom)
+    freedom, scatter = len(series.y) - columns.shape[1], 0.0
+    for _ in range(SETTLED):
+        weight = 1.0 / np.sqrt(series.y_error**2 + scatter**2)
+        value = np.linalg.lstsq(columns * weight[:, None], series.y * weight, rcond=None)[0]
+        scatter = residual_scatter(series.y - columns @ value, series.y_error, freedom)
     weight = 1.0 / np.sqrt(series.y_error**2 + scatter**2)
-    design, whitened = shapes * weight[:, None], series.y * weight
-    plain = np.linalg.lstsq(design, whitened, rcond=None)[0]
-    left = whitened - design @ plain
+    design, whitened = columns * weight[:, None], series.y * weight
+    value = np.linalg.lstsq(design, whitened, rcond=None)[0]
+    left = whitened - design @ value
     scale = float(np.sqrt(np.sum(left**2) / freedom)) if freedom > 0 else 1.0
     if freedom < FEWEST_FOR_HUBER or scale < max(EXACT, ROUNDING * float(np.abs(whitened).max())):
-        value, spread = plain, np.linalg.pinv(design.T @ design) * max(1.0, scale) ** 2
+        covariance = np.linalg.pinv(design.T @ design) * max(1.0, scale) ** 2
     else:
-        found = RLM(whitened, design, M=HuberT()).fit()
-        value, spread = found.params, found.bcov_scaled * max(1.0, 1.0 / max(found.scale, 1e-3)) ** 2
+        robust = RLM(whitened, design, M=HuberT()).fit()
+        value, covariance = robust.params, robust.bcov_scaled * max(1.0, 1.0 / max(robust.scale, 1e-3)) ** 2
     return Fit(
         value=np.asarray(value),
-        covariance=np.asarray(spread) * inflation,
+        covariance=np.asarray(covariance) * inflation,
         freedom=freedom,
         scatter=scatter,
         scale=scale,
     )
 
 
-def _scatter(series: Series, shapes: Float, freedom: int) -> float:
-    """Return the scatter around the model: Paule and Mandel's, the weights and the residuals in turns."""
-    scatter = 0.0
-    for _ in range(4):
-        weight = 1.0 / np.sqrt(series.y_error**2 + scatter**2)
-        value = np.linalg.lstsq(shapes * weight[:, None], series.y * weight, rcond=None)[0]
-        scatter = residual_scatter(series.y - shapes @ value, series.y_error, freedom)
-    return scatter
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Model:
+    """Columns of a model of the drift and what is asked of it.
+
+    Attributes:
+        columns: Levels and slope first, the temperature last where it is used, shape (n, p).
+        level: Combination that is the reference's level, shape (p,).
+        change: Combination that is the change from the reference to the last sessions, shape (p,).
+        free: Parameters that were chosen by the data (places and sizes of steps, size of a ramp).
+    """
+
+    columns: Float
+    level: Float
+    change: Float
+    free: int
+
+
+def steps_model(series: Series, places: Sequence[int], reference: Collection[int]) -> Model:
+    """Return a level for each segment between steps."""
+    segment = np.searchsorted(np.asarray(places), np.arange(len(series.y)), side="right")
+    return _levels(series, segment, reference, free=PLACE_AND_SIZE * len(places))
+
+
+def ends_model(series: Series, reference: Collection[int]) -> Model:
+    """Return a level for the reference, for as many last sessions, and for the others."""
+    inside = np.isin(series.session, list(reference))
+    later = np.flatnonzero(~inside)[-max(int(np.count_nonzero(inside)), 1) :]
+    segment = np.where(inside, 0, 1)
+    segment[later] = 2
+    return _levels(series, np.unique(segment, return_inverse=True)[1], reference, free=0)
+
+
+def ramp_model(series: Series, reference: Collection[int]) -> Model:
+    """Return a straight change, over the sessions or over the days, whichever describes better."""
+    ones = np.ones(len(series.y))
+    models = [_model(series, np.column_stack([ones, ramp]), reference, 1) for ramp in ramp_columns(series).T]
+    return min(models, key=lambda model: criterion(series, model))
+
+
+def _levels(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
+    levels = (segment[:, None] == np.arange(int(np.max(segment)) + 1)[None, :]).astype(float)
+    return _model(series, levels, reference, free)
+
+
+def _model(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
+    inside = np.isin(series.session, list(reference))
+    level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
+    change = columns[-1] - level
+    if series.temperature is not None:
+        columns = np.column_stack([columns, series.temperature - np.mean(series.temperature)])
+        level, change = np.append(level, 0.0), np.append(change, 0.0)
+    return Model(columns=columns, level=level, change=change, free=free)
+
+
+def criterion(series: Series, model: Model) -> float:
+    """Return the information criterion (Schwarz 1978) of a model, without what all models share."""
+    weight = robust_weight(series)
+    design, y = model.columns * weight[:, None], (series.y - np.mean(series.y)) * weight
+    left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
+    n = len(y)
+    return n * float(np.log(np.sum(left**2) / n + 1e-12)) + model.free * float(np.log(n))
+
+
+def shape_of(steps: float, ramp: float, count: int) -> str:
+    """Return the shape that the criteria of so many steps and of a ramp favour."""
+    if steps <= ramp - STRONG_EVIDENCE:
+        return "step" if count == 1 else "steps"
+    return "ramp" if ramp <= steps - STRONG_EVIDENCE else "step_or_ramp"
+
+
+def slope_over(series: Series, clock: Float | None, inflation: float) -> Coefficient:
+    """Return the slope of the coefficient over a clock (n,), the temperature in the model, unit of the coefficient.
+
+    NaN without a clock, with too few sessions, or where it is confounded with the temperature.
+    """
+    if clock is None:
+        return UNDETERMINED
+    columns = np.column_stack([baseline_columns(series), clock - np.mean(clock)])
+    unit = columns / np.linalg.norm(columns, axis=0).clip(1e-300)
+    if len(clock) <= columns.shape[1] or np.linalg.cond(unit) > COLLINEAR:
+        return UNDETERMINED
+    fit = fit_model(series, columns, inflation)
+    first, last = np.eye(columns.shape[1])[[0, -1]]
+    slope = fit.interval(last)
+    return _scaled(slope, to_level(fit.interval(first), series).value) if series.logarithmic else slope
+
+
+def temperature_slope(fit: Fit, series: Series, level: float) -> Coefficient:
+    """Return the relative change per degree of a fit with the temperature in its last column; NaN without one."""
+    over = 1.0 if series.logarithmic else level
+    if series.temperature is None or not over:
+        return UNDETERMINED
+    slope = fit.interval(np.eye(len(fit.value))[-1])
+    low, high = sorted((slope.low / over, slope.high / over))
+    return Coefficient(value=slope.value / over, low=low, high=high)
 
 
 def relative_size(y: Float | float) -> Float:
@@ -116,8 +246,8 @@ def to_level(y: Coefficient, series: Series) -> Coefficient:
 def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y over the level; NaN where the level is near zero."""
     if series.logarithmic:
-        ends = (float(relative_size(end)) for end in (change.value, change.low, change.high))
-        return Coefficient(**dict(zip(("value", "low", "high"), ends, strict=True)))
+        value, low, high = (float(relative_size(end)) for end in (change.value, change.low, change.high))
+        return Coefficient(value=value, low=low, high=high)
     if is_near_zero(level):
         return UNDETERMINED
     size = abs(level.value)
@@ -126,184 +256,36 @@ def to_relative(change: Coefficient, level: Coefficient, series: Series) -> Coef
 
 def to_change(change: Coefficient, level: Coefficient, series: Series) -> Coefficient:
     """Return a change of y in the unit of the coefficient."""
-    if not series.logarithmic:
-        return change
-    ends = (level.value * float(relative_size(end)) for end in (change.value, change.low, change.high))
-    return Coefficient(**dict(zip(("value", "low", "high"), ends, strict=True)))
+    return _scaled(to_relative(change, level, series), level.value) if series.logarithmic else change
+
+
+def _scaled(size: Coefficient, factor: float) -> Coefficient:
+    return Coefficient(value=factor * size.value, low=factor * size.low, high=factor * size.high)
 
 
 def is_near_zero(level: Coefficient) -> bool:
     """Return whether a level is so uncertain that a change over it means nothing."""
-    half = (level.high - level.low) / 2
-    return not abs(level.value) > NEAR_ZERO * half
-
-
-STRONG_EVIDENCE = 6.0
-"""Difference of the information criteria from which one model is said to describe better (Kass and Raftery 1995)."""
-
-PLACE_AND_SIZE = 2
-"""What a step is free to choose; a ramp chooses its size."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Model:
-    """Columns of a model and what is asked of it.
-
-    Attributes:
-        columns: Levels and slope first, the temperature last where it is used, shape (n, p).
-        level: Combination that is the reference's level, shape (p,).
-        change: Combination that is the change from the reference to the last sessions, shape (p,).
-        free: What the model chose for itself.
-    """
-
-    columns: Float
-    level: Float
-    change: Float
-    free: int
-
-
-def steps_model(series: Series, places: Sequence[int], reference: Collection[int]) -> Model:
-    """Return a level for each segment."""
-    segment = np.searchsorted(np.asarray(places), np.arange(len(series.y)), side="right")
-    return _levels(series, segment, reference, free=PLACE_AND_SIZE * len(places))
-
-
-def ends_model(series: Series, reference: Collection[int]) -> Model:
-    """Return a level for the reference, for as many last sessions, and for the others."""
-    inside = np.isin(series.session, list(reference))
-    later = np.flatnonzero(~inside)[-max(int(np.count_nonzero(inside)), 1) :]
-    segment = np.where(inside, 0, 1)
-    segment[later] = 2
-    return _levels(series, np.unique(segment, return_inverse=True)[1], reference, free=0)
-
-
-def _levels(series: Series, segment: NDArray[np.int64], reference: Collection[int], free: int) -> Model:
-    levels = (segment[:, None] == np.arange(int(np.max(segment)) + 1)[None, :]).astype(float)
-    return _ask(series, levels, reference, free)
-
-
-def ramp_model(series: Series, reference: Collection[int]) -> Model:
-    """Return a straight change, over the sessions or over the days, whichever describes better."""
-    ramps = ramp_shapes(series)
-    models = [_ask(series, np.column_stack([np.ones(len(series.y)), ramp]), reference, 1) for ramp in ramps.T]
-    return min(models, key=lambda model: criterion(series, model))
-
-
-def _ask(series: Series, columns: Float, reference: Collection[int], free: int) -> Model:
-    inside = np.isin(series.session, list(reference))
-    level = np.mean(columns[inside], axis=0) if np.any(inside) else columns[0]
-    change = columns[-1] - level
-    if series.temperature is not None:
-        warmth = series.temperature - np.mean(series.temperature)
-        columns = np.column_stack([columns, warmth])
-        level, change = np.append(level, 0.0), np.append(change, 0.0)
-    return Model(columns=columns, level=level, change=change, free=free)
-
-
-def criterion(series: Series, model: Model) -> float:
-    """Return the information criterion (Schwarz 1978) of a model, without what all models share."""
-    weight = robust_weight(series)
-    design, y = model.columns * weight[:, None], (series.y - np.mean(series.y)) * weight
-    left = y - design @ np.linalg.lstsq(design, y, rcond=None)[0]
-    n = len(y)
-    return n * float(np.log(np.sum(left**2) / n + 1e-12)) + model.free * float(np.log(n))
-
-
-def tell_apart(steps: float, ramp: float, count: int) -> str:
-    """Return the shape that the criteria of steps and a ramp speak for."""
-    if steps <= ramp - STRONG_EVIDENCE:
-        return "step" if count == 1 else "steps"
-    return "ramp" if ramp <= steps - STRONG_EVIDENCE else "step_or_ramp"
-
-
-COLLINEAR = 1e4
-"""Condition number beyond which a slope over the sessions cannot be told from one over the temperature."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Trend:
-    """Slopes, unit of the coefficient.
-
-    Attributes:
-        per_session: Per session.
-        per_day: Per day; NaN where starts are not known.
-    """
-
-    per_session: Coefficient
-    per_day: Coefficient
-
-
-def find_trend(series: Series, inflation: float) -> Trend:
-    """Fit the slopes, temperature beside them.
-
-    Args:
-        series: All of its sessions count.
-        inflation: Variance of a mean over that of independent sessions.
-    """
-    per_day = UNDETERMINED if series.day is None else _slope(series, series.day, inflation)
-    return Trend(per_session=_slope(series, series.place, inflation), per_day=per_day)
-
-
-def _slope(series: Series, clock: Float, inflation: float) -> Coefficient:
-    base = base_shapes(series)
-    shapes = np.column_stack([base, clock - np.mean(clock)])
-    if (
-        len(clock) <= shapes.shape[1]
-        or np.linalg.cond(shapes / np.linalg.norm(shapes, axis=0).clip(1e-300)) > COLLINEAR
-    ):
-        return UNDETERMINED
-    fit = fit_model(series, shapes, inflation)
-    slope = fit.interval(_unit(shapes.shape[1], shapes.shape[1] - 1))
-    if not series.logarithmic:
-        return slope
-    level = to_level(fit.interval(_unit(shapes.shape[1], 0)), series).value
-    return Coefficient(value=level * slope.value, low=level * slope.low, high=level * slope.high)
-
-
-def temperature_slope(fit: Fit, series: Series, level: float) -> Coefficient:
-    """Return the relative change per degree of a fit with the temperature in its last column; NaN without one."""
-    if series.temperature is None:
-        return UNDETERMINED
-    slope = fit.interval(_unit(len(fit.value), len(fit.value) - 1))
-    over = 1.0 if series.logarithmic else level
-    low, high = sorted((slope.low / over, slope.high / over)) if over else (np.nan, np.nan)
-    return Coefficient(value=slope.value / over if over else np.nan, low=low, high=high)
-
-
-def _unit(length: int, place: int) -> Float:
-    return np.asarray(np.eye(length)[place])
-
-
-ROUNDS = 4
-"""Mean and scatter in turns; they settle at once."""
+    return not abs(level.value) > NEAR_ZERO * (level.high - level.low) / 2
 
 
 def change_within(sessions: Sequence[Session], joint: int, coefficient: str) -> Coefficient:
-    """Return the relative change of a coefficient within a session, the mean over the sessions that tell it.
+    """Return the relative change of a coefficient within a session, the mean over the sessions that have one.
 
     A random-effects mean with the interval of Hartung and Knapp (2001), never narrower than the sessions' own allow.
     """
     from scipy.stats import t
 
-    told = [
-        summary.within[coefficient]
-        for session in sessions
-        for summary in session.joints
-        if summary.joint == joint and coefficient in summary.within
-    ]
-    rows = np.array(
-        [(c.value, c.low, c.high) for c in told if np.isfinite(c.value + c.low + c.high) and c.high > c.low]
-    )
-    if not len(rows):
-        return UNDETERMINED
-    if len(rows) == 1:
-        return Coefficient(value=float(rows[0, 0]), low=float(rows[0, 1]), high=float(rows[0, 2]))
-    error, freedom = (rows[:, 2] - rows[:, 1]) / (2 * NORMAL_95), len(rows) - 1
-    scatter = 0.0
-    for _ in range(ROUNDS):
+    summaries = [one for session in sessions for one in session.joints if one.joint == joint]
+    known = [one.within[coefficient] for one in summaries if coefficient in one.within]
+    finite = [c for c in known if np.isfinite(c.value + c.low + c.high) and c.high > c.low]
+    if len(finite) <= 1:
+        return finite[0] if finite else UNDETERMINED
+    value, low, high = np.array([(c.value, c.low, c.high) for c in finite]).T
+    error, freedom, scatter = (high - low) / (2 * NORMAL_95), len(finite) - 1, 0.0
+    for _ in range(SETTLED):
         weight = 1.0 / (error**2 + scatter**2)
-        mean = float(np.average(rows[:, 0], weights=weight))
-        scatter = residual_scatter(rows[:, 0] - mean, error, freedom)
-    spread = float(np.sum(weight * (rows[:, 0] - mean) ** 2)) / freedom
+        mean = float(np.average(value, weights=weight))
+        scatter = residual_scatter(value - mean, error, freedom)
+    spread = float(np.sum(weight * (value - mean) ** 2)) / freedom
     half = float(t.ppf(0.975, freedom)) * float(np.sqrt(max(spread, 1.0) / np.sum(weight)))
     return Coefficient(value=mean, low=mean - half, high=mean + half)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from friction_audit.drift.session import Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 
+# What describes a coefficient over the sessions. "step_or_ramp": drift is proven, but the two describe it equally well.
+# "temperature": it changes together with the temperature, so that drift and temperature are confounded.
 SHAPES = ("none", "step", "steps", "ramp", "step_or_ramp", "temperature", "too_few")
-"""What describes a coefficient over the sessions. ``"step_or_ramp"``: drift is proven, but the two describe it equally
-well. ``"temperature"``: it changes together with the temperature, so that drift cannot be told from it."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -77,8 +77,12 @@ class CoefficientDrift:
         smallest_change: Straight change, start to end, that so many sessions would have shown with 90 % power, unit of
             the coefficient.
         smallest_drift: The same over the level; NaN where that is near zero.
-        within: Relative change within a session (warm-up), over all sessions that tell it; no part of the drift.
+        within: Relative change within a session (warm-up), over all sessions that have one; no part of the drift.
         drift: Whether there is any.
+        warmer_k: Rise of the temperature from the first to the last sessions, NaN where it is not known. [K]
+        by_temperature: Whether there is a change that the temperature explains.
+        speed_ratio: Speed of motion at the end of a change over its start, where it went with it, else NaN.
+        reasons: Why sessions have no estimate, where there are too few.
         message: One sentence.
     """
 
@@ -103,6 +107,10 @@ class CoefficientDrift:
     smallest_drift: float = float("nan")
     within: Coefficient = UNDETERMINED
     drift: bool
+    warmer_k: float = float("nan")
+    by_temperature: bool = False
+    speed_ratio: float = float("nan")
+    reasons: tuple[str, ...] = ()
     message: str
 
 

@@ -1,4 +1,4 @@
-"""Session: what one recording says of the friction of one arm, small enough to keep for ever."""
+"""Sessions (what one recording says of the friction of one arm), their order, and series of a coefficient over them."""
 
 import re
 from array import array
@@ -12,6 +12,11 @@ from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
 Numbers = Sequence[float]
+
+COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
+NORMAL_95 = 1.959964  # half of a 95 % interval, in standard errors
+LARGEST_RELATIVE_ERROR = 0.25  # less certain estimates are too skewed for a logarithm
+SECONDS_A_DAY = 86400.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -97,8 +102,8 @@ class Session:
     Attributes:
         path: As found.
         sha256: Content hash.
-        robot: Which arm, as told apart by serial, namespace, manifest or folder.
-        start_s: Unix time of the start, or None where nothing tells. [s]
+        robot: Which arm, as distinguished by serial, namespace, manifest or folder.
+        start_s: Unix time of the start, or None where it is not known. [s]
         start_from: ``"manifest"``, ``"log"``, ``"name"`` or ``"nothing"``.
         duration_s: Length. [s]
         conditions: Under what it was recorded.
@@ -157,23 +162,12 @@ def natural(path: str) -> tuple[tuple[int, int, str], ...]:
     return tuple((1, int(part), "") if part.isdecimal() else (0, 0, part.casefold()) for part in parts if part)
 
 
-COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
-
-NORMAL_95 = 1.959964
-"""Half of a 95 % interval, in standard errors."""
-
-LARGEST_RELATIVE_ERROR = 0.25
-"""Less certain estimates are too skewed for a logarithm."""
-
-SECONDS_A_DAY = 86400.0
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Series:
-    """One coefficient of one joint over the sessions, n of which have an estimate.
+    """One coefficient of one joint over the n sessions that have an estimate.
 
     Drift is looked for in y: the logarithm of the coefficient where it is positive and certain enough, so that changes
-    are relative and warmth, which acts on viscous friction exponentially, is straight; else the coefficient itself.
+    are relative and temperature, which acts on viscous friction exponentially, is linear; else the coefficient itself.
 
     Attributes:
         joint: Number for people.
@@ -213,12 +207,13 @@ class Series:
 
     def take(self, which: NDArray[np.bool_]) -> "Series":
         """Return the series of some of its sessions."""
-        return replace(
-            self,
-            **{name: getattr(self, name)[which] for name in ("session", "place", "value", "error", "speed", "kept")},
-            day=None if self.day is None else self.day[which],
-            temperature=None if self.temperature is None else self.temperature[which],
-        )
+        names = ("session", "place", "value", "error", "speed", "kept", "day", "temperature")
+        columns = {name: getattr(self, name) for name in names}
+        return replace(self, **{name: None if column is None else column[which] for name, column in columns.items()})
+
+    def keeping(self, kept: NDArray[np.bool_]) -> "Series":
+        """Return the series with the other sessions set aside."""
+        return replace(self, kept=kept)
 
     def counted(self) -> "Series":
         """Return the series of the sessions that count."""
@@ -235,9 +230,11 @@ def make_series(
         found = summary.coefficients.get(coefficient, UNDETERMINED) if summary is not None else UNDETERMINED
         if summary is not None and np.isfinite(found.value):
             rows.append((i, place_among, *_numbers(sessions[i], summary, found)))
-    table = np.array(rows, dtype=float).reshape(-1, 7)
-    index, place, start, value, error, temperature, speed = table.T
-    error = _fill(error, value)
+    index, place, start, value, error, temperature, speed = np.array(rows, dtype=float).reshape(-1, 7).T
+    # Estimates without an interval take the largest error of the others; a relative error of 1e-9 keeps it off 0.
+    error = np.where(np.isfinite(error), error, np.max(error[np.isfinite(error)], initial=0.0))
+    error = np.maximum(error, 1e-9 * max(float(np.max(np.abs(value), initial=0.0)), 1e-9))
+    positive = len(value) > 0 and np.min(value) > 0.0
     return Series(
         joint=joint,
         coefficient=coefficient,
@@ -248,27 +245,13 @@ def make_series(
         error=error,
         temperature=temperature,
         speed=speed,
-        logarithmic=is_logarithmic(value, error),
+        logarithmic=bool(positive and np.median(error / value) <= LARGEST_RELATIVE_ERROR),
         kept=np.ones(len(value), dtype=np.bool_),
     )
 
 
 def _numbers(session: Session, summary: JointSummary, found: Coefficient) -> tuple[float, ...]:
     start = np.nan if session.start_s is None else session.start_s
-    warmth = session.temperature_c if summary.temperature_c is None else summary.temperature_c
+    temperature = session.temperature_c if summary.temperature_c is None else summary.temperature_c
     error = (found.high - found.low) / (2 * NORMAL_95)
-    return start, found.value, error, np.nan if warmth is None else warmth, summary.speed_rad_s[1]
-
-
-def _fill(error: Float, value: Float) -> Float:
-    """Give estimates without an interval the largest error of the others; a relative one of 1e-9 keeps it off 0."""
-    known = error[np.isfinite(error)]
-    filled = np.where(np.isfinite(error), error, np.max(known, initial=0.0))
-    return np.maximum(filled, 1e-9 * max(float(np.max(np.abs(value), initial=0.0)), 1e-9))
-
-
-def is_logarithmic(value: Float, error: Float) -> bool:
-    """Return whether all estimates are positive and most are certain enough for a logarithm."""
-    if not len(value) or np.min(value) <= 0.0:
-        return False
-    return bool(np.median(error / value) <= LARGEST_RELATIVE_ERROR)
+    return start, found.value, error, np.nan if temperature is None else temperature, summary.speed_rad_s[1]

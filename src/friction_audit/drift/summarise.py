@@ -3,9 +3,8 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.drift.session import Conditions, JointSummary, SpeedCurve
+from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
 from friction_audit.friction.paper import set_up
 from friction_audit.friction.settings import FEWEST_CYCLES
@@ -17,31 +16,17 @@ from friction_audit.preprocessing.interaction import Interaction
 if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
 
-COULOMB, VISCOUS = "coulomb_nm", "viscous_nms_per_rad"
-COEFFICIENTS = (COULOMB, VISCOUS)
-"""Keys of the coefficients, in their order everywhere."""
-
-BINS = 40
-"""Of speed, in the curve; both directions of motion together."""
-FEWEST_SAMPLES = 20
-"""A mean of fewer samples is no point of the curve."""
-OUTERMOST = 0.002
-"""Share of the samples beyond each end of the curve: single glitches of the velocity would stretch it."""
-THIRD = 3
+BINS = 40  # of speed, in the curve; both directions of motion together
+FEWEST_SAMPLES = 20  # a mean of fewer samples is no point of the curve
+OUTERMOST = 0.002  # share of the samples beyond each end of the curve: single glitches of the velocity would stretch it
+# A change of method from session to session would look like drift.
 BY_REGRESSION = (
     "too few energy cycles count; estimate gives a regression of the torque, which is not compared between sessions"
 )
-"""A change of method from session to session would look like drift."""
 
 
 def conditions_of(log: JointLog, interaction: Interaction, payload: str = "") -> Conditions:
-    """Return under what a session was recorded and read.
-
-    Args:
-        log: The log.
-        interaction: Its torque.
-        payload: What is known of the payload from elsewhere.
-    """
+    """Return under what a session was recorded and read, the payload as known from elsewhere."""
     choice = interaction.choice
     return Conditions(
         drive=choice.drive,
@@ -67,14 +52,17 @@ def summarise_joints(
         interaction: Motion and torque of the joints selected.
         cycles: Their cycles.
         friction: Their coefficients.
-        discrepancy: What a diagnosis says of them, or None if it was not asked.
+        discrepancy: Their diagnosis, or None.
     """
-    said = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
+    diagnoses = {} if discrepancy is None else {joint.joint: joint for joint in discrepancy.joints}
+    port = interaction.torque  # F_m + u moves the joint and its friction: a logged compensator's help counts [N m]
+    if interaction.compensation is not None:
+        port = port + interaction.compensation
     found = []
     for column, joint in enumerate(friction.joints):
         moving = np.flatnonzero(np.abs(interaction.dq[:, column]) > cycles.standstill_rad_s[column])
         velocity = interaction.dq[moving, column]
-        diagnosed = said.get(joint.joint)
+        diagnosed = diagnoses.get(joint.joint)
         by_energy = joint.method == "energy"
         coefficients = (joint.coulomb, joint.viscous) if by_energy else (UNDETERMINED, UNDETERMINED)
         found.append(
@@ -85,9 +73,9 @@ def summarise_joints(
                 cycles=joint.cycles,
                 moving_s=joint.moving_s,
                 speed_rad_s=_quartiles(np.abs(velocity)),
-                temperature_c=_mean_temperature(log, joint.joint - 1),
+                temperature_c=None if log.temperature is None else float(log.temperature[:, joint.joint - 1].mean()),
                 within=_change_within(cycles.of_joint(column), joint),
-                curve=bin_torque(velocity, _port_torque(interaction, column)[moving]),
+                curve=bin_torque(velocity, port[moving, column]),
                 reason=joint.reason if by_energy else BY_REGRESSION,
                 verdict=None if diagnosed is None else diagnosed.verdict,
                 effects=() if diagnosed is None else tuple(effect.name for effect in diagnosed.effects),
@@ -97,12 +85,7 @@ def summarise_joints(
 
 
 def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
-    """Return mean and spread of the torque in bins of the velocity, equally wide.
-
-    Args:
-        velocity: While the joint moves, shape (n,). [rad/s]
-        torque: Beside it, shape (n,). [N m]
-    """
+    """Return mean and spread of the torque (n,) in equally wide bins of the velocity in motion (n,). [N m, rad/s]"""
     if len(velocity) < FEWEST_SAMPLES:
         return SpeedCurve()
     low, high = np.quantile(velocity, (OUTERMOST, 1.0 - OUTERMOST))
@@ -111,26 +94,17 @@ def bin_torque(velocity: Float, torque: Float) -> SpeedCurve:
     width = max(float(high - low), np.finfo(np.float64).tiny)
     place = np.minimum(((velocity - low) / width * BINS).astype(np.int64), BINS - 1)
     count = np.bincount(place, minlength=BINS)
-    kept = count >= FEWEST_SAMPLES
-    mean = _mean_in_bins(place, torque, count)
-    spread = np.sqrt(_mean_in_bins(place, (torque - mean[place]) ** 2, count))
-    speed = _mean_in_bins(place, velocity, count)
+
+    def means(values: Float) -> Float:
+        total = np.bincount(place, weights=values, minlength=BINS)
+        return np.asarray(total / np.maximum(count, 1), np.float64)
+
+    kept, mean = count >= FEWEST_SAMPLES, means(torque)
     return SpeedCurve(
-        speed_rad_s=speed[kept].tolist(),
+        speed_rad_s=means(velocity)[kept].tolist(),
         torque_nm=mean[kept].tolist(),
-        spread_nm=spread[kept].tolist(),
+        spread_nm=np.sqrt(means((torque - mean[place]) ** 2))[kept].tolist(),
     )
-
-
-def _mean_in_bins(place: NDArray[np.int64], values: Float, count: NDArray[np.int64]) -> Float:
-    total = np.bincount(place, weights=values, minlength=BINS)
-    return np.asarray(total / np.maximum(count, 1), np.float64)
-
-
-def _port_torque(interaction: Interaction, column: int) -> Float:
-    """Return F_m + u: what moves the joint and its friction, a logged compensator's help included. [N m]"""
-    torque = interaction.torque[:, column]
-    return torque if interaction.compensation is None else torque + interaction.compensation[:, column]
 
 
 def _quartiles(speed: Float) -> tuple[float, float, float]:
@@ -140,21 +114,16 @@ def _quartiles(speed: Float) -> tuple[float, float, float]:
     return float(low), float(median), float(high)
 
 
-def _mean_temperature(log: JointLog, column: int) -> float | None:
-    return None if log.temperature is None else float(log.temperature[:, column].mean())
-
-
 def _change_within(own: EnergyCycles, joint: JointFriction) -> dict[str, Coefficient]:
     """Return the relative change of each coefficient from the first third of the cycles to the last one.
 
     The thirds are fitted apart: points of the history share cycles, and their difference would look surer than it is.
     """
     kept = own.rows(own.reason == KEPT)
-    third = len(kept.joint) // THIRD
+    third = len(kept.joint) // 3
     if joint.reason or third < FEWEST_CYCLES:
         return dict.fromkeys(COEFFICIENTS, UNDETERMINED)
-    equations = set_up(kept, joint.model)
-    fit = fit_windows(equations, third)
+    fit = fit_windows(set_up(kept, joint.model), third)
     names = zip(COEFFICIENTS, ("coulomb", "viscous"), strict=True)
     return {key: _relative_change(fit, name) for key, name in names}
 

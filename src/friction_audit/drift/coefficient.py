@@ -5,22 +5,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.drift.change_points import Search, Step, find_steps
+from friction_audit.drift.change_points import Step, find_steps
+from friction_audit.drift.change_test import Autocorrelation
 from friction_audit.drift.control_chart import make_chart, smallest_change
-from friction_audit.drift.covariates import TOGETHER, shared, without_temperature
-from friction_audit.drift.memory import Memory
+from friction_audit.drift.covariates import CONFOUNDED, follows, shared, without_temperature
 from friction_audit.drift.regression import (
     Fit,
     Model,
     change_within,
     criterion,
     ends_model,
-    find_trend,
     fit_model,
     is_near_zero,
     ramp_model,
+    shape_of,
+    slope_over,
     steps_model,
-    tell_apart,
     temperature_slope,
     to_change,
     to_level,
@@ -33,8 +33,7 @@ from friction_audit.drift.words import Circumstances, describe, describe_too_few
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
-SPEED_CHANGE = 1.25
-"""A speed of motion that changes less with a drift does not explain it."""
+SPEED_CHANGE = 1.25  # a speed of motion that changes less with a drift does not explain it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -46,27 +45,28 @@ class Verdict:
         ramp_p_value: The same of a straight trend alone.
         p_without_temperature: As if no temperature were known; the same as ``p_value`` where none is used.
         critical: Score that the test asks for.
-        memory: Autocorrelation of the scatter.
+        autocorrelation: Of the scatter.
     """
 
     p_value: float
     ramp_p_value: float
     p_without_temperature: float
     critical: float
-    memory: Memory
+    autocorrelation: Autocorrelation
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Described:
+class _Described:
     """The shape of a series, with the model that it was measured by."""
 
     shape: str
     model: Model
-    steps: tuple[Step, ...]
+    steps: tuple[Step, ...] = ()
 
 
 def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
     """Return what can be said of a series with too few sessions: its values."""
+    own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
     drift = CoefficientDrift(
         coefficient=series.coefficient,
         sessions=tuple(int(index) for index in series.session),
@@ -75,10 +75,10 @@ def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
         shape="too_few",
         within=change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
         drift=False,
+        reasons=tuple(joint.reason for joint in own if joint.reason),
         message="",
     )
-    own = [joint for session in sessions for joint in session.joints if joint.joint == series.joint]
-    return replace(drift, message=describe_too_few(drift, [joint.reason for joint in own if joint.reason]))
+    return replace(drift, message=describe_too_few(drift, drift.reasons))
 
 
 def describe_series(
@@ -93,21 +93,19 @@ def describe_series(
         sessions: All sessions of the arm, in order.
         settings: How drift is looked for.
     """
-    warm = series.counted()
+    warm, inflation, growth = series.counted(), verdict.autocorrelation.inflation, verdict.autocorrelation.growth
     found = _find_shape(warm, verdict, reference, settings)
     if found.shape == "temperature":
         series = without_temperature(series)
         found = replace(found, model=ends_model(series.counted(), reference))
     counted = series.counted()
-    fit = fit_model(counted, found.model.columns, verdict.memory.inflation)
+    fit = fit_model(counted, found.model.columns, inflation)
     level = to_level(fit.interval(found.model.level), series)
     y = _at_like_temperature(series, counted, fit)
-    change = _change(counted, found.model, fit, reference, verdict.memory.inflation)
-    smallest = smallest_change(
-        counted, fit, critical=verdict.critical, growth=verdict.memory.growth, power=settings.power
-    )
+    change = _change(counted, found.model, fit, reference, inflation)
+    smallest = smallest_change(counted, fit, critical=verdict.critical, growth=growth, power=settings.power)
     least = Coefficient(value=smallest, low=smallest, high=smallest)
-    trend = find_trend(counted, verdict.memory.inflation)
+    relative_scatter = not series.logarithmic and not is_near_zero(level)
     drift = CoefficientDrift(
         coefficient=series.coefficient,
         sessions=tuple(int(index) for index in series.session),
@@ -118,21 +116,25 @@ def describe_series(
         p_value=verdict.p_value,
         temperature_slope=temperature_slope(fit, counted, abs(level.value)),
         temperature_c=float("nan") if counted.temperature is None else float(np.mean(counted.temperature)),
-        trend_per_session=trend.per_session,
-        trend_per_day=trend.per_day,
+        trend_per_session=slope_over(counted, counted.place, inflation),
+        trend_per_day=slope_over(counted, counted.day, inflation),
         trend_p_value=verdict.ramp_p_value,
         change_points=_change_points(counted, found, fit, verdict.p_value),
         control=make_chart(series, y, fit, level, reference, settings.alpha),
         change=to_change(change, level, series),
         total=to_relative(change, level, series),
-        scatter=_scatter(fit, level, series),
+        scatter=fit.scatter / abs(level.value) if relative_scatter else fit.scatter,
         smallest_change=to_change(least, level, series).value,
         smallest_drift=to_relative(least, level, series).value,
         within=change_within([sessions[i] for i in series.session], series.joint, series.coefficient),
         drift=verdict.p_value <= settings.alpha,
+        warmer_k=_warming(warm),
+        by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
+        speed_ratio=_speed_ratio(warm, found.model) if verdict.p_value <= settings.alpha else float("nan"),
         message="",
     )
-    return replace(drift, message=describe(drift, sessions, _circumstances(warm, found, verdict, settings)))
+    given = Circumstances(warmer_k=drift.warmer_k, by_temperature=drift.by_temperature, speed_ratio=drift.speed_ratio)
+    return replace(drift, message=describe(drift, sessions, given))
 
 
 def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], inflation: float) -> Coefficient:
@@ -146,28 +148,19 @@ def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], 
     return fit_model(series, ends.columns, inflation).interval(ends.change) if np.any(ends.change) else UNDETERMINED
 
 
-def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings) -> Described:
+def _find_shape(series: Series, verdict: Verdict, reference: Collection[int], settings: DriftSettings) -> _Described:
     if verdict.p_value > settings.alpha:
         ends = ends_model(series, reference)
-        together = verdict.p_without_temperature <= settings.alpha and _follows_temperature(series, ends)
-        return Described(shape="temperature" if together else "none", model=ends, steps=())
-    search = Search(
-        alpha=settings.alpha, permutations=settings.permutations, seed=settings.seed, growth=verdict.memory.growth
-    )
-    steps = find_steps(series, search)
+        confounded = follows(series, [series.place, *ends.columns.T[:-1]])
+        with_temperature = verdict.p_without_temperature <= settings.alpha and confounded
+        return _Described(shape="temperature" if with_temperature else "none", model=ends)
+    steps = find_steps(series, settings, verdict.autocorrelation.growth)
     stepped, ramp = steps_model(series, [step.place for step in steps], reference), ramp_model(series, reference)
     scores = criterion(series, stepped), criterion(series, ramp)
-    shape = tell_apart(*scores, len(steps))
-    straight = shape == "ramp" or (shape == "step_or_ramp" and scores[1] < scores[0])
-    return Described(shape=shape, model=ramp if straight else stepped, steps=() if straight else steps)
-
-
-def _follows_temperature(series: Series, ends: Model) -> bool:
-    """Return whether the temperature went with the sessions so closely that it hides any drift."""
-    if series.temperature is None:
-        return False
-    shapes = (series.place, *ends.columns.T[:-1])
-    return max(shared(shape, series.temperature) for shape in shapes) > TOGETHER
+    shape = shape_of(*scores, len(steps))
+    if shape == "ramp" or (shape == "step_or_ramp" and scores[1] < scores[0]):
+        return _Described(shape=shape, model=ramp)
+    return _Described(shape=shape, model=stepped, steps=steps)
 
 
 def _at_like_temperature(series: Series, counted: Series, fit: Fit) -> Float:
@@ -178,19 +171,11 @@ def _at_like_temperature(series: Series, counted: Series, fit: Fit) -> Float:
 
 def _values(series: Series, y: Float) -> tuple[Coefficient, ...]:
     half = NORMAL_95 * series.y_error
-    rows = zip(y, y - half, y + half, strict=True)
-    return tuple(
-        to_level(Coefficient(value=float(value), low=float(low), high=float(high)), series) for value, low, high in rows
-    )
+    rows = zip(y.tolist(), (y - half).tolist(), (y + half).tolist(), strict=True)
+    return tuple(to_level(Coefficient(value=value, low=low, high=high), series) for value, low, high in rows)
 
 
-def _scatter(fit: Fit, level: Coefficient, series: Series) -> float:
-    if series.logarithmic or is_near_zero(level):
-        return fit.scatter
-    return fit.scatter / abs(level.value)
-
-
-def _change_points(series: Series, found: Described, fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
+def _change_points(series: Series, found: _Described, fit: Fit, p_value: float) -> tuple[ChangePoint, ...]:
     points = []
     for k, step in enumerate(found.steps):
         before, after = np.eye(len(fit.value))[[k, k + 1]]
@@ -209,26 +194,20 @@ def _change_points(series: Series, found: Described, fit: Fit, p_value: float) -
     return tuple(points)
 
 
-def _circumstances(series: Series, found: Described, verdict: Verdict, settings: DriftSettings) -> Circumstances:
-    """Return what changed beside the coefficient."""
-    moved = np.any(found.model.change)
-    shape = found.model.columns @ found.model.change if moved else series.place
-    end, start = shape >= np.quantile(shape, 0.8), shape <= np.quantile(shape, 0.2)
-    warmer = float("nan")
-    if series.temperature is not None:
-        warmer = float(np.mean(series.temperature[series.place >= np.quantile(series.place, 0.8)]))
-        warmer -= float(np.mean(series.temperature[series.place <= np.quantile(series.place, 0.2)]))
-    drifts = verdict.p_value <= settings.alpha
-    ratio = float(np.median(series.speed[end]) / np.median(series.speed[start])) if drifts else float("nan")
-    with_speed = drifts and _goes_with_speed(series, shape) and abs(np.log(ratio)) > np.log(SPEED_CHANGE)
-    return Circumstances(
-        warmer_k=warmer,
-        by_temperature=verdict.p_without_temperature <= settings.alpha < verdict.p_value,
-        speed_ratio=ratio if with_speed else float("nan"),
-    )
+def _warming(series: Series) -> float:
+    """Return by how much the last fifth of the sessions is warmer than the first one. [K]"""
+    if series.temperature is None:
+        return float("nan")
+    low, high = np.quantile(series.place, (0.2, 0.8))
+    last, first = series.temperature[series.place >= high], series.temperature[series.place <= low]
+    return float(np.mean(last)) - float(np.mean(first))
 
 
-def _goes_with_speed(series: Series, shape: Float) -> bool:
-    if not np.all(np.isfinite(series.speed)) or np.min(series.speed) <= 0.0:
-        return False
-    return shared(shape, np.log(series.speed)) > TOGETHER / 2
+def _speed_ratio(series: Series, model: Model) -> float:
+    """Return the speed at the end of the change over that at its start, NaN where speed does not go with it."""
+    column = model.columns @ model.change if np.any(model.change) else series.place
+    end, start = column >= np.quantile(column, 0.8), column <= np.quantile(column, 0.2)
+    ratio = float(np.median(series.speed[end]) / np.median(series.speed[start]))
+    positive = bool(np.all(np.isfinite(series.speed))) and np.min(series.speed) > 0.0
+    with_speed = positive and shared(column, np.log(series.speed)) > CONFOUNDED / 2
+    return ratio if with_speed and abs(np.log(ratio)) > np.log(SPEED_CHANGE) else float("nan")
