@@ -3,7 +3,7 @@
     python benchmarks/bench_simulate.py [--runs 3] [--duration 60]
 
 One joint: SciPy's ``solve_ivp`` on the same equations, friction that sticks and slips through events. Seven joints: a
-loop in Python with Pinocchio's forward dynamics (``aba``) every 0.1 ms, semi-implicit Euler, friction smoothed by a
+loop in Python with MuJoCo's forward dynamics every 0.1 ms, semi-implicit Euler, friction smoothed by a
 tanh. What is compared takes turns in one run; the largest difference between the motions shows how alike they are.
 """
 
@@ -13,8 +13,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
+import mujoco as mj
 import numpy as np
-import pinocchio as pin
 from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
@@ -99,37 +99,42 @@ def one_joint(duration_s: float) -> tuple[Callable[[], Float], Callable[[], Floa
 
 def loop_in_python(settings: ArmSettings) -> Float:
     """Return the positions of the seven joints at the ticks."""
-    arm, hand = load_arm(), settings.hand
-    model, known, known_data = arm.model.copy(), arm.model, arm.model.createData()
-    frame = model.getFrameId(arm.flange)
-    flange = model.frames[frame]
-    held = pin.Inertia(hand.mass_kg, np.zeros(3), np.eye(3) * TURNING_KG_M2)
-    model.appendBodyToJoint(flange.parentJoint, held, flange.placement)
-    model.armature = np.array([joint.inertia_kg_m2 for joint in settings.joints])
+    known, hand = load_arm(), settings.hand
+    model = known.with_load(hand.mass_kg, np.zeros(3), np.eye(3) * TURNING_KG_M2).model
+    model.dof_armature[:] = [joint.inertia_kg_m2 for joint in settings.joints]
+    data, known_data, flange = mj.MjData(model), mj.MjData(known.model), model.body(known.flange).id
     coulomb = np.array([joint.coulomb_nm for joint in settings.joints])
     viscous = np.array([joint.viscous_nms_per_rad for joint in settings.joints])
     springs = np.repeat([hand.stiffness_n_per_m, hand.turning_stiffness_nm_per_rad], 3)
     dampers = np.repeat([hand.damping_ns_per_m, hand.turning_damping_nms_per_rad], 3)
     lift = np.array([0.0, 0.0, 9.81 * hand.mass_kg, 0.0, 0.0, 0.0])
-    data, q, dq = model.createData(), np.array(settings.pose_rad), np.zeros(7)
+    data.qpos[:] = settings.pose_rad
     ticks, steps = round(settings.duration_s / DT), round(DT / STEP_S)
     path = plan_hand(hand.path, ticks, DT, make_streams(SEED, 7).person)
-    pin.framesForwardKinematics(model, data, q)
-    places = data.oMf[frame].translation + path.position
-    turns = Rotation.from_rotvec(path.rotation).as_matrix() @ data.oMf[frame].rotation
+    mj.mj_kinematics(model, data)
+    place, orientation = data.xpos[flange], data.xmat[flange].reshape(3, 3)
+    places = place + path.position
+    turns = Rotation.from_rotvec(path.rotation).as_matrix() @ orientation
     speeds = np.hstack([path.velocity, path.angular])
     positions = np.empty((ticks + 1, 7))
+    jacobian, quaternion, turn = np.empty((6, 7)), np.empty(4), np.empty(3)
     for k in range(ticks + 1):
-        positions[k] = q
-        support = pin.computeGeneralizedGravity(known, known_data, q)
+        positions[k] = known_data.qpos[:] = data.qpos
+        mj.mj_fwdPosition(known.model, known_data)
+        mj.mj_fwdVelocity(known.model, known_data)
         for _ in range(steps):
-            jacobian = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-            pose = data.oMf[frame]
-            off = np.concatenate([places[k] - pose.translation, pin.log3(turns[k] @ pose.rotation.T)])
-            wrench = springs * off + dampers * (speeds[k] - jacobian @ dq) + lift
-            friction = coulomb * np.tanh(dq / SMOOTHING_RAD_S) + viscous * dq
-            dq = dq + STEP_S * pin.aba(model, data, q, dq, support + jacobian.T @ wrench - friction)
-            q = q + STEP_S * dq
+            mj.mj_fwdPosition(model, data)
+            mj.mj_fwdVelocity(model, data)
+            mj.mj_jacBody(model, data, jacobian[:3], jacobian[3:], flange)
+            mj.mju_mat2Quat(quaternion, (turns[k] @ orientation.T).ravel())
+            mj.mju_quat2Vel(turn, quaternion, 1.0)
+            off = np.concatenate([places[k] - place, turn])
+            wrench = springs * off + dampers * (speeds[k] - jacobian @ data.qvel) + lift
+            friction = coulomb * np.tanh(data.qvel / SMOOTHING_RAD_S) + viscous * data.qvel
+            data.qfrc_applied[:] = known_data.qfrc_bias + jacobian.T @ wrench - friction
+            mj.mj_fwdAcceleration(model, data)
+            data.qvel += STEP_S * data.qacc_smooth
+            data.qpos += STEP_S * data.qvel
     return positions
 
 
@@ -178,7 +183,7 @@ def main() -> None:
     print(
         compared(
             f"seven joints, {seconds}",
-            "pinocchio aba in a Python loop",
+            "mujoco in a Python loop",
             "goal 15",
             arguments.runs,
             seven_joints(arguments.duration),

@@ -26,7 +26,7 @@ HEAVY = (
     "rich",
     "rosbags",
     "mcap",
-    "pinocchio",
+    "mujoco",
     "statsmodels",
 )
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.known_load import know_load
+from friction_audit.diagnosis.known_load import know_load, known_inertias
 from friction_audit.joint_log import Float, JointLog, Source
 from friction_audit.robot import load_arm
 from tests.synthetic_interaction import choice
@@ -80,6 +80,14 @@ def test_no_weight_pulls_at_an_upright_axis() -> None:
     rigid = know_load(log(), ROBOT, ARM, T, (Q, DQ, DDQ)).rigid
     assert rigid is not None
     assert not rigid[0].weight.any()
+
+
+def test_inertia_that_a_model_removed_is_the_mean_diagonal_of_the_mass_matrix() -> None:
+    q = np.tile(POSE, (10, 1))
+    q[5:] += 0.4
+    assert known_inertias(ARM, ROBOT, q) == pytest.approx(ARM.mass_diagonal(q).mean(axis=0))
+    assert not known_inertias(ARM, replace(ROBOT, inertia="none"), q).any()
+    assert not known_inertias(None, ROBOT, q).any()
 
 
 def _unexplained(columns: Float, torque: Float) -> float:

@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 
+import mujoco
 import numpy as np
-import pinocchio as pin
 from scipy.spatial.transform import Rotation
 
 from friction_audit.joint_log import Float
-from friction_audit.robot import load_arm
+from friction_audit.robot import Arm, load_arm
 from friction_audit.simulation import ArmSettings, Motion
 from friction_audit.simulation.clock import make_streams
 from friction_audit.simulation.motion import plan_hand
@@ -36,19 +36,26 @@ def intended(settings: ArmSettings, seed: int, ticks: int) -> HandMotion:
     return plan_hand(settings.hand.path, ticks, 1e-3, make_streams(seed, 7).person)
 
 
+def flange_poses(arm: Arm, q: Float) -> tuple[Float, Float, Float]:
+    """Return places of the flange, shape (n, 3), orientations, shape (n, 3, 3), and Jacobians, shape (n, 6, j)."""
+    data = mujoco.MjData(arm.model)
+    flange = arm.model.body(arm.flange).id
+    place, turned, jacobian = np.empty((len(q), 3)), np.empty((len(q), 3, 3)), np.empty((len(q), 6, q.shape[1]))
+    for k, data.qpos[:] in enumerate(q):
+        mujoco.mj_kinematics(arm.model, data)
+        mujoco.mj_comPos(arm.model, data)
+        mujoco.mj_jacBody(arm.model, data, jacobian[k, :3], jacobian[k, 3:], flange)
+        place[k], turned[k] = data.xpos[flange], data.xmat[flange].reshape(3, 3)
+    return place, turned, jacobian
+
+
 def pull(settings: ArmSettings, seed: int, motion: Motion) -> Pull:
     """Return what the hand does along a motion."""
     arm, hand = load_arm(), settings.hand
-    model, data = arm.model, arm.model.createData()
-    frame = model.getFrameId(arm.flange)
     path = intended(settings, seed, len(motion.t) - 1)
-    pin.framesForwardKinematics(model, data, motion.q[0])
-    place, upright = data.oMf[frame].translation.copy(), Rotation.from_matrix(data.oMf[frame].rotation)
     n = len(motion.q)
-    jacobian, flange, turned = np.empty((n, 6, 7)), np.empty((n, 3)), np.empty((n, 3, 3))
-    for k, q in enumerate(motion.q):
-        jacobian[k] = pin.computeFrameJacobian(model, data, q, frame, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-        flange[k], turned[k] = data.oMf[frame].translation, data.oMf[frame].rotation
+    flange, turned, jacobian = flange_poses(arm, motion.q)
+    place, upright = flange[0], Rotation.from_matrix(turned[0])
     twist = np.einsum("kij,kj->ki", jacobian, motion.dq)
     off = place + path.position[:n] - flange
     # All rotations at a time: one by one they would take most of the time of the tests.

@@ -1,16 +1,16 @@
-"""The arm against Pinocchio's own energies and inverse dynamics, and against the hand's springs written once more."""
+"""The arm against MuJoCo's own energies and inverse dynamics, and against the hand's springs written once more."""
 
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
+import mujoco
 import numpy as np
-import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
-from friction_audit.robot import load_arm
+from friction_audit.robot import Arm, load_arm
 from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Motion, Simulation, clock, mechanism, simulate
 from friction_audit.simulation.arm import move
 from friction_audit.simulation.bench import make_motion
@@ -32,35 +32,27 @@ SWING = ArmSettings(sensors=IDEAL, hand=NOBODY, compensates_gravity=False, durat
 SEED = 1
 
 
-def model_of(settings: ArmSettings) -> Any:
-    """Return the arm's model with the hand's mass and the load at the flange."""
-    arm = load_arm()
-    model = arm.model.copy()
-    flange = model.frames[model.getFrameId(arm.flange)]
+def model_of(settings: ArmSettings) -> Arm:
+    """Return the arm with the hand's mass and the load at the flange."""
     held = settings.hand.mass_kg if not settings.driven else 0.0
     turning = np.eye(3) * (0.002 if held else 0.0)
-    inertia = pin.Inertia(held + settings.carried_kg, np.zeros(3), turning)
-    model.appendBodyToJoint(flange.parentJoint, inertia, flange.placement)
-    return model
+    return load_arm().with_load(held + settings.carried_kg, np.zeros(3), turning)
 
 
 def energies(settings: ArmSettings, motion: Motion) -> Float:
     """Return the kinetic and potential energy of links, load, hand and motors, shape (n,). [J]"""
-    model = model_of(settings)
-    data = model.createData()
-    links = [
-        pin.computeKineticEnergy(model, data, q, dq) + pin.computePotentialEnergy(model, data, q)
-        for q, dq in zip(motion.q, motion.dq, strict=True)
-    ]
+    model = model_of(settings).model
+    data, links = mujoco.MjData(model), []
+    for data.qpos[:], data.qvel[:] in zip(motion.q, motion.dq, strict=True):
+        for step in ("kinematics", "comPos", "makeM", "energyPos", "energyVel"):
+            getattr(mujoco, f"mj_{step}")(model, data)
+        links.append(data.energy.sum())
     motors: Float = 0.5 * (ROTORS * motion.inner_dq**2).sum(axis=1)
     return np.array(links) + motors
 
 
 def inverse_dynamics(settings: ArmSettings, motion: Motion) -> Float:
-    model = model_of(settings)
-    data = model.createData()
-    rows = zip(motion.q, motion.dq, motion.inner_ddq, strict=True)
-    return np.array([pin.rnea(model, data, q, dq, ddq) for q, dq, ddq in rows])
+    return model_of(settings).inverse_dynamics(motion.q, motion.dq, motion.inner_ddq)
 
 
 def work(power: Float) -> Float:

@@ -5,7 +5,7 @@ from functools import partial
 from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.data_audit import audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.known_inertia import known_inertias
+from friction_audit.diagnosis.known_load import known_inertias
 from friction_audit.diagnosis.likely_work import longest_first
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy

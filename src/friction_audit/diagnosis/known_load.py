@@ -9,17 +9,12 @@ from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, RigidBody
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.interaction import TorqueChoice
 from friction_audit.robot import Arm
-from friction_audit.robot.regressor import news, random_motion, regressor_entries, tilt_torque
+from friction_audit.robot.regressor import Motion, random_motion, regressor_entries, significant, tilt_torque
 
-RATE_HZ = 200.0
-"""The model is evaluated so often: above twice what the motion on the grid holds."""
-MOMENTS_AND_MASS = (1, 2, 3, 0)
-"""Inertial parameters that have weight, in the order in which they are preferred."""
-ROUNDING = 1e-9
-"""What is less per kg or kg m is no weight. [N m]"""
-
-Motion = tuple[Float, Float, Float]
-"""Position, velocity and acceleration of all joints, shape (n, j) each."""
+RATE_HZ = 200.0  # of evaluations of the model: above twice the bandwidth of the motion on the grid
+MOMENTS_AND_MASS = (1, 2, 3, 0)  # inertial parameters that have weight, in the order in which they are preferred
+ROUNDING = 1e-9  # a smaller torque per kg or kg m is no weight [N m]
+INERTIA_POSES = 50  # of a recording, evenly spread
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -117,7 +112,7 @@ def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list
     places = np.tile(MOMENTS_AND_MASS, len(carried) // many)
     anywhere = regressor_entries(arm, random_motion(motion[0].shape[1], moving=False), joints, carried, places)
     along = regressor_entries(arm, motion, joints, carried, places)
-    kept = np.concatenate([news(one) for one in np.hsplit(anywhere, len(carried) // many)])
+    kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, len(carried) // many)])
     kept &= np.abs(anywhere).max(axis=0) > ROUNDING
     borders = np.cumsum([many * len(own) for own in links])[:-1]
     return [one.reshape(len(along), -1, many) for one in np.split(along * kept, borders, axis=1)]
@@ -135,5 +130,20 @@ def _tips(arm: Arm, motion: Motion) -> list[Float]:
         return whole - regressor_entries(arm, (moved[0], still, still), joints, last, places)
 
     anywhere = torque(random_motion(motion[0].shape[1], moving=True))
-    kept = np.concatenate([news(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
+    kept = np.concatenate([significant(one) for one in np.hsplit(anywhere, motion[0].shape[1])])
     return np.hsplit(torque(motion) * kept, motion[0].shape[1])
+
+
+def known_inertias(arm: Arm | None, choice: TorqueChoice, q: Float) -> Float:
+    """Return the inertia of each joint whose torque a model removed from the recorded one, else zero, shape (j,).
+
+    The mean diagonal of the mass matrix along the motion. [kg m^2]
+
+    Args:
+        arm: The model of the arm, or None.
+        choice: How the interaction torque was made.
+        q: Positions of all joints, shape (n, j). [rad]
+    """
+    if arm is None or choice.inertia != "model":
+        return np.zeros(q.shape[1])
+    return np.asarray(np.mean(arm.mass_diagonal(q[:: max(len(q) // INERTIA_POSES, 1)]), axis=0))

@@ -1,7 +1,6 @@
 """What the interaction torque is made of: decided from what the log holds and what the user said."""
 
 from dataclasses import dataclass, replace
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -297,7 +296,7 @@ def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> 
     """
     robot = known_robot(log, settings)
     panda = robot == "panda" and len(log.joint_names) == PANDA_JOINTS
-    if not (robot == "urdf" or panda or choice.robot != "none") or find_spec("pinocchio") is None:
+    if not (robot == "urdf" or panda or choice.robot != "none"):
         return None
     arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
     return arm.matched(log.joint_names, log.source.path)

@@ -1,4 +1,4 @@
-"""The rigid-body model of the arm: gravity, inverse dynamics, hand velocity; payload. Pinocchio does the dynamics."""
+"""The rigid-body model of the arm: gravity, inverse dynamics, hand velocity; payload. MuJoCo does the dynamics."""
 
 from friction_audit.robot.arm import STANDARD_GRAVITY, Arm, check_urdf, load_arm
 

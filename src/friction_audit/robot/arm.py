@@ -1,26 +1,26 @@
-"""The rigid-body model of an arm, evaluated on whole arrays."""
+"""The rigid-body model of an arm, evaluated on whole arrays. MuJoCo does the dynamics."""
 
-from collections.abc import Callable
+from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass, replace
-from functools import partial
 from importlib import resources
 from pathlib import Path
-from types import ModuleType
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.robot.urdf import joint_chain_xml
+from friction_audit.robot.urdf import Inertial, parse_urdf
 
-BUILT_IN = "panda"
-"""The arm whose URDF comes with this package."""
+if TYPE_CHECKING:
+    import mujoco
 
+BUILT_IN = "panda"  # the arm whose URDF comes with this package
+# How flange links end; where a URDF has none of them, the last link that the last joint moves is taken.
 FLANGE_NAMES = ("link8", "flange", "tool0")
-"""How flange frames end; where a URDF has none of them, the last frame of the last joint is taken."""
-
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)
+CHUNK = 4096
 
 Payload = tuple[float, float, float, float]
 
@@ -30,17 +30,17 @@ class Arm:
     """A rigid-body model; arrays have one column per joint, in the order of ``joint_names``.
 
     Attributes:
-        name: What to call it in a result.
+        name: Name of the model in a result.
         joint_names: Names of the joints that count, base to tip.
-        flange: Name of the flange frame, where a payload sits and whose speed is the hand's.
-        model: The Pinocchio model.
-        columns: Column of the caller's arrays that each joint of the model reads.
+        flange: Name of the flange link, where a payload sits and whose speed is the hand's.
+        model: The MuJoCo model: one hinge per joint, no limits, no contacts.
+        columns: Column of the caller's arrays that each hinge of the model reads.
     """
 
     name: str
     joint_names: tuple[str, ...]
     flange: str
-    model: Any
+    model: "mujoco.MjModel"
     columns: tuple[int, ...]
 
     def matched(self, joint_names: tuple[str, ...], where: str) -> "Arm":
@@ -65,49 +65,71 @@ class Arm:
         return replace(self, joint_names=joint_names, columns=columns)
 
     def gravity(self, q: Float) -> Float:
-        """Return the torque that holds the arm against gravity.
+        """Return the torque that holds the arm against gravity, shape (n, j). [N m]
 
         Args:
             q: Joint position, shape (n, j). [rad]
-
-        Returns:
-            Gravity torque, shape (n, j). [N m]
         """
-        pin, data = _pinocchio(), self.model.createData()
-        return self._rows(partial(pin.computeGeneralizedGravity, self.model, data), q)
+        import mujoco as mj
+
+        model, data = self.model, mj.MjData(self.model)
+        torque, place = np.empty(q.shape), data.qpos
+        for position, row in zip(self.to_model(q), torque, strict=True):
+            place[:] = position
+            mj.mj_kinematics(model, data)
+            mj.mj_comPos(model, data)
+            mj.mj_rne(model, data, 0, row)
+        return self.from_model(torque)
 
     def inverse_dynamics(self, q: Float, dq: Float, ddq: Float) -> Float:
-        """Return M(q) ddq + c(q, dq) + g(q), without friction.
+        """Return M(q) ddq + c(q, dq) + g(q), without friction, shape (n, j). [N m]
 
         Args:
             q: Joint position, shape (n, j). [rad]
             dq: Joint velocity, shape (n, j). [rad/s]
             ddq: Joint acceleration, shape (n, j). [rad/s^2]
-
-        Returns:
-            Joint torque, shape (n, j). [N m]
         """
-        pin, data = _pinocchio(), self.model.createData()
-        return self._rows(partial(pin.rnea, self.model, data), q, dq, ddq)
+        import mujoco as mj
+
+        model, data = self.model, mj.MjData(self.model)
+        torque, place, speed, push = np.empty(q.shape), data.qpos, data.qvel, data.qacc
+        motion = zip(self.to_model(q), self.to_model(dq), self.to_model(ddq), torque, strict=True)
+        for position, velocity, acceleration, row in motion:
+            place[:], speed[:], push[:] = position, velocity, acceleration
+            mj.mj_kinematics(model, data)
+            mj.mj_comPos(model, data)
+            mj.mj_comVel(model, data)
+            mj.mj_rne(model, data, 1, row)
+        return self.from_model(torque)
+
+    def mass_diagonal(self, q: Float) -> Float:
+        """Return the diagonal of the mass matrix, shape (n, j). [kg m^2]
+
+        Args:
+            q: Joint position, shape (n, j). [rad]
+        """
+        still, weight, units = np.zeros_like(q), self.gravity(q), np.eye(q.shape[1])
+        own = [self.inverse_dynamics(q, still, still + unit)[:, k] - weight[:, k] for k, unit in enumerate(units)]
+        return np.column_stack(own)
 
     def hand_speed(self, q: Float, dq: Float) -> Float:
-        """Return the speed of the flange frame's origin.
+        """Return the speed of the flange frame's origin, shape (n,). [m/s]
 
         Args:
             q: Joint position, shape (n, j). [rad]
             dq: Joint velocity, shape (n, j). [rad/s]
-
-        Returns:
-            Speed, shape (n,). [m/s]
         """
-        pin, data = _pinocchio(), self.model.createData()
-        frame = self.model.getFrameId(self.flange)
-        speed = np.empty(len(q))
-        for row, (position, velocity) in enumerate(zip(*self._arranged(q, dq), strict=True)):
-            pin.forwardKinematics(self.model, data, position, velocity)
-            # The frame does not matter for the length of the vector.
-            speed[row] = np.linalg.norm(pin.getFrameVelocity(self.model, data, frame, pin.ReferenceFrame.LOCAL).linear)
-        return speed
+        import mujoco as mj
+
+        model, data = self.model, mj.MjData(self.model)
+        flange, twist = model.body(self.flange).id, np.empty((len(q), 6))
+        for position, velocity, row in zip(self.to_model(q), self.to_model(dq), twist, strict=True):
+            data.qpos[:], data.qvel[:] = position, velocity
+            mj.mj_kinematics(model, data)
+            mj.mj_comPos(model, data)
+            mj.mj_comVel(model, data)
+            mj.mj_objectVelocity(model, data, mj.mjtObj.mjOBJ_XBODY, flange, row, 0)
+        return np.asarray(np.linalg.norm(twist[:, 3:], axis=1))
 
     def gravity_direction(self, q: Float) -> Float:
         """Return how gravity lies across each joint's axis, seen from the link that the joint moves.
@@ -118,32 +140,67 @@ class Arm:
         Returns:
             Two components of the unit vector of gravity, across the axis and at right angles, shape (n, j, 2).
         """
-        (arranged,) = self._arranged(q)
-        along = self.model.gravity.linear / np.linalg.norm(self.model.gravity.linear)
-        direction: dict[int, Float] = {0: np.broadcast_to(along, (len(q), 3))}
-        result = np.empty((*q.shape, 2))
-        for place, joint in enumerate(range(1, self.model.njoints)):
-            axis, across = _axes(self.model, joint)
-            here = direction[self.model.parents[joint]] @ self.model.jointPlacements[joint].rotation
-            direction[joint] = _turned_back(here, axis, arranged[:, place])
-            result[:, place] = direction[joint] @ across.T
-        return result if self._in_order else result[:, np.argsort(self.columns)]
+        down = self.model.opt.gravity / np.linalg.norm(self.model.opt.gravity)
+        across = np.array([np.linalg.svd(axis[None])[2][1:] for axis in self.model.jnt_axis])
+        direction = np.empty((*q.shape, 2))
+        for rows in chunks(len(q)):
+            _, orientation, _ = self.poses(q[rows])
+            direction[rows] = ((down @ orientation)[:, :, None] @ across.transpose(0, 2, 1))[:, :, 0]
+        return self.from_model(direction)
 
-    @property
-    def _in_order(self) -> bool:
-        return self.columns == tuple(range(len(self.columns)))
+    def with_load(self, mass_kg: float, centre_m: Float, inertia_kg_m2: Float) -> "Arm":
+        """Return the arm with a body fixed to the flange.
 
-    def _arranged(self, *arrays: Float) -> tuple[Float, ...]:
-        if self._in_order:
-            return tuple(np.ascontiguousarray(array) for array in arrays)
-        return tuple(np.ascontiguousarray(array[:, list(self.columns)]) for array in arrays)
+        Args:
+            mass_kg: Mass. [kg]
+            centre_m: Centre of mass in the flange frame, shape (3,). [m]
+            inertia_kg_m2: Inertia about it in the axes of the flange frame, shape (3, 3). [kg m^2]
+        """
+        model = copy(self.model)
+        body = model.body(self.flange).id
+        rotation = _matrix(model.body_iquat[body])
+        own = (model.body_mass[body], model.body_ipos[body], rotation * model.body_inertia[body] @ rotation.T)
+        mass = own[0] + mass_kg
+        centre = (own[0] * own[1] + mass_kg * centre_m) / mass if mass > 0.0 else np.zeros(3)
+        inertia = np.zeros((3, 3))
+        for part_mass, part_centre, part_inertia in (own, (mass_kg, centre_m, inertia_kg_m2)):
+            arm = part_centre - centre
+            inertia += part_inertia + part_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        _set_inertial(model, body, Inertial(mass, centre, inertia))
+        return replace(self, model=model)
 
-    def _rows(self, torque: Callable[..., Float], *motion: Float) -> Float:
-        """Apply a function of one configuration to every row."""
-        result = np.empty(motion[0].shape)
-        for row, sample in enumerate(zip(*self._arranged(*motion), strict=True)):
-            result[row] = torque(*sample)
-        return result if self._in_order else result[:, np.argsort(self.columns)]
+    def poses(self, q: Float) -> tuple[Float, Float, Float]:
+        """Return poses of the links that the joints move, in the order of the model and in the axes of the base.
+
+        Args:
+            q: Joint position, shape (n, j). [rad]
+
+        Returns:
+            Origin of each link, which lies on its joint's axis, shape (n, j, 3) [m], orientation, shape (n, j, 3, 3),
+            and axis of the joint, shape (n, j, 3).
+        """
+        import mujoco as mj
+
+        model, data = self.model, mj.MjData(self.model)
+        origin, axis, orientation = np.empty((*q.shape, 3)), np.empty((*q.shape, 3)), np.empty((*q.shape, 9))
+        for k, position in enumerate(self.to_model(q)):
+            data.qpos[:] = position
+            mj.mj_kinematics(model, data)
+            origin[k], axis[k], orientation[k] = data.xanchor, data.xaxis, data.xmat[model.jnt_bodyid]
+        return origin, orientation.reshape(*q.shape, 3, 3), axis
+
+    def to_model(self, array: Float) -> Float:
+        """Arrange the columns of an array of a log, shape (n, j), in the order of the model."""
+        return array if self.columns == tuple(range(len(self.columns))) else array[:, list(self.columns)]
+
+    def from_model(self, array: Float) -> Float:
+        """Arrange what the model gives, shape (n, j, ...), in the order of a log."""
+        return array if self.columns == tuple(range(len(self.columns))) else array[:, np.argsort(self.columns)]
+
+
+def chunks(samples: int) -> Iterator[slice]:
+    """Yield slices of so many samples that what is computed of all of them at once stays below some 20 MB."""
+    return (slice(start, start + CHUNK) for start in range(0, samples, CHUNK))
 
 
 def load_arm(
@@ -159,23 +216,37 @@ def load_arm(
         gravity_vector: Gravity in the base frame. [m/s^2]
 
     Raises:
-        UsageError: If the file cannot be read as an arm with inertias, or Pinocchio is not there.
+        UsageError: If the file cannot be read as an arm with inertias.
     """
-    pin = _pinocchio()
+    import mujoco as mj
+
     where = "the built-in Panda" if urdf is None else str(urdf)
-    xml, joints = joint_chain_xml(_read(urdf), where)
+    parsed = parse_urdf(_read(urdf), where)
     try:
-        model = pin.buildModelFromXML(xml)
+        model = mj.MjModel.from_xml_string(parsed.xml)
     except ValueError as error:
-        raise UsageError(f"{where}: Pinocchio cannot read it as a URDF ({error}); repair the file") from error
-    model = _locked(pin, model, joints)
-    flange = _flange(pin, model)
-    if payload is not None:
-        _add_point_mass(pin, model, flange, payload)
-    model.gravity.linear = np.array(gravity_vector)
-    names = tuple(model.names)[1:]
-    name = BUILT_IN if urdf is None else urdf.stem
-    return Arm(name=name, joint_names=names, flange=flange, model=model, columns=tuple(range(len(names))))
+        raise UsageError(
+            f"{where}: MuJoCo cannot read it as a URDF ({' '.join(str(error).split())}); repair the file"
+        ) from error
+    nothing = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
+    for body in range(1, model.nbody):
+        _set_inertial(model, body, parsed.inertials.get(model.body(body).name, nothing))
+    model.opt.gravity[:] = gravity_vector
+    names = tuple(model.joint(k).name for k in range(model.njnt))
+    arm = Arm(
+        name=BUILT_IN if urdf is None else urdf.stem,
+        joint_names=names,
+        flange=_flange(model),
+        model=model,
+        columns=tuple(range(len(names))),
+    )
+    if payload is None:
+        return arm
+    mass, *centre = payload
+    if not (np.isfinite(payload).all() and mass > 0):
+        given = ",".join(f"{value:g}" for value in payload)
+        raise UsageError(f"--payload {given}: expected mass,x,y,z in kg and m with a mass above zero")
+    return arm.with_load(mass, np.array(centre), np.zeros((3, 3)))
 
 
 def check_urdf(urdf: Path) -> None:
@@ -184,34 +255,7 @@ def check_urdf(urdf: Path) -> None:
     Raises:
         UsageError: If it cannot be read, is no URDF, no joint counts or there is no mass.
     """
-    joint_chain_xml(_read(urdf), str(urdf))
-
-
-def _axes(model: Any, joint: int) -> tuple[Float, Float]:  # noqa: ANN401
-    """Return the axis of a revolute joint, shape (3,), and two directions across it, shape (2, 3)."""
-    data = model.joints[joint].createData()
-    model.joints[joint].calc(data, np.zeros(model.nq))
-    axis = np.asarray(data.S).ravel()[3:]
-    return axis, np.linalg.svd(axis[None])[2][1:]
-
-
-def _turned_back(vector: Float, axis: Float, angle: Float) -> Float:
-    """Express vectors of shape (n, 3) in a frame that has turned about the axis (Rodrigues' formula)."""
-    cosine, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
-    along = (vector @ axis)[:, None] * axis
-    return along + cosine * (vector - along) - sine * np.cross(axis, vector)
-
-
-def _pinocchio() -> ModuleType:
-    try:
-        import pinocchio
-    except ImportError as error:
-        raise UsageError(
-            "the rigid-body model needs Pinocchio (package 'pin'), which is not installed and does not exist for "
-            "Windows; use logged gravity or --torque tau_ext, or run on Linux or macOS"
-        ) from error
-    module: ModuleType = pinocchio
-    return module
+    parse_urdf(_read(urdf), str(urdf))
 
 
 def _read(urdf: Path | None) -> bytes:
@@ -223,28 +267,29 @@ def _read(urdf: Path | None) -> bytes:
         raise UsageError(f"--urdf {urdf}: {error.strerror or error}; expected a URDF file") from error
 
 
-def _locked(pin: ModuleType, model: Any, joints: tuple[str, ...]) -> Any:  # noqa: ANN401
-    """Lock every joint that does not count (fingers, sliders) where it stands at zero."""
-    ids = [number for number, name in enumerate(model.names) if number > 0 and name not in joints]
-    return pin.buildReducedModel(model, ids, pin.neutral(model)) if ids else model
+def _flange(model: "mujoco.MjModel") -> str:
+    names = [str(model.body(k).name) for k in range(1, model.nbody)]
+    usual = [name for ending in FLANGE_NAMES for name in names if name.endswith(ending)]
+    if usual:
+        return usual[0]
+    last = model.jnt_bodyid[-1]
+    return next(name for k, name in reversed(list(enumerate(names, start=1))) if model.body_weldid[k] == last)
 
 
-def _flange(pin: ModuleType, model: Any) -> str:  # noqa: ANN401
-    """Name the flange frame: by its usual name, else the last body of the last joint."""
-    bodies = [frame.name for frame in model.frames if frame.type == pin.FrameType.BODY]
-    for ending in FLANGE_NAMES:
-        found = [name for name in bodies if name.endswith(ending)]
-        if found:
-            return str(found[0])
-    last = model.njoints - 1
-    return str([f.name for f in model.frames if f.type == pin.FrameType.BODY and f.parentJoint == last][-1])
+def _set_inertial(model: "mujoco.MjModel", body: int, inertial: Inertial) -> None:
+    """Give a body of the model its inertial parameters; its inertia may lie in any axes."""
+    import mujoco as mj
+
+    moments, axes = np.linalg.eigh(inertial.inertia)
+    axes[:, 0] *= np.sign(np.linalg.det(axes))
+    model.body_subtreemass[model.body_rootid[body]] += inertial.mass - model.body_mass[body]
+    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = inertial.mass, inertial.centre, moments
+    mj.mju_mat2Quat(model.body_iquat[body], axes.ravel())
 
 
-def _add_point_mass(pin: ModuleType, model: Any, flange: str, payload: Payload) -> None:  # noqa: ANN401
-    mass, *centre = payload
-    if not (np.isfinite(payload).all() and mass > 0):
-        given = ",".join(f"{value:g}" for value in payload)
-        raise UsageError(f"--payload {given}: expected mass,x,y,z in kg and m with a mass above zero")
-    frame = model.frames[model.getFrameId(flange)]
-    inertia = pin.Inertia(mass, np.array(centre), np.zeros((3, 3)))
-    model.appendBodyToJoint(frame.parentJoint, inertia, frame.placement)
+def _matrix(quaternion: Float) -> Float:
+    import mujoco as mj
+
+    matrix = np.empty(9)
+    mj.mju_quat2Mat(matrix, quaternion)
+    return matrix.reshape(3, 3)

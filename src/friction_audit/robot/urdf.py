@@ -1,29 +1,56 @@
-"""Reading a URDF: which of its joints count, and whether it says enough for dynamics."""
+"""Reading a URDF: which of its joints count, the inertias of its links, and whether it is enough for dynamics."""
 
 import re
 from collections.abc import Iterator
+from dataclasses import dataclass
 from math import inf
 from xml.etree import ElementTree as ET
 
+import numpy as np
+
 from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
 
 TURNING = ("revolute", "continuous")
 FINGER = re.compile("finger|gripper", re.IGNORECASE)
+# Joints with one position or none; a log has no place for that of a planar or floating one.
 _KNOWN = ("revolute", "continuous", "prismatic", "fixed")
-"""Joints with one position or none; a log has no place for that of a planar or floating one."""
-_MOST_LINKS = 1000
-"""Pinocchio goes from link to link by recursion, and ends the program where the stack does."""
-_ABSURD = 1e6
-"""No arm is as heavy or as long, in SI units."""
+_MOST_LINKS = 1000  # trees are walked by recursion, here and in MuJoCo
+_ABSURD = 1e6  # no arm is as heavy or as long, in SI units
 _SHOWN = 10
-NO_LIMIT = {"lower": "-1e9", "upper": "1e9", "effort": "1e9", "velocity": "1e9"}
+# MuJoCo refuses massless links and point masses, which URDFs have. It gets this in their place, with axes of its own
+# so that it keeps the general case, and the true values are written into the model.
+_PLACEHOLDER = {
+    "origin": {"xyz": "1 2 3", "rpy": "1 2 3"},
+    "mass": {"value": "1"},
+    "inertia": {"ixx": "3", "ixy": "0", "ixz": "0", "iyy": "4", "iyz": "0", "izz": "5"},
+}
 
 
-def joint_chain_xml(text: bytes, where: str) -> tuple[str, tuple[str, ...]]:
-    """Return the URDF with continuous joints as revolute ones, and the names of the joints that count.
+@dataclass(frozen=True, eq=False, slots=True)
+class Inertial:
+    """Mass [kg], centre of mass in the link's frame, shape (3,) [m], and inertia about it, shape (3, 3) [kg m^2]."""
 
-    A joint counts if it turns, has a motor of its own (no mimic) and is no finger. Continuous joints are rewritten
-    because Pinocchio keeps them as a sine and a cosine, while a log holds an angle.
+    mass: float
+    centre: Float
+    inertia: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Urdf:
+    """What counts of a URDF.
+
+    Attributes:
+        xml: Links with placeholder inertias, joints that count as unlimited hinges, all others fixed at zero.
+        inertials: Inertial parameters of the links that have any, by name.
+    """
+
+    xml: str
+    inertials: dict[str, Inertial]
+
+
+def parse_urdf(text: bytes, where: str) -> Urdf:
+    """Read a URDF. A joint counts if it turns, has a motor of its own (no mimic) and is no finger.
 
     Args:
         text: Content of the file.
@@ -32,34 +59,59 @@ def joint_chain_xml(text: bytes, where: str) -> tuple[str, tuple[str, ...]]:
     Raises:
         UsageError: If it is no URDF, no joint counts or there is no mass.
     """
-    root = _root(text, where)
-    faults = _faults(root)
-    if faults:
-        more = f" and {len(faults) - _SHOWN} more" if len(faults) > _SHOWN else ""
-        raise UsageError(f"{where}: {'; '.join(faults[:_SHOWN])}{more}; repair the URDF, or give another one")
-    turning = [joint for joint in root.findall("joint") if joint.get("type") in TURNING]
-    counting = tuple(j.get("name", "") for j in turning if not FINGER.search(j.get("name", "")) and _own_motor(j))
-    if not counting:
-        raise UsageError(f"{where}: no revolute joint (fingers left out); expected the URDF of an arm")
-    if not any(float(mass.get("value", "0")) > 0.0 for mass in root.iterfind("link/inertial/mass")):
-        raise UsageError(f"{where}: no link has a mass; expected a URDF with inertias, which gravity is computed from")
-    for joint in turning:
-        _limit_continuous(joint)
-    return ET.tostring(root, encoding="unicode"), counting
-
-
-def _root(text: bytes, where: str) -> ET.Element:
     try:
         root = ET.fromstring(text)  # noqa: S314  the user's own file, on the user's own machine
     except ET.ParseError as error:
         raise UsageError(f"{where}: not XML ({error}); expected a URDF (a .xacro must be expanded first)") from error
     if root.tag != "robot":
         raise UsageError(f"{where}: the outermost element is <{root.tag}>; expected <robot>, the root of a URDF")
-    return root
+    faults = _faults(root)
+    if faults:
+        more = f" and {len(faults) - _SHOWN} more" if len(faults) > _SHOWN else ""
+        raise UsageError(f"{where}: {'; '.join(faults[:_SHOWN])}{more}; repair the URDF, or give another one")
+    # Children in the order of their joints' names: the order of columns of an arm with branches.
+    joints = sorted(root.findall("joint"), key=lambda joint: joint.get("name", ""))
+    if not any(_counts(joint) for joint in joints):
+        raise UsageError(f"{where}: no revolute joint (fingers left out); expected the URDF of an arm")
+    inertials = {
+        link.get("name", ""): _inertial(one) for link in root.findall("link") for one in link.findall("inertial")
+    }
+    if not any(one.mass > 0.0 for one in inertials.values()):
+        raise UsageError(f"{where}: no link has a mass; expected a URDF with inertias, which gravity is computed from")
+    bare = ET.Element("robot", name="arm")
+    ET.SubElement(ET.SubElement(bare, "mujoco"), "compiler", fusestatic="false")
+    for link in root.findall("link"):
+        inertial = ET.SubElement(ET.SubElement(bare, "link", name=link.get("name", "")), "inertial")
+        inertial.extend(ET.Element(tag, values) for tag, values in _PLACEHOLDER.items())
+    for joint in joints:
+        kind = "continuous" if _counts(joint) else "fixed"
+        plain = ET.SubElement(bare, "joint", name=joint.get("name", ""), type=kind)
+        plain.extend(part for part in joint if part.tag in ("origin", "parent", "child", "axis"))
+    return Urdf(xml=ET.tostring(bare, encoding="unicode"), inertials=inertials)
+
+
+def _counts(joint: ET.Element) -> bool:
+    own_motor = joint.find("mimic") is None
+    return joint.get("type") in TURNING and own_motor and not FINGER.search(joint.get("name", ""))
+
+
+def _inertial(element: ET.Element) -> Inertial:
+    import mujoco as mj
+
+    part = {one.tag: one for one in element}
+    origin = part.get("origin", ET.Element("origin"))
+    centre, angles = (np.array([float(x) for x in origin.get(name, "0 0 0").split()]) for name in ("xyz", "rpy"))
+    quaternion, turned = np.empty(4), np.empty(9)
+    mj.mju_euler2Quat(quaternion, angles, "XYZ")
+    mj.mju_quat2Mat(turned, quaternion)
+    axes = turned.reshape(3, 3)
+    xx, xy, xz, yy, yz, zz = (float(part["inertia"].get(f"i{k}", "")) for k in ("xx", "xy", "xz", "yy", "yz", "zz"))
+    inertia = axes @ np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]) @ axes.T
+    return Inertial(float(part["mass"].get("value", "")), centre, inertia)
 
 
 def _faults(root: ET.Element) -> list[str]:
-    """Return what is wrong with links and joints; the URDF parser drops such a part, and its gravity, in silence."""
+    """Return what is wrong with links and joints; a URDF parser drops such a part, and its gravity, in silence."""
     links, joints = root.findall("link"), root.findall("joint")
     if len(links) > _MOST_LINKS:
         return [f"{len(links)} links; expected at most {_MOST_LINKS}"]
@@ -73,7 +125,36 @@ def _faults(root: ET.Element) -> list[str]:
         if joint.get("type") not in _KNOWN:
             wrong.append(f"type {joint.get('type')}; expected one of {', '.join(_KNOWN)}")
         found += [f"joint {joint.get('name')}: {one}" for one in wrong]
-    return found
+    return found or list(_wrong_tree(links, joints))
+
+
+def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:
+    """Name what keeps the links from being one tree."""
+    for what, elements in (("link", links), ("joint", joints)):
+        names = [element.get("name") for element in elements]
+        yield from (f"{names.count(name)} {what}s of the name {name}" for name in {*names} if names.count(name) > 1)
+    parents: dict[str, str] = {}
+    known = {link.get("name") for link in links}
+    for joint in joints:
+        ends = {end: part.get("link", "") for end in ("parent", "child") if (part := joint.find(end)) is not None}
+        yield from (
+            f"joint {joint.get('name')}: {end} link {ends.get(end)} is not in the file"
+            for end in ("parent", "child")
+            if ends.get(end) not in known
+        )
+        if ends.get("child", "") in parents:
+            yield f"link {ends['child']}: the child of two joints"
+        parents[ends.get("child", "")] = ends.get("parent", "")
+    roots = [link.get("name") for link in links if link.get("name") not in parents]
+    if len(roots) != 1:
+        yield f"{len(roots)} links that are no child of a joint; expected one, the base"
+    for link in parents:
+        above = link
+        for _ in range(len(links)):
+            above = parents.get(above, above)
+        if above in parents:
+            yield f"link {link}: its joints form a loop"
+            return
 
 
 def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
@@ -89,10 +170,9 @@ def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
 
 def _wrong_origin(parent: ET.Element, what: str) -> Iterator[str]:
     origin = parent.find("origin")
-    if origin is None:
-        return
-    for name in ("xyz", "rpy"):
-        yield from _wrong_numbers(f"{what} {name}", origin.get(name, "0 0 0"), 3)
+    if origin is not None:
+        for name in ("xyz", "rpy"):
+            yield from _wrong_numbers(f"{what} {name}", origin.get(name, "0 0 0"), 3)
 
 
 def _wrong_axis(joint: ET.Element) -> Iterator[str]:
@@ -114,16 +194,3 @@ def _wrong_numbers(what: str, text: str, count: int, lowest: float = -inf) -> It
     if len(values) != count or "_" in text or not all(lowest <= value and abs(value) < _ABSURD for value in values):
         plural = "a number" if count == 1 else f"{count} numbers"
         yield f"{what} {text!r}; expected {plural}{' of at least 0' if lowest == 0.0 else ''} below {_ABSURD:g}"
-
-
-def _own_motor(joint: ET.Element) -> bool:
-    return joint.find("mimic") is None
-
-
-def _limit_continuous(joint: ET.Element) -> None:
-    if joint.get("type") == "continuous":
-        joint.set("type", "revolute")
-        limit = joint.find("limit")
-        if limit is None:
-            limit = ET.SubElement(joint, "limit")
-        limit.attrib.update({**NO_LIMIT, **{k: v for k, v in limit.attrib.items() if k in ("effort", "velocity")}})

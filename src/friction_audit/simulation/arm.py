@@ -1,4 +1,4 @@
-"""A whole arm, its hand guided by a person or its joints moved by its own motors; Pinocchio does the dynamics."""
+"""A whole arm, its hand guided by a person or its joints moved by its own motors; MuJoCo does the dynamics."""
 
 from dataclasses import dataclass, field, replace
 from math import inf

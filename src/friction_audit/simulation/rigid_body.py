@@ -1,4 +1,4 @@
-"""The arm's masses and forces at each tick, from Pinocchio, put on the coordinates of the mechanics."""
+"""The arm's masses and forces at each tick, from MuJoCo, in the coordinates of the mechanics."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -29,29 +29,24 @@ class RigidBody:
     """
 
     def __init__(self, settings: "ArmSettings", known: Arm, mechanism: Mechanism, rotor: Float, held_kg: float) -> None:
-        import pinocchio as pin
+        import mujoco as mj
 
         self.settings, self.mechanism, self.rotor = settings, mechanism, rotor
-        self._pin = pin
-        self._known, self._known_data = known.model, known.model.createData()
-        self._model = known.model.copy()
-        self._frame = self._model.getFrameId(known.flange)
-        self._load_flange(settings.carried_kg, held_kg)
-        self._data = self._model.createData()
+        self._mj = mj
+        turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
+        true = known.with_load(settings.carried_kg + held_kg, np.zeros(3), turning)
+        self._known, self._model = known.model, true.model
+        self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
+        self._flange = self._model.body(known.flange).id
         self._parts = mechanism.parts
         self._half = 0.5 * mechanism.clock.dt
         self._last = len(mechanism.out) - 1
-        self._joints = len(settings.joints)
+        self._joints = n = len(settings.joints)
+        self._mass, self._bias, self._held, self._jacobian = (np.zeros(s) for s in ((n, n), n, n, (6, n)))
         # Views, taken once: to ask a record for a field takes longer than the arithmetic of a tick.
-        body, n = mechanism.body, self._joints
+        body = mechanism.body
         link = body.inner[:n] if settings.driven else slice(n)
         self._link, self._y, self._v, self._a = link, body.y, body.v, body.a
-
-    def _load_flange(self, carried_kg: float, held_kg: float) -> None:
-        flange = self._model.frames[self._frame]
-        turning = np.eye(3) * (HAND_INERTIA_KG_M2 if held_kg > 0 else 0.0)
-        inertia = self._pin.Inertia(carried_kg + held_kg, np.zeros(3), turning)
-        self._model.appendBodyToJoint(flange.parentJoint, inertia, flange.placement)
 
     def predict(self, k: int) -> tuple[Float, Float]:
         """Return position and velocity at tick k, half a tick after the mechanism's state except at the start."""
@@ -63,8 +58,12 @@ class RigidBody:
         """Return the torque with which the controller holds the arm against gravity, as far as it knows, shape (n,)."""
         if not self.settings.compensates_gravity:
             return np.zeros(self._joints)
-        held: Float = self._pin.computeGeneralizedGravity(self._known, self._known_data, q)
-        return held
+        mj, model, data = self._mj, self._known, self._known_data
+        data.qpos[:] = q
+        mj.mj_kinematics(model, data)
+        mj.mj_comPos(model, data)
+        mj.mj_rne(model, data, 0, self._held)
+        return self._held
 
     def load(self, q: Float) -> Float:
         """Return what the inner sides bear at rest, the motors gravity compensation or the links their weight."""
@@ -72,8 +71,15 @@ class RigidBody:
 
     def compute(self, q: Float, dq: Float) -> tuple[Float, Float]:
         """Return mass matrix and Coriolis plus gravity torque of the true arm."""
-        self._pin.computeAllTerms(self._model, self._data, q, dq)
-        return self._data.M, self._data.nle
+        mj, model, data = self._mj, self._model, self._data
+        data.qpos[:], data.qvel[:] = q, dq
+        mj.mj_kinematics(model, data)
+        mj.mj_comPos(model, data)
+        mj.mj_makeM(model, data)
+        mj.mj_fullM(model, data, self._mass)
+        mj.mj_comVel(model, data)
+        mj.mj_rne(model, data, 0, self._bias)
+        return self._mass, self._bias
 
 
 class GuidedArm(RigidBody):
@@ -90,28 +96,25 @@ class GuidedArm(RigidBody):
         self._target = np.hstack([intended.velocity, intended.angular])
         self._place, self._orientation = self._intend(intended)
         self._cycle = np.zeros(CYCLE_STATE)
-        self._axes = self._pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+        self._quaternion, self._turn = np.zeros(4), np.zeros(3)
 
     def _intend(self, intended: HandMotion) -> tuple[Float, Float]:
         """Return intended places, shape (ticks + 1, 3), and orientations, shape (ticks + 1, 3, 3)."""
         from scipy.spatial.transform import Rotation
 
-        self._pin.framesForwardKinematics(self._model, self._data, np.array(self.settings.pose_rad))
-        start = self._data.oMf[self._frame]
-        return start.translation + intended.position, Rotation.from_rotvec(
-            intended.rotation
-        ).as_matrix() @ start.rotation
+        self.compute(np.array(self.settings.pose_rad), np.zeros(self._joints))
+        start, upright = self._data.xpos[self._flange], self._data.xmat[self._flange].reshape(3, 3)
+        return start + intended.position, Rotation.from_rotvec(intended.rotation).as_matrix() @ upright
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""
         q, dq = self.predict(k)
         mass, bias = self.compute(q, dq)
-        pin, data = self._pin, self._data
-        pin.updateFramePlacement(self._model, data, self._frame)
-        jacobian = pin.getFrameJacobian(self._model, data, self._frame, self._axes)
-        flange = data.oMf[self._frame]
-        turn = pin.log3(self._orientation[k] @ flange.rotation.T)
-        off = np.concatenate([self._place[k] - flange.translation, turn])
+        mj, data, jacobian = self._mj, self._data, self._jacobian
+        mj.mj_jacBody(self._model, data, jacobian[:3], jacobian[3:], self._flange)
+        mj.mju_mat2Quat(self._quaternion, (self._orientation[k] @ data.xmat[self._flange].reshape(3, 3).T).ravel())
+        mj.mju_quat2Vel(self._turn, self._quaternion, 1.0)
+        off = np.concatenate([self._place[k] - data.xpos[self._flange], self._turn])
         target = self._target[k]
         pull = self._springs * off + self._dampers * target + self._lift
         gravity[:] = self.support(q)
@@ -153,7 +156,7 @@ class ServoedArm(RigidBody):
         body = mechanism.body
         body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
-        self._jacobian, self._cycle = np.zeros((6, self._joints), order="F"), np.zeros(CYCLE_STATE)
+        self._cycle = np.zeros(CYCLE_STATE)
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""
