@@ -146,7 +146,7 @@ def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[s
             yield f"link {ends['child']}: the child of two joints"
         parents[ends.get("child", "")] = ends.get("parent", "")
     roots = [link.get("name") for link in links if link.get("name") not in parents]
-    if len(roots) != 1:
+    if links and len(roots) != 1:
         yield f"{len(roots)} links that are no child of a joint; expected one, the base"
     for link in parents:
         above = link
