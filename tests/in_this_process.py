@@ -5,8 +5,7 @@ from contextlib import contextmanager
 
 import pytest
 
-from friction_audit.batch.executor import Asked, Done
-from friction_audit.batch.local_executor import LocalExecutor
+from friction_audit.batch.executor import Asked, Done, LocalExecutor
 
 
 def _run(

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import pytest
 
-from friction_audit.batch.executor import Asked, Done, Lost
-from friction_audit.batch.local_executor import LocalExecutor
+from friction_audit.batch.executor import Asked, Done, LocalExecutor, Lost
 from friction_audit.batch.run_batch import drift_of_arms
 from friction_audit.drift.analyse import analyse_drift
 from friction_audit.drift.session import Session

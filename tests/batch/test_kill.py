@@ -27,7 +27,7 @@ import sys
 from pathlib import Path
 from friction_audit.batch.find_logs import find_logs
 from friction_audit.batch.ledger import Ledger
-from friction_audit.batch.local_executor import LocalExecutor
+from friction_audit.batch.executor import LocalExecutor
 from friction_audit.batch.run_batch import catch_up, gather
 from friction_audit.batch.run_batch import run_lock
 from friction_audit.batch.manifest import BatchSettings

@@ -8,17 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.executor import Lost
+from friction_audit.batch.executor import LocalExecutor, Lost
 from friction_audit.batch.identity import Worked
-from friction_audit.batch.local_executor import LocalExecutor
 from friction_audit.batch.work import Task
 
 PATIENCE_S = 60.0
-
-
-@pytest.fixture(autouse=True)
-def work_that_processes_find(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("PYTHONPATH", str(Path(__file__).parents[2]))
 
 
 def fragile(task: Task) -> Worked:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from friction_audit import parallel as in_copies
+from friction_audit import parallel
 from friction_audit.cli.console import Voice
 from friction_audit.cli.figure_files import FigureFile, draw_files
 from friction_audit.errors import AnalysisError, UsageError
@@ -34,7 +34,7 @@ def drawn_by(
     draw = {"line": line, "nothing": nothing}
     voice = Voice(quiet=False, verbose=verbose)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(in_copies, "workers_for", lambda _: workers)
+        patch.setattr(parallel, "workers_for", lambda _: workers)
         chosen = {kind: draw[kind] for kind in kinds}
         return draw_files(chosen, (2, 5), folder, FORMATS, each_joint=True, overwrite=False, voice=voice)
 

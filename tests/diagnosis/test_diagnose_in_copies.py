@@ -8,7 +8,7 @@ import pytest
 
 from friction_audit.diagnosis import diagnose
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.parallel import in_copies, per_joint
+from friction_audit.parallel import in_processes, per_joint
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.reporting.json.diagnose import diagnose_document
 from tests.reporting.conftest import build_estimate
@@ -21,7 +21,7 @@ def _none(*_: object) -> list[object]:
 def document(threads: Callable[..., object], copies: Callable[..., object]) -> str:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(diagnose, "per_joint", threads)
-        patch.setattr(diagnose, "in_copies", copies)
+        patch.setattr(diagnose, "in_processes", copies)
         patch.setattr(diagnose, "workers_for", lambda joints: 1 if copies is _none else joints)
         log = build_estimate(2, count=24, rate=250.0).log
         return json.dumps(diagnose_document(diagnose_log(log, AuditSettings(), DiagnosisSettings())))
@@ -29,4 +29,4 @@ def document(threads: Callable[..., object], copies: Callable[..., object]) -> s
 
 @pytest.mark.skipif(sys.platform != "linux", reason="no process is copied there")
 def test_copies_say_what_threads_say() -> None:
-    assert document(_none, in_copies) == document(per_joint, _none)
+    assert document(_none, in_processes) == document(per_joint, _none)

@@ -21,9 +21,8 @@ from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
-    from friction_audit.batch.executor import Executor
+    from friction_audit.batch.executor import Executor, LocalExecutor
     from friction_audit.batch.ledger import Ledger
-    from friction_audit.batch.local_executor import LocalExecutor
     from friction_audit.batch.manifest import BatchSettings
     from friction_audit.batch.remote import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
@@ -234,7 +233,7 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
 
 def _processes(running: RunningOptions) -> "LocalExecutor":
     """Return the processes of this machine; beside a cluster they analyse arms and draw."""
-    from friction_audit.batch.local_executor import LocalExecutor
+    from friction_audit.batch.executor import LocalExecutor
 
     return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
 

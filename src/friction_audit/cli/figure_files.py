@@ -91,7 +91,7 @@ def draw_files(
         voice: Told what is drawn.
         unit: Of the torque.
     """
-    from friction_audit.parallel import in_copies, workers_for
+    from friction_audit.parallel import in_processes, workers_for
     from friction_audit.reporting.figures.style import load_matplotlib
 
     # A sheet of one joint is that joint's figure.
@@ -103,7 +103,7 @@ def draw_files(
         for name, joint in ((kind, sheet), *((f"{kind}-joint{number}", number) for number in alone))
     ]
     load_matplotlib(formats)  # once, and not by every copy
-    contents = in_copies(partial(_content, kinds, figures, formats, unit), len(figures), workers_for(len(figures)))
+    contents = in_processes(partial(_content, kinds, figures, formats, unit), len(figures), workers_for(len(figures)))
     files = []
     for kind, name, joint in figures:
         paths = [folder / f"{name}.{suffix}" for suffix in formats]

@@ -14,7 +14,7 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import JointLog
-from friction_audit.parallel import in_copies, per_joint, workers_for
+from friction_audit.parallel import in_processes, per_joint, workers_for
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.robot import Arm
@@ -76,7 +76,7 @@ def diagnose(
     workers = workers_for(len(prepared))
     # Half of the work is in the interpreter, for which threads would wait.
     if workers > 1:
-        return Discrepancy(joints=tuple(in_copies(one, len(prepared), workers, longest_first(prepared))))
+        return Discrepancy(joints=tuple(in_processes(one, len(prepared), workers, longest_first(prepared))))
     return Discrepancy(joints=tuple(per_joint(one, len(prepared))))
 
 

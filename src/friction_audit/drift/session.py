@@ -4,6 +4,7 @@ import re
 from array import array
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -209,7 +210,8 @@ class Series:
         """Return the series of some of its sessions."""
         names = ("session", "place", "value", "error", "speed", "kept", "day", "temperature")
         columns = {name: getattr(self, name) for name in names}
-        return replace(self, **{name: None if column is None else column[which] for name, column in columns.items()})
+        taken: dict[str, Any] = {name: None if column is None else column[which] for name, column in columns.items()}
+        return replace(self, **taken)
 
     def keeping(self, kept: NDArray[np.bool_]) -> "Series":
         """Return the series with the other sessions set aside."""
