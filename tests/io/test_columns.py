@@ -3,7 +3,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.columns import map_columns, shorten
+from friction_audit.io.readers.columns import map_columns
 from friction_audit.io.readers.reader import SeveralArmsError
 
 
@@ -140,5 +140,3 @@ def test_an_incomplete_channel_that_is_not_needed_is_left_out() -> None:
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
 
 
-def test_shorten_draws_runs_together() -> None:
-    assert shorten(["time", "q_1", "q_2", "q_3", "x"]) == "time, q_1...q_3, x"

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from friction_audit.io.readers.message_stream import KINDS, match_kind
+from friction_audit.io.readers.message_kinds import KINDS, match_kind
 from friction_audit.joint_log import JOINT_CHANNELS
 
 JOINT_STATE = ("header.stamp", "header.frame_id", "name", "position", "velocity", "effort")

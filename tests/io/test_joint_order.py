@@ -3,7 +3,7 @@
 import pytest
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers.joint_samples import arms_in, choose_arm, robot_of
+from friction_audit.io.readers.joint_names import arms_in, choose_arm, robot_of
 
 PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.io.readers.message_stream import choose_clock
+from friction_audit.io.readers.message_clock import choose_clock
 
 START_NS = 1_700_000_000_000_000_123
 LOG = START_NS + np.arange(1000, dtype=np.int64) * 1_000_000

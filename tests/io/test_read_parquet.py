@@ -240,7 +240,7 @@ def test_claims_that_no_recording_makes_are_refused(tmp_path: Path, monkeypatch:
 
 
 def test_a_log_beyond_memory_is_refused_with_a_way_to_a_part(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("friction_audit.io.readers.reader._memory", lambda: 10_000)
+    monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: 10_000)
     with pytest.raises(InputError, match=r"memory here; read a part of it with .*--t-start 0 --t-end 600"):
         read_log(tidy(tmp_path / "run.parquet"))
 

@@ -14,7 +14,7 @@ from rosbags.typesys.store import Typestore
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import read_log
-from friction_audit.io.readers.message_decoder import ERROR_FLAGS, FRANKA_GENERATIONS, _franka_definitions
+from friction_audit.io.readers.message_decoder import _ERROR_FLAGS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions, Recording
 from friction_audit.io.readers.rosbag2 import ROSBAG2
 from tests.io.bag_writing import (
@@ -197,10 +197,10 @@ def franka_messages(store: Typestore, typename: str, values: Samples, names: Seq
 
 
 GENERATIONS = [
-    (f"{'FrankaRobotState' if 'Robot' in name else 'FrankaState'}", index * len(ERROR_FLAGS) + flags)
-    for index, name in enumerate(FRANKA_GENERATIONS)
-    for flags in range(len(ERROR_FLAGS))
-] + [("FrankaRobotState", len(ERROR_FLAGS))]
+    (f"{'FrankaRobotState' if 'Robot' in name else 'FrankaState'}", index * len(_ERROR_FLAGS) + flags)
+    for index, name in enumerate(_FRANKA_GENERATIONS)
+    for flags in range(len(_ERROR_FLAGS))
+] + [("FrankaRobotState", len(_ERROR_FLAGS))]
 
 
 @pytest.mark.parametrize(("name", "generation"), GENERATIONS)

@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from mcap.writer import Writer
 
-from friction_audit.io.readers import SeveralArmsError, arm_told_by, read_log
+from friction_audit.io.readers import SeveralArmsError, arm_of_log, read_log
 from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog, Source
@@ -33,12 +33,12 @@ SAMPLES = ROOT / "sample_logs" / "formats"
     ],
 )
 def test_names_before_namespaces(topic: str | None, names: Sequence[str], told: str) -> None:
-    assert arm_told_by(Source(path="x", sha256="0", format="csv", topic=topic), names) == told
+    assert arm_of_log(Source(path="x", sha256="0", format="csv", topic=topic), names) == told
 
 
 def test_a_serial_number_before_all() -> None:
     source = Source(path="x", sha256="0", format="csv", topic="/left/joint_states", serial="295341-1324")
-    assert arm_told_by(source, ["right_joint1"]) == "295341-1324"
+    assert arm_of_log(source, ["right_joint1"]) == "295341-1324"
 
 
 @pytest.mark.parametrize(

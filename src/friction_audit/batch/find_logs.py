@@ -11,8 +11,8 @@ from friction_audit.batch import remote
 from friction_audit.batch.remote import LEDGER, LogFile, ManifestRow, as_text
 from friction_audit.drift.session import natural
 from friction_audit.errors import InputError
+from friction_audit.io.files import Stamp, stamp_of
 from friction_audit.io.readers import READERS
-from friction_audit.io.readers.unpack import Stamp, stamp_of
 
 BAG_METADATA = "metadata.yaml"
 STORAGE_SUFFIXES = (".db3", ".mcap")

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING, Any
 from friction_audit.batch.identity import parse_time
 from friction_audit.batch.remote import ManifestRow
 from friction_audit.errors import InputError
+from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import ReadOptions
-from friction_audit.io.readers.unpack import sha256_of
 from friction_audit.pipeline import AuditSettings
 
 if TYPE_CHECKING:

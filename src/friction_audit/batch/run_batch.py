@@ -23,7 +23,7 @@ from friction_audit.drift.report import ArmDrift, DriftReport
 from friction_audit.drift.session import Session
 from friction_audit.drift.settings import DriftSettings
 from friction_audit.errors import AnalysisError
-from friction_audit.io.readers.unpack import sha256_of
+from friction_audit.io.files import sha256_of
 
 
 def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor: Executor) -> DriftReport:

@@ -17,8 +17,8 @@ from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.remote import LogFile, as_text, fetched
 from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
-from friction_audit.io.readers import SeveralArmsError, arm_told_by, read_log
-from friction_audit.io.readers.unpack import Stamp, sha256_of, stamp_of
+from friction_audit.io.files import Stamp, sha256_of, stamp_of
+from friction_audit.io.readers import SeveralArmsError, arm_of_log, read_log
 from friction_audit.parallel import one_joint_at_a_time
 from friction_audit.pipeline import Estimate, diagnose_estimate, estimate_log
 
@@ -149,7 +149,7 @@ def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
     return Session(
         path=source.path,
         sha256=source.sha256,
-        robot=arm_told_by(source, log.joint_names),
+        robot=arm_of_log(source, log.joint_names),
         start_s=source.start_s,
         start_from="nothing" if source.start_s is None else "log",
         duration_s=log.duration_s,

@@ -163,8 +163,7 @@ class _Run:
         self, log: "JointLog", path: Path, writer: "Writer", truth: Path | None, voice: Voice, *, overwrite: bool
     ) -> "SimulatedLog":
         """Write the log and its truth, both or neither: the log is put in place when the truth is there."""
-        from friction_audit.io.files import whole_file
-        from friction_audit.io.readers.unpack import sha256_of
+        from friction_audit.io.files import sha256_of, whole_file
         from friction_audit.io.writers.write_log import check_fit
 
         with voice.step(f"write {path}"), whole_file(path, overwrite=overwrite) as draft:

@@ -1,52 +1,106 @@
-"""TOML that people write, read in bounded time: ``tomllib`` is quadratic in the parts of a dotted key."""
+"""Files: which one was read and whether it changed, outputs written whole or not at all, TOML in bounded time."""
 
 import errno
+import hashlib
 import os
 import re
 import shutil
 import sqlite3
+import stat
 import tempfile
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from friction_audit.errors import UsageError
 
-MOST_BYTES = 1_000_000
-"""Files of options and of joint models have a few kB."""
-MOST_DOTS = 100
-"""Dots in a line, outside strings; keys have two, and a list of numbers one for each."""
-STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
+METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")  # the files of a ROS 2 bag
+# Line of the metadata of bags that this program writes; `ros2 bag record` names a distribution of ROS.
+_MADE_HERE = "ros_distro: rosbags"
+_DISK_FULL = (errno.ENOSPC, errno.EDQUOT)
+_MOST_BYTES = 1_000_000  # of a file of options or of a joint model, which has a few kB
+_MOST_DOTS = 100  # in a line, outside strings; keys have two, and a list of numbers one for each
+_STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
+
+
+@dataclass(frozen=True, slots=True)
+class Stamp:
+    """What tells a file, or all files of a directory, from a changed one without reading it.
+
+    Attributes:
+        size: Bytes, of all files.
+        changed_ns: Time of the last change of content by the file system, the latest of all files. [ns]
+        identity: Of each file its name, device, inode and both times: ``cp -p`` over a file keeps size and time of the
+            content, but not the time of the inode, and ``mv`` over it not the inode.
+    """
+
+    size: int
+    changed_ns: int
+    identity: tuple[tuple[str, int, int, int, int], ...] = ()
+
+
+def stamp_of(path: Path) -> Stamp:
+    """Return what tells a file or a directory's files from changed ones."""
+    states = [(str(file), file.stat()) for file in _files_of(path)]
+    return Stamp(
+        size=sum(state.st_size for _, state in states),
+        changed_ns=max((state.st_mtime_ns for _, state in states), default=0),
+        identity=tuple((name, s.st_dev, s.st_ino, s.st_mtime_ns, s.st_ctime_ns) for name, s in states),
+    )
+
+
+def sha256_of(path: Path) -> str:
+    """Return the hash of a file's content; of a directory: of all its files, in sorted order.
+
+    Raises:
+        OSError: If a file cannot be read, or is a pipe or a device, which might never end.
+    """
+    digest, files = hashlib.sha256(), _files_of(path)
+    if not files:  # all folders that cannot be listed would be one content
+        raise OSError(errno.ENOENT, "holds no file that can be read", str(path))
+    for file in files:
+        if not stat.S_ISREG(file.stat().st_mode):  # to open a named pipe waits for its writer
+            raise OSError(errno.EINVAL, "a pipe or a device, not a file", str(file))
+        with file.open("rb") as stream:
+            hashlib.file_digest(stream, lambda: digest)
+    return digest.hexdigest()
+
+
+def _files_of(path: Path) -> list[Path]:
+    return sorted(file for file in path.rglob("*") if file.is_file()) if path.is_dir() else [path]
+
+
+def starts_with(path: Path, magic: bytes) -> bool:
+    """Return True if the file begins with these bytes; False if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            return file.read(len(magic)) == magic
+    except OSError:
+        return False
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """Return the content of a file.
+    """Return the content of a TOML file that a person wrote; ``tomllib`` is quadratic in the parts of a dotted key.
 
     Raises:
         OSError: If it cannot be read.
         ValueError: If it is no TOML, or far beyond what such a file holds; the message says which.
     """
     with path.open("rb") as stream:
-        content = stream.read(MOST_BYTES + 1)
-    if len(content) > MOST_BYTES:
-        raise ValueError(f"more than {MOST_BYTES} bytes")
-    lines = STRING.sub(b"", content).split(b"\n")
-    number = next((i for i, line in enumerate(lines, 1) if line.count(b".") > MOST_DOTS), None)
+        content = stream.read(_MOST_BYTES + 1)
+    if len(content) > _MOST_BYTES:
+        raise ValueError(f"more than {_MOST_BYTES} bytes")
+    lines = _STRING.sub(b"", content).split(b"\n")
+    number = next((i for i, line in enumerate(lines, 1) if line.count(b".") > _MOST_DOTS), None)
     if number is not None:
-        raise ValueError(f"more than {MOST_DOTS} dots in line {number}")
+        raise ValueError(f"more than {_MOST_DOTS} dots in line {number}")
     try:
         return tomllib.loads(content.decode("utf-8"))
     except RecursionError as error:
         raise ValueError("arrays or tables are nested too deeply") from error
-
-
-METADATA, STORAGES = "metadata.yaml", (".db3", ".mcap")
-"""Files of a ROS 2 bag."""
-MADE_HERE = "ros_distro: rosbags"
-"""Line of the metadata of bags that this program writes; ``ros2 bag record`` names a distribution of ROS."""
-FULL = (errno.ENOSPC, errno.EDQUOT)
 
 
 @contextmanager
@@ -62,13 +116,13 @@ def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """
     check_place(path, overwrite=overwrite)
     target = Path(os.path.realpath(path))
-    with _said_of(path):
+    with _as_usage_error(path):
         target.parent.mkdir(parents=True, exist_ok=True)
         # A part of the name: the whole of a long one would leave no room for what makes it unique.
         workshop = Path(tempfile.mkdtemp(prefix=f".{target.name[:32]}.", dir=target.parent))
     draft, old = workshop / f"{target.stem}{path.suffix}", workshop / f"{target.name[:32]}.replaced"
     try:
-        with _said_of(path):
+        with _as_usage_error(path):
             yield draft
             check_place(path, overwrite=overwrite, folder=draft.is_dir())
             _replace(draft, target, old)
@@ -132,7 +186,7 @@ def _is_own_bag(folder: Path) -> bool:
     metadata = files.pop(METADATA, None)
     if metadata is None or len(files) != 1 or not all(map(Path.is_file, (metadata, *files.values()))):
         return False
-    return Path(*files).suffix in STORAGES and MADE_HERE in metadata.read_text(encoding="utf-8", errors="replace")
+    return Path(*files).suffix in STORAGES and _MADE_HERE in metadata.read_text(encoding="utf-8", errors="replace")
 
 
 def _replace(draft: Path, target: Path, old: Path) -> None:
@@ -148,12 +202,12 @@ def _replace(draft: Path, target: Path, old: Path) -> None:
 
 
 @contextmanager
-def _said_of(path: Path) -> Iterator[None]:
-    """Say in words why something could not be written."""
+def _as_usage_error(path: Path) -> Iterator[None]:
+    """Raise what the system raises as a UsageError."""
     try:
         yield
     except (OSError, sqlite3.OperationalError) as error:
         why = getattr(error, "strerror", None) or error
-        full = isinstance(error, sqlite3.OperationalError) or error.errno in FULL
+        full = isinstance(error, sqlite3.OperationalError) or error.errno in _DISK_FULL
         what = "make room there or choose" if full else "choose"
         raise UsageError(f"{path}: cannot be written: {why}; {what} another place") from error

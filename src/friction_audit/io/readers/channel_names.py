@@ -4,8 +4,9 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from friction_audit.io.readers.joint_samples import is_finger
+from friction_audit.io.readers.joint_names import is_finger
 
+# Channel -> names in use, lower case, the best first.
 ALIASES: dict[str, tuple[str, ...]] = {
     "q": ("q", "actual_q", "joint_positions", "joint_position", "positions", "position", "joint_pos", "pos",
           "joint_angles", "joint_angle", "angle"),
@@ -24,7 +25,6 @@ ALIASES: dict[str, tuple[str, ...]] = {
     "temperature": ("temperature", "temperatures", "joint_temperatures", "joint_temperature",
                     "motor_temperature", "temp"),
 }  # fmt: skip
-"""Channel -> names in use, lower case, the most telling first."""
 
 _CHANNEL_OF = {alias: (channel, rank) for channel, aliases in ALIASES.items() for rank, alias in enumerate(aliases)}
 _QUANTITY = "|".join(re.escape(alias) for alias in sorted(_CHANNEL_OF, key=len, reverse=True))
@@ -62,7 +62,7 @@ class ForeignName:
 
     Attributes:
         channel: Channel of JointLog.
-        rank: Place in the table of aliases; smaller is more telling.
+        rank: Place in the table of aliases; the smallest is the best.
         template: The name with ``{i}`` for the joint's number, or ``{joint}`` for its name.
         index: The joint's number as written, 0- or 1-based, or None.
         joint: The joint's name, or None.
@@ -82,11 +82,27 @@ def parse_name(name: str) -> ForeignName | None:
     text = name.strip()
     if is_finger(text):
         return None
-    for pattern in _PATTERNS:
-        match = pattern.fullmatch(text)
-        if match is not None:
-            return _foreign_name(text, match)
-    return None
+    match = next((found for pattern in _PATTERNS if (found := pattern.fullmatch(text))), None)
+    if match is None:
+        return None
+    parts = match.groupdict()
+    named, rank = _CHANNEL_OF[parts["quantity"].lower()]
+    channel = _in_context(named, parts["head"].lower())
+    if channel is None:
+        return None
+    place = next((group for group in ("index", "index2", "number", "joint") if parts.get(group) is not None), None)
+    template = text
+    if place is not None:
+        start, stop = match.span(place)
+        template = text[:start] + ("{joint}" if place == "joint" else "{i}") + text[stop:]
+    return ForeignName(
+        channel=channel,
+        rank=rank,
+        template=template,
+        index=None if place in (None, "joint") else int(parts[place or ""]),
+        joint=parts.get("joint"),
+        degrees="deg" in (parts["unit"] or "").lower() and named in ("q", "dq"),
+    )
 
 
 def torque_unit(name: str) -> str:
@@ -102,53 +118,27 @@ def torque_unit(name: str) -> str:
 
 def is_label(name: str) -> bool:
     """Return True for an element that holds a joint's name, such as ``field.name3``."""
-    match = _element(name)
+    match = _ELEMENT.fullmatch(name.strip())
     return match is not None and _LABEL.fullmatch(match["stem"]) is not None
 
 
-def labels_of(names: Sequence[str], told: Mapping[str, str]) -> dict[int, str]:
-    """Return the joints' names that stand beside the numbers, as a ``sensor_msgs/JointState`` has them.
+def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
+    """Return position of a column -> its joint, where joint names stand beside the numbers as in a JointState.
 
     Args:
-        names: Names of the columns.
-        told: Name of an element that holds a joint's name -> that name: ``field.name3`` -> ``panda_joint1``.
-
-    Returns:
-        Position of a column -> its joint, for the columns of the same message and index: ``field.position3``.
+        names: Names of the columns, ``field.position3`` is of the same message and index as ``field.name3``.
+        joints: Name of an element that holds a joint's name -> that name: ``field.name3`` -> ``panda_joint1``.
     """
-    labels = {_place(match): text for name, text in told.items() if (match := _element(name)) is not None}
-    matches = [_element(name) for name in names]
-    return {cell: labels[_place(m)] for cell, m in enumerate(matches) if m is not None and _place(m) in labels}
+    labels = {_place(name): joint for name, joint in joints.items()}
+    labels.pop(None, None)
+    places = [_place(name) for name in names]
+    return {cell: labels[place] for cell, place in enumerate(places) if place in labels}
 
 
-def _element(name: str) -> re.Match[str] | None:
-    """Split ``field.position.3`` into the message ``field.``, the stem ``position`` and the index 3."""
-    return _ELEMENT.fullmatch(name.strip())
-
-
-def _place(match: re.Match[str]) -> tuple[str, int]:
-    return match["head"], int(match["a"] or match["b"])
-
-
-def _foreign_name(text: str, match: re.Match[str]) -> ForeignName | None:
-    parts = match.groupdict()
-    channel, rank = _CHANNEL_OF[parts["quantity"].lower()]
-    in_context = _in_context(channel, parts["head"].lower())
-    place = next((group for group in ("index", "index2", "number", "joint") if parts.get(group) is not None), None)
-    if in_context is None:
-        return None
-    template = text
-    if place is not None:
-        start, stop = match.span(place)
-        template = text[:start] + ("{joint}" if place == "joint" else "{i}") + text[stop:]
-    return ForeignName(
-        channel=in_context,
-        rank=rank,
-        template=template,
-        index=None if place in (None, "joint") else int(parts[place or ""]),
-        joint=parts.get("joint"),
-        degrees="deg" in (parts["unit"] or "").lower() and channel in ("q", "dq"),
-    )
+def _place(name: str) -> tuple[str, int] | None:
+    """Return the message ``field.`` and the index 3 of ``field.position.3``."""
+    match = _ELEMENT.fullmatch(name.strip())
+    return None if match is None else (match["head"], int(match["a"] or match["b"]))
 
 
 def _in_context(channel: str, head: str) -> str | None:
@@ -162,10 +152,10 @@ def _in_context(channel: str, head: str) -> str | None:
     return channel
 
 
-KEYS = frozenset({"serial", "serial_number", "robot_serial", "robot_serial_number", "arm_serial", "arm_serial_number"})
+_SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for what in ("", "_number")}
 
 
 def serial_in(notes: Mapping[str, str]) -> str:
     """Return the serial number among notes by name, or nothing; names are taken whatever their case and dashes."""
     found = {key.strip().lower().replace("-", "_").replace(" ", "_"): value.strip() for key, value in notes.items()}
-    return next((found[key] for key in sorted(KEYS & found.keys()) if found[key]), "")
+    return next((found[key] for key in sorted(_SERIAL_KEYS & found.keys()) if found[key]), "")

@@ -8,25 +8,20 @@ from dataclasses import dataclass, field, replace
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import ALIASES, ForeignName, parse_name
-from friction_audit.io.readers.joint_samples import UNNAMED_ARM, arms_in, choose_arm, robot_of
-from friction_audit.io.readers.reader import SeveralArmsError
+from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
 from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
-REQUIRED = ("q", "dq")
-_SHOWN_GROUPS = 14
-_SHOWN_JOINTS = 60
-_COMPARED = 1000
-"""Columns among which near misses are looked for: each comparison takes a fraction of a millisecond."""
-MOST_JOINTS = 1000
-"""No robot has as many; with more, a table is transposed or a column is not what its name says."""
+MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
+_REQUIRED = ("q", "dq")
+_SHOWN_GROUPS, _SHOWN_JOINTS = 14, 60
+_COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
+_JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
-"""Names of the columns of a table with one row per number: what it is, and how much."""
 _AMBIGUOUS = ("torque", "tau", "effort")
 _POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
 
-JointKey = int | str
-"""A joint's number (0-based), or its name where it has no number."""
+JointKey = int | str  # a joint's number (0-based), or its name where it has no number
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -36,7 +31,7 @@ class Group:
     Attributes:
         template: Name with ``{i}`` or ``{joint}`` for the joint.
         cells: Joint -> position of the column.
-        names: Joint -> the joint's name, where the columns tell it.
+        names: Joint -> the joint's name, where the columns have it.
         degrees: True if the name says degrees.
         in_order: True if the user gave the columns one by one, in the order of the joints.
     """
@@ -54,21 +49,25 @@ class ColumnMap:
 
     Attributes:
         time: The clock.
-        channels: Channel -> positions of its columns, one per joint.
-        joint_names: One name per joint.
-        robot: Robot told by the joints' names, or ``"unknown"``.
+        channels: Channel -> positions of its columns, one per joint; a single one in a long table.
+        joint_names: One name per joint; none yet of a long table.
+        robot: Robot by the joints' names, or ``"unknown"``.
         mapping: Channel -> name in the file, for people.
         degrees: Channels whose names say degrees.
         findings: Channels left out.
+        joint: Position of the column of joints in a table with one row per joint and time, else None.
+        stated: Channels that the user named.
     """
 
     time: TimeColumn
     channels: Mapping[str, tuple[int, ...]]
-    joint_names: tuple[str, ...]
-    robot: str
+    joint_names: tuple[str, ...] = ()
+    robot: str = "unknown"
     mapping: Mapping[str, str]
     degrees: frozenset[str]
-    findings: tuple[Finding, ...]
+    findings: tuple[Finding, ...] = ()
+    joint: int | None = None
+    stated: frozenset[str] = frozenset()
 
 
 def map_columns(
@@ -80,7 +79,7 @@ def map_columns(
     constant: Collection[int] = (),
     arm: str = "",
 ) -> ColumnMap:
-    """Find time, joints and channels among the columns of a table.
+    """Find time, joints and channels among the columns of a table with one row per time.
 
     Args:
         names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
@@ -95,64 +94,92 @@ def map_columns(
         SeveralArmsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
-    refuse_absent(mapping, bare, path)
-    told = labels or {}
-    outside = _outside_the_arm(bare, told, arm, path)
-    stated = {c: _stated_group(mapping[c], bare, told, outside) for c in JOINT_CHANNELS if c in mapping}
+    _refuse_absent(mapping, bare, path)
+    labels = labels or {}
+    outside = _outside_the_arm(bare, labels, arm, path)
+    stated = {c: _stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
-    groups = {**_guessed_groups(parsed, told, stated, path), **stated}
+    groups = {**_guessed_groups(parsed, labels, stated, path), **stated}
     most = max((len(group.cells) for group in groups.values()), default=0)
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
-    # Columns that stand still are second choice: if there is nothing better, the vetting says that time stands still.
-    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
-    if time is None or not _is_complete(groups):
+    # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    if time is None or not groups.keys() >= {*_REQUIRED} or not groups.keys() & {*TORQUE_CHANNELS}:
         _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
-    columns = _align(groups, time, bare, path)
-    named = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
-    doubts = ambiguous_torque(named, joints=len(columns.joint_names), robot=columns.robot, stated=stated)
+    columns = replace(_align(groups, time, bare, path), stated=frozenset(stated))
+    first = {channel: bare[cells[0]] for channel, cells in columns.channels.items()}
+    doubts = doubt_torque(columns, first, joints=len(columns.joint_names))
     return replace(columns, findings=(*columns.findings, *doubts))
 
 
-def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
-    """Return the positions of columns of fingers, other arms and whatever else is no joint of the arm."""
-    joints = dict(labels)
-    if arm and not joints:
-        joints = {cell: told.joint for cell, name in enumerate(names) if (told := parse_name(name)) and told.joint}
-    kept = choose_arm(list(joints.values()), arm, path=path)
-    return frozenset(cell for cell, joint in joints.items() if joint not in kept)
+def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, str]) -> ColumnMap | None:
+    """Find the columns of a table with one row per joint and time; None if it has a column per joint."""
+    bare = [name.strip() for name in names]
+    joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
+    if joint is None or any(_is_several(value, bare) for channel, value in mapping.items() if channel != "t"):
+        return None
+    _refuse_absent(mapping, bare, path)
+    stated = {channel: _stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
+    cells = {channel: group.cells[0] for channel, group in stated.items()}
+    parsed = [
+        (cell, name) for cell, text in enumerate(bare) if (name := parse_name(text)) and cell not in cells.values()
+    ]
+    single = sorted((one for one in parsed if one[1].index is None and one[1].joint is None), key=lambda o: -o[1].rank)
+    best = {name.channel: (cell, name.degrees) for cell, name in single}  # of one channel the best name comes last
+    best |= {channel: (group.cells[0], group.degrees) for channel, group in stated.items()}
+    if not {*_REQUIRED} <= best.keys():
+        return None
+    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
+    if time is None or not set(TORQUE_CHANNELS) & best.keys():
+        raise InputError(
+            f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
+            f"({', '.join(TORQUE_CHANNELS)}); found {', '.join(bare)}"
+        )
+    return ColumnMap(
+        time=time,
+        channels={channel: (cell,) for channel, (cell, _) in best.items()},
+        mapping={channel: bare[cell] for channel, (cell, _) in best.items()},
+        degrees=frozenset(channel for channel, (_, degrees) in best.items() if degrees),
+        joint=joint,
+        stated=frozenset(stated),
+    )
 
 
-def ambiguous_torque(
-    named: Mapping[str, str], *, joints: int, robot: str, stated: Collection[str]
-) -> tuple[Finding, ...]:
+def doubt_torque(columns: ColumnMap, first: Mapping[str, str], *, joints: int) -> tuple[Finding, ...]:
     """Doubt a ``torque`` of a single joint: a rig's may be the interaction torque, a robot's holds gravity.
 
-    Args:
-        named: Channel -> name of its first column.
-        joints: Number of joints.
-        robot: The robot, or ``"unknown"``.
-        stated: Channels that the user named.
+    ``first`` is channel -> name of its first column.
     """
-    alone = joints == 1 and robot == "unknown" and named.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
-    told = parse_name(named["tau_J"]) if alone and "tau_J" not in stated else None
-    if told is None or ALIASES["tau_J"][told.rank] not in _AMBIGUOUS:
+    alone = joints == 1 and columns.robot == "unknown" and first.keys() & {*TORQUE_CHANNELS, "gravity"} == {"tau_J"}
+    name = parse_name(first["tau_J"]) if alone and "tau_J" not in columns.stated else None
+    if name is None or ALIASES["tau_J"][name.rank] not in _AMBIGUOUS:
         return ()
     message = (
-        f"column {named['tau_J']!r} of the only joint was read as tau_J, the torque at the joint with gravity inside; "
-        f"if it is the interaction torque already, without gravity, say --map tau_interaction={named['tau_J']}"
+        f"column {first['tau_J']!r} of the only joint was read as tau_J, the torque at the joint with gravity inside; "
+        f"if it is the interaction torque already, without gravity, say --map tau_interaction={first['tau_J']}"
     )
     return (Finding(code="torque_ambiguous", message=message),)
 
 
-def _refuse_melted(names: Sequence[str], path: str) -> None:
-    """Refuse a table with one row per number, which names its channels in a column instead of in the header.
+def _is_several(value: str, names: Sequence[str]) -> bool:
+    """Return True if a --map entry names a column per joint."""
+    return value not in names and (re.search(r"\{i\}|,|-", value) is not None or f"{value}[0]" in names)
 
-    Raises:
-        InputError: If it is one.
-    """
+
+def _outside_the_arm(names: Sequence[str], labels: Mapping[int, str], arm: str, path: str) -> frozenset[int]:
+    """Return the positions of columns of fingers and of other arms."""
+    joints = dict(labels)
+    if arm and not joints:
+        joints = {cell: name.joint for cell, text in enumerate(names) if (name := parse_name(text)) and name.joint}
+    kept = choose_arm(list(joints.values()), arm, path=path)
+    return frozenset(cell for cell, joint in joints.items() if joint not in kept)
+
+
+def _refuse_melted(names: Sequence[str], path: str) -> None:
+    """Refuse a table with one row per number, which names its channels in a column instead of in the header."""
     lower = [name.lower() for name in names]
     signal, value = (next((n for n, low in zip(names, lower, strict=True) if low in w), None) for w in _MELTED)
     if signal is None or value is None:
@@ -164,38 +191,19 @@ def _refuse_melted(names: Sequence[str], path: str) -> None:
     )
 
 
-def refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    """Refuse columns that the table lacks, all of them at once."""
+def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
     absent = []
     for channel, value in mapping.items():
         try:
-            stated_time(value, names) if channel == "t" else _stated_group(value, names)
+            _stated_time(value, names) if channel == "t" else _stated_group(value, names)
         except KeyError as error:
-            absent.append(f"--map {channel}={value}{_did_you_mean(str(error.args[0]), names)}")
+            near = difflib.get_close_matches(str(error.args[0]), names, n=3, cutoff=0.5)
+            absent.append(f"--map {channel}={value}" + (f" (did you mean {' or '.join(near)}?)" if near else ""))
     if absent:
-        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {shorten(names)}")
+        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {_shorten(names)}")
 
 
-def _did_you_mean(name: str, names: Sequence[str]) -> str:
-    near = difflib.get_close_matches(name, names, n=3, cutoff=0.5)
-    return f" (did you mean {' or '.join(near)}?)" if near else ""
-
-
-def column_position(name: str, names: Sequence[str]) -> int:
-    """Return the position of a column given by name or as ``#3`` (counted from 1).
-
-    Raises:
-        KeyError: If there is none.
-    """
-    match = _POSITION.fullmatch(name)
-    if name not in names and match is not None and 1 <= int(match[1]) <= len(names):
-        return int(match[1]) - 1
-    if name in names:
-        return list(names).index(name)
-    raise KeyError(name)
-
-
-def shorten(names: Sequence[str]) -> str:
+def _shorten(names: Sequence[str]) -> str:
     """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7``."""
     runs: dict[str, list[str]] = defaultdict(list)
     for name in names:
@@ -208,7 +216,7 @@ def shorten(names: Sequence[str]) -> str:
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str], path: str
 ) -> dict[str, Group]:
-    """Group the columns by channel and template, and keep the most telling template of each channel."""
+    """Group the columns by channel and template, and keep the best template of each channel."""
     found: dict[str, dict[tuple[int, str], dict[int, ForeignName]]] = {}
     for cell, parsed in names.items():
         if parsed is not None and parsed.channel not in stated:
@@ -231,26 +239,19 @@ def _refuse_several_arms(channel: str, templates: Sequence[str], path: str) -> N
         if (match := re.search(r"(?:^|[./])(\w*joint_?)\{i\}", t)) is not None
     }
     if len(arms) > 1:
-        topics = [f"#{arm}" for arm in arms]
-        choices = " or ".join(f"--topic '{topic}'" for topic in topics)
-        raise SeveralArmsError(
-            f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}; choose one with {choices}",
-            topics,
-        )
+        raise several_arms(f"{path}: columns of several arms for {channel}: {', '.join(arms.values())}", arms)
 
 
 def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int, str]) -> Group:
-    first = next(iter(cells.values()))
     base = 0 if any(name.index == 0 for name in cells.values()) else 1
     kept: dict[JointKey, int] = {}
-    told: dict[JointKey, str] = {}
+    names: dict[JointKey, str] = {}
     for cell, name in cells.items():
-        label = name.joint or labels.get(cell)
         key = name.index - base if name.index is not None else name.joint or 0
         kept.setdefault(key, cell)  # of repeated names the first is the state, the second the command
-        if label is not None:
-            told.setdefault(key, label)
-    return Group(template=template, cells=kept, names=told, degrees=first.degrees)
+        if (label := name.joint or labels.get(cell)) is not None:
+            names.setdefault(key, label)
+    return Group(template=template, cells=kept, names=names, degrees=next(iter(cells.values())).degrees)
 
 
 def _stated_group(
@@ -258,7 +259,7 @@ def _stated_group(
 ) -> Group:
     """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
 
-    ``:deg`` or ``:rad`` after it says the unit.
+    ``:deg`` or ``:rad`` after it says the unit. KeyError if there is no such column.
     """
     bare, _, unit = value.rpartition(":")
     if unit in ("deg", "rad") and value not in names:
@@ -266,80 +267,64 @@ def _stated_group(
         return replace(group, template=value, degrees=unit == "deg")
     template = value.strip() if "{i}" in value else value + "[{i}]"
     pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
-    numbered = {
-        int(match[1]): cell for cell, name in reversed(list(enumerate(names))) if (match := pattern.fullmatch(name))
-    }
+    places = reversed(list(enumerate(names)))  # of repeated names the first counts
+    numbered = {int(match[1]): cell for cell, name in places if (match := pattern.fullmatch(name))}
     if numbered:
-        return _numbered_group(value, numbered, names, labels or {}, outside)
+        kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
+        base = 0 if 0 in kept else 1
+        cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
+        parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
+        joints = {key: (name.joint if name else None) or (labels or {}).get(cells[key]) for key, name in parsed.items()}
+        return Group(template=value, cells=cells, names={key: name for key, name in joints.items() if name})
     if "{i}" in value:
         raise KeyError(value)
     listed = [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
     return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
 
 
-def _numbered_group(
-    template: str,
-    numbered: Mapping[int, int],
-    names: Sequence[str],
-    labels: Mapping[int, str],
-    outside: Collection[int],
-) -> Group:
-    kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
-    base = 0 if 0 in kept else 1
-    cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
-    parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
-    told = {key: (name.joint if name else None) or labels.get(cells[key]) for key, name in parsed.items()}
-    return Group(template=template, cells=cells, names={key: name for key, name in told.items() if name})
-
-
 def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
     match = _POSITION.fullmatch(part)
     if match is None or match[2] is None:
-        return [column_position(part, names)]
-    return [column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
+        return [_column_position(part, names)]
+    return [_column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
 
 
-def stated_time(value: str, names: Sequence[str]) -> TimeColumn:
-    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``.
+def _column_position(name: str, names: Sequence[str]) -> int:
+    """Return the position of a column given by name or as ``#3`` (counted from 1); KeyError if there is none."""
+    if name in names:
+        return list(names).index(name)
+    match = _POSITION.fullmatch(name)
+    if match is not None and 1 <= int(match[1]) <= len(names):
+        return int(match[1]) - 1
+    raise KeyError(name)
 
-    Raises:
-        KeyError: If there is no such column.
-    """
+
+def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
+    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``."""
     name, _, unit = value.rpartition(":")
     if unit not in UNITS or not name:
         name, unit = value, ""
-    cell = column_position(name.strip(), names)
+    cell = _column_position(name.strip(), names)
     known = find_time([names[cell]])
-    return TimeColumn(
-        cells=(cell,),
-        name=name,
-        unit=unit or (known.unit if known else None),
-        clock=known.clock if known else "column",
-    )
-
-
-def _is_complete(groups: Mapping[str, Group]) -> bool:
-    return all(c in groups for c in REQUIRED) and any(c in groups for c in TORQUE_CHANNELS)
+    clock = known.clock if known else "column"
+    return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
 
 
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
     wanted = [] if found_time else ["t"]
-    wanted += [channel for channel in REQUIRED if channel not in groups]
-    torque = any(channel in groups for channel in TORQUE_CHANNELS)
-    said = wanted + ([] if torque else [f"a torque ({', '.join(TORQUE_CHANNELS)})"])
-    near = [
-        hint for channel in (*wanted, *(() if torque else TORQUE_CHANNELS)) for hint in _near_misses(channel, names)
-    ]
-    parts = [f"{path}: no column for {' and '.join(said)}; found {shorten(names) or 'none'}"]
+    wanted += [channel for channel in _REQUIRED if channel not in groups]
+    torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
+    listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
+    near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
+    parts = [f"{path}: no column for {' and '.join(listed)}; found {_shorten(names) or 'none'}"]
     if near:
         parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
-    example = " ".join(f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted)
-    parts.append(
-        f"name what is missing with {example}{'' if torque else ' --map tau_J=<column with {i} for the joint>'}"
-    )
+    examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted]
+    examples += ["--map tau_J=<column with {i} for the joint>"] if torques else []
+    parts.append(f"name what is missing with {' '.join(examples)}")
     if "dq" in wanted and "q" in groups:
         parts.append("dq is not made from q: a derivative of the position is too noisy for an energy balance")
-    return "; ".join(parts).replace("  ", " ")
+    return "; ".join(parts)
 
 
 def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
@@ -355,26 +340,30 @@ def _near_misses(channel: str, names: Sequence[str]) -> list[str]:
 
 def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], path: str) -> ColumnMap:
     """Bring all channels to the same joints, in the same order."""
-    reference = next((groups[c] for c in REQUIRED if not groups[c].in_order), groups["q"])
-    told = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
-    keys = _in_order_of_names(_sorted_keys(reference.cells), told)
+    reference = next((groups[c] for c in _REQUIRED if not groups[c].in_order), groups["q"])
+    joints = {key: name for group in reversed(list(groups.values())) for key, name in group.names.items()}
+    keys = _in_order_of_names(_sorted_keys(reference.cells), joints)
     channels, findings, short = {}, [], []
     torques = [c for c in TORQUE_CHANNELS if c in groups]
     for channel in (c for c in JOINT_CHANNELS if c in groups):
-        cells = _cells_in_order(groups[channel], keys)
+        group = groups[channel]
+        cells = _cells_in_order(group, keys)
         if cells is not None:
             channels[channel] = cells
-        elif channel in REQUIRED or torques == [channel]:
-            short.append(f"{channel} ({_joints_text(groups[channel].cells)})")
+        elif channel in _REQUIRED or torques == [channel]:
+            short.append(f"{channel} ({_joints_text(group.cells)})")
         else:
-            findings.append(_left_out(channel, groups[channel], len(keys)))
+            text = (
+                f"{channel} has columns for {len(group.cells)} of {len(keys)} joints ({group.template}); it is left out"
+            )
+            findings.append(Finding(code="incomplete_channel", message=text, amount=float(len(group.cells))))
     if short or not any(c in channels for c in TORQUE_CHANNELS):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
-            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
+            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {_shorten(names)}; "
             "name the columns with --map"
         )
-    joint_names = tuple(told.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)
+    joint_names = tuple(joints.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)
     return ColumnMap(
         time=time,
         channels=channels,
@@ -401,13 +390,9 @@ def _in_order_of_names(keys: list[JointKey], names: Mapping[JointKey, str]) -> l
 
 def _cells_in_order(group: Group, keys: Sequence[JointKey]) -> tuple[int, ...] | None:
     """Return the channel's columns for these joints, or None if it does not have them all."""
-    if group.in_order and len(group.cells) == len(keys):
+    if len(group.cells) == len(keys) and (group.in_order or len(keys) == 1):
         return tuple(group.cells.values())
-    if all(key in group.cells for key in keys):
-        return tuple(group.cells[key] for key in keys)
-    if len(group.cells) == len(keys) == 1:
-        return tuple(group.cells.values())
-    return None
+    return tuple(group.cells[key] for key in keys) if all(key in group.cells for key in keys) else None
 
 
 def _joints_text(cells: Mapping[JointKey, int]) -> str:
@@ -416,12 +401,4 @@ def _joints_text(cells: Mapping[JointKey, int]) -> str:
         return f"{len(keys)} joints, more than an arm has: is the table transposed?"
     return f"{len(keys)} joint{'s' * (len(keys) != 1)}: " + ", ".join(
         str(key + 1) if isinstance(key, int) else key for key in keys
-    )
-
-
-def _left_out(channel: str, group: Group, joints: int) -> Finding:
-    return Finding(
-        code="incomplete_channel",
-        message=f"{channel} has columns for {len(group.cells)} of {joints} joints ({group.template}); it is left out",
-        amount=float(len(group.cells)),
     )

@@ -1,163 +1,104 @@
 """Text tables -> Recording: libfranka's logToCSV, rostopic echo -p, bag exports, tidy and long tables."""
 
 import csv
-import dataclasses
 import io
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
-from friction_audit.io.readers.columns import ColumnMap, map_columns
+from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_dialect import Dialect, is_number, looks_like_csv, sniff_csv, split_line
-from friction_audit.io.readers.long_table import LongColumns, find_long_columns, pivot_long
 from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic, refuse_too_large
+from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
-from friction_audit.io.readers.to_recording import stated_arm, to_recording
-from friction_audit.joint_log import Finding, Float, find_window
+from friction_audit.joint_log import Finding, find_window
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 _BLOCK_BYTES = 8 << 20
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
-_MOST_BAD = 0.01
-"""Share of lines with a cell that is no number beyond which a column is not what its name says."""
+_MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
 _LOOK = 20
-_LONG_INTEGER = 16
-"""Digits from which a stamp no longer fits a float exactly."""
-_EXCEPTION_LOG_ROWS = 60
-_EXCEPTION_LOG_S = 0.1
+_LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
+_EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _NA = ("-nan(ind)", "nan(ind)")
+_NANOSECONDS = 1_000_000_000
 
 
-def read_csv(path: Path, options: ReadOptions) -> Recording:
-    """Read a text table.
-
-    Raises:
-        InputError: If columns are missing, or a line does not hold what it should.
-    """
-    arm = stated_arm(path, options)
+def _read(path: Path, options: ReadOptions) -> Recording:
     dialect = sniff_csv(path)
-    _refuse_headerless(path, dialect, options)
-    names = dialect.names[: dialect.width]
-    long = find_long_columns(names, path=str(path), mapping=options.mapping)
-    if long is not None:
-        return _read_long(path, dialect, long, arm, options)
-    columns = map_columns(
-        names,
-        path=str(path),
-        mapping=options.mapping,
-        labels=labels_of(names, {names[cell]: text for cell, text in _label_cells(dialect).items()}),
-        constant=_constant_columns(dialect),
-        arm=arm,
-    )
-    recording = _read_wide(path, dialect, columns, options)
-    return _vet_libfranka(recording, path, options) if _is_libfranka(dialect) else recording
+    if not dialect.has_header and not options.mapping:
+        raise InputError(
+            f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is "
+            "what by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
+        )
+    recording = read_table(CsvTable(path, dialect), options)
+    second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
+    is_libfranka = second in ("success rate", "success_rate")
+    return _check_libfranka(recording, path, options) if is_libfranka else recording
 
 
-def _read_wide(path: Path, dialect: Dialect, columns: ColumnMap, options: ReadOptions) -> Recording:
-    cells = [cell for own in columns.channels.values() for cell in own]
-    labels = _label_cells(dialect)
-    table = _Table(path, dialect, columns.time, dict.fromkeys(cells, np.float64) | dict.fromkeys(labels, str), options)
-    capacity = 0 if table.part else _count_lines(path, dialect)
-    refuse_too_large(path, 8 * capacity * (len(cells) + 1), dialect.size)
-    time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if table.kind is str else table.kind)
-    arrays = {c: np.empty((capacity, len(own)), order="F") for c, own in columns.channels.items()}
-    rows = 0
-    for line, block, stamps in table.blocks():
-        stop = rows + len(block)
-        if stop > len(time):  # of a part nobody knows how long it will be
-            time = np.resize(time, 2 * stop)
-            arrays = {c: _longer(array, 2 * stop) for c, array in arrays.items()}
-        time[rows:stop] = stamps
-        for channel, own in columns.channels.items():
-            for joint, cell in enumerate(own):
-                arrays[channel][rows:stop, joint] = block[cell].to_numpy()
-        _refuse_moving_labels(path, block, labels, line)
-        rows = stop
-    clock, first_s = table.clock(time[:rows])
-    channels = {c: array[:rows] for c, array in arrays.items()}
-    return dataclasses.replace(to_recording(columns, clock, channels, findings=table.findings()), first_s=first_s)
+class CsvTable(Table):
+    """A text table, read in blocks of whole lines; lines outside the part asked for are parsed for their stamps."""
 
-
-def _longer(array: Float, rows: int) -> Float:
-    longer = np.empty((rows, array.shape[1]), order="F")
-    longer[: len(array)] = array
-    return longer
-
-
-def _read_long(path: Path, dialect: Dialect, long: LongColumns, arm: str, options: ReadOptions) -> Recording:
-    """Read a table with one row per joint and time."""
-    kinds: dict[int, Any] = dict.fromkeys(long.channels.values(), np.float64) | {long.joint: str}
-    table = _Table(path, dialect, long.time, kinds, options, is_long=True)
-    blocks: list[Any] = []
-    times: list[NDArray[Any]] = []
-    for _, block, stamps in table.blocks():
-        blocks.append(block)
-        times.append(stamps)
-    clock, first_s = table.clock(np.concatenate(times) if times else np.empty(0))
-    joint = np.concatenate([block[long.joint].to_numpy(dtype=object) for block in blocks])
-    values = {c: np.concatenate([block[cell].to_numpy() for block in blocks]) for c, cell in long.channels.items()}
-    recording = pivot_long(long, joint, clock, values, path=str(path), arm=arm, findings=table.findings())
-    return dataclasses.replace(recording, first_s=first_s)
-
-
-class _Table:
-    """The blocks of a file as frames, what of them lies in the part asked for, and what is damaged."""
-
-    def __init__(
-        self,
-        path: Path,
-        dialect: Dialect,
-        time: TimeColumn,
-        kinds: Mapping[int, Any],
-        options: ReadOptions,
-        *,
-        is_long: bool = False,
-    ) -> None:
-        self._path, self._dialect, self._time, self._options = path, dialect, time, options
-        self.kind = _time_kind(dialect, time)
-        self._stamp_kinds = dict.fromkeys(time.cells, self.kind)
-        self._kinds = {**kinds, **self._stamp_kinds}
-        self._is_long = is_long
-        lengths = [sum(map(len, row)) + len(row) for row in dialect.rows]
-        rows = dialect.size / (sum(lengths) / len(lengths))
-        self.part = options.reads_part(8 * rows * len(self._kinds))
-        self._unit = "ns" if len(time.cells) > 1 or self.kind is str else time.unit
-        self._origin: float | None = None
-        self._lowest, self._highest = np.inf, -np.inf
+    def __init__(self, path: Path, dialect: Dialect) -> None:
+        super().__init__(path, dialect.names[: dialect.width])
+        self._dialect = dialect
+        first = zip(range(dialect.width), dialect.rows[0], strict=False)
+        # rostopic echo -p writes the joints' names into every line
+        self._labels = {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
+        self.labels = labels_of(self.names, {self.names[cell]: text for cell, text in self._labels.items()})
+        if len(dialect.rows) >= 3:  # noqa: PLR2004  # a header stamp that stands still is no clock
+            whole = [row for row in dialect.rows if len(row) == dialect.width]
+            self.constant = frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
+        self._origin: float | None = None  # the first stamp, where a part is read
+        self._lowest, self._highest, self._block_lowest = np.inf, -np.inf, np.inf
         self._lines = self._bad_lines = 0
         self._bad: list[str] = []
         self._cut: Finding | None = None
 
-    def blocks(self) -> Iterator[tuple[int, Any, NDArray[Any]]]:
-        """Yield the number of a block's first line, the block as a frame, and its stamps."""
-        for line, block, is_last in _blocks(self._path, self._dialect):
-            kept, self._cut = _without_cut_line(self._dialect, block, line, self._kinds) if is_last else (block, None)
-            _check_widths(self._path, self._dialect, kept, line)
-            if not kept.strip():
-                continue
-            rows = self._rows(kept, line) if self.part else None
-            if rows is not None and self._lowest_of_block > self._stop and not self._is_long:
-                return
-            if rows is None or rows.any():
-                frame = self._frame(kept, line, self._kinds)
-                frame = frame if rows is None or len(rows) != len(frame) else frame[rows]
-                yield line, *self._with_stamps(frame)
-
-    def clock(self, stamps: NDArray[Any]) -> tuple[Clock, float | None]:
-        """Return the clock of the rows that were read, and the log's first stamp on it where they are a part."""
-        if not self.part:
-            return to_clock(stamps, self._unit, path=str(self._path)), None
-        assert self._origin is not None
-        unit = UNITS[self._unit or "s"]
-        first_s = (self._lowest - self._origin) / unit
-        if len(stamps) == 0:
-            ends = np.array([0.0, (self._highest - self._lowest) / unit * self._options.time_scale])
-            find_window(ends, self._options.t_start_s, self._options.t_end_s, str(self._path))
-        return to_clock(stamps, self._unit, path=str(self._path), origin=self._origin), first_s
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone."""
+        dialect, cells = self._dialect, [cell for own in columns.channels.values() for cell in own]
+        texts = dict(self._labels) if columns.joint is None else {columns.joint: ""}
+        self._time, self._options, self._kind = columns.time, options, _time_kind(dialect, columns.time)
+        self._unit = "ns" if len(columns.time.cells) > 1 or self._kind is str else columns.time.unit
+        stamps = dict.fromkeys(columns.time.cells, self._kind)
+        self._kinds: dict[int, Any] = dict.fromkeys(cells, np.float64) | dict.fromkeys(texts, str) | stamps
+        lengths = [sum(map(len, row)) + len(row) for row in dialect.rows]
+        rows = dialect.size / (sum(lengths) / len(lengths))
+        is_part = options.reads_part(8 * rows * len(self._kinds))
+        capacity = 0 if is_part else _count_lines(self.path, dialect)
+        refuse_too_large(self.path, 8 * capacity * (len(cells) + 1), dialect.size)
+        time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if self._kind is str else self._kind)
+        channels = {c: np.empty((capacity, len(own)), order="F") for c, own in columns.channels.items()}
+        joints: list[NDArray[Any]] = []
+        count = 0
+        for line, block, stamps_of_block in self._blocks(stamps, is_part=is_part, in_order=columns.joint is None):
+            stop = count + len(block)
+            if stop > len(time):  # the length of a part is not known in advance
+                time = np.resize(time, 2 * stop)
+                channels = {c: _longer(array, 2 * stop) for c, array in channels.items()}
+            time[count:stop] = stamps_of_block
+            for channel, own in columns.channels.items():
+                for joint, cell in enumerate(own):
+                    channels[channel][count:stop, joint] = block[cell].to_numpy()
+            if columns.joint is None:
+                self._refuse_moving_labels(block, line)
+            else:
+                joints.append(block[columns.joint].to_numpy(dtype=object))
+            count = stop
+        clock, first_s = self._clock(time[:count], is_part=is_part)
+        joint_column = None if columns.joint is None else np.concatenate(joints)
+        channels = {c: array[:count] for c, array in channels.items()}
+        return Part(clock=clock, channels=channels, joint=joint_column, first_s=first_s)
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what is damaged."""
@@ -167,58 +108,105 @@ class _Table:
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
         return (*found, Finding(code="no_numbers", message=message, amount=float(self._bad_lines), damaged=True))
 
-    def _rows(self, block: bytes, line: int) -> NDArray[np.bool_]:
-        """Return which rows of a block lie in the part."""
-        _, stamps = self._with_stamps(self._frame(block, line, self._stamp_kinds))
+    def _blocks(
+        self, stamp_kinds: Mapping[int, Any], *, is_part: bool, in_order: bool
+    ) -> Iterator[tuple[int, "pd.DataFrame", NDArray[Any]]]:
+        """Yield the number of a block's first line, the block as a frame, and its stamps."""
+        for line, block, is_last in _blocks_of_lines(self.path, self._dialect):
+            kept = block
+            if is_last:
+                kept, self._cut = _without_cut_line(self._dialect, block, line, self._kinds)
+            _check_widths(self.path, self._dialect, kept, line)
+            if not kept.strip():
+                continue
+            rows = self._rows_in_part(kept, line, stamp_kinds) if is_part else None
+            if rows is not None and in_order and self._block_lowest > self._stop:
+                return
+            if rows is None or rows.any():
+                frame = self._frame(kept, line, self._kinds)
+                frame = frame if rows is None or len(rows) != len(frame) else frame[rows]
+                yield line, *self._with_stamps(frame)
+
+    def _rows_in_part(self, block: bytes, line: int, stamp_kinds: Mapping[int, Any]) -> NDArray[np.bool_]:
+        _, stamps = self._with_stamps(self._frame(block, line, stamp_kinds))
         if self._origin is None:
-            self._unit = to_clock(stamps.copy(), self._unit, path=str(self._path)).unit
+            self._unit = to_clock(stamps.copy(), self._unit, path=str(self.path)).unit
             self._origin = stamps[np.isfinite(stamps).argmax()]
-        start, stop = (edge * UNITS[self._unit or "s"] + self._origin for edge in self._options.window_of_clock())
-        self._stop, self._lowest_of_block = stop, float(np.nanmin(stamps))
-        self._lowest = min(self._lowest, self._lowest_of_block)
+        start, self._stop = (e * UNITS[self._unit or "s"] + self._origin for e in self._options.window_of_clock())
+        self._block_lowest = float(np.nanmin(stamps))
+        self._lowest = min(self._lowest, self._block_lowest)
         self._highest = max(self._highest, float(np.nanmax(stamps)))
-        rows: NDArray[np.bool_] = (stamps >= start) & (stamps < stop)
+        rows: NDArray[np.bool_] = (stamps >= start) & (stamps < self._stop)
         return rows
 
-    def _with_stamps(self, frame: Any) -> tuple[Any, NDArray[Any]]:  # noqa: ANN401
+    def _clock(self, stamps: NDArray[Any], *, is_part: bool) -> tuple[Clock, float | None]:
+        """Return the clock of the rows that were read, and the log's first stamp on it where they are a part."""
+        if not is_part:
+            return to_clock(stamps, self._unit, path=str(self.path)), None
+        assert self._origin is not None
+        unit = UNITS[self._unit or "s"]
+        if len(stamps) == 0:
+            ends = np.array([0.0, (self._highest - self._lowest) / unit * self._options.time_scale])
+            find_window(ends, self._options.t_start_s, self._options.t_end_s, str(self.path))
+        clock = to_clock(stamps, self._unit, path=str(self.path), origin=self._origin)
+        return clock, (self._lowest - self._origin) / unit
+
+    def _with_stamps(self, frame: "pd.DataFrame") -> tuple["pd.DataFrame", NDArray[Any]]:
         """Return the rows that have a stamp, and the stamps."""
         column = frame[self._time.cells[0]]
-        if self.kind is str:
+        if self._kind is str:
             dates = _dates(column)
-            lost = int(np.count_nonzero(np.isnat(dates)))
-            if lost:
-                text = column.iloc[int(np.isnat(dates).argmax())]
-                self._complain(lost, f"column {self._time.name} holds neither a number nor an ISO 8601 date: {text!r}")
-            return frame[~np.isnat(dates)], dates[~np.isnat(dates)].astype(np.int64)
+            lost = np.isnat(dates)
+            if lost.any():
+                text = column.iloc[int(lost.argmax())]
+                what = f"column {self._time.name} holds neither a number nor an ISO 8601 date: {text!r}"
+                self._complain(int(np.count_nonzero(lost)), what)
+            return frame[~lost], dates[~lost].astype(np.int64)
         stamps = column.to_numpy()
         if len(self._time.cells) > 1:
-            stamps = stamps * 1_000_000_000 + frame[self._time.cells[1]].to_numpy()
+            stamps = stamps * _NANOSECONDS + frame[self._time.cells[1]].to_numpy()
         return frame, stamps
 
-    def _frame(self, block: bytes, line: int, kinds: Mapping[int, Any]) -> Any:  # noqa: ANN401
+    def _frame(self, block: bytes, line: int, kinds: Mapping[int, Any]) -> "pd.DataFrame":
         """Parse whole lines; a few cells that are no number are missing values."""
-        self._lines += block.count(b"\n") if kinds is self._kinds else 0
+        is_whole = kinds is self._kinds
+        self._lines += block.count(b"\n") if is_whole else 0
         try:
             return _frame(self._dialect, block, kinds)
         except (ValueError, OverflowError):  # pandas' ParserError is a ValueError
             mended, bad = _mend(self._dialect, block, line, kinds)
-        if kinds is self._kinds:
-            for complaint in bad:
-                self._complain(1, complaint)
+        for complaint in bad if is_whole else ():
+            self._complain(1, complaint)
         try:
             return _frame(self._dialect, mended, kinds)
         except (ValueError, OverflowError) as error:
-            raise InputError(f"{self._path}: lines from {line} on cannot be read as numbers: {error}") from error
+            raise InputError(f"{self.path}: lines from {line} on cannot be read as numbers: {error}") from error
 
     def _complain(self, lines: int, what: str) -> None:
-        """Note lines with a cell that is none; refuse a table with many."""
+        """Note lines with a cell that is no number; refuse a table with many."""
         self._bad_lines += lines
         self._bad += [what] if len(self._bad) < _SHOWN_CELLS else []
         if self._bad_lines > _MOST_BAD * self._lines:
             raise InputError(
-                f"{self._path}: {self._bad[0]}; expected a number in every line, and at least in "
+                f"{self.path}: {self._bad[0]}; expected a number in every line, and at least in "
                 f"{1.0 - _MOST_BAD:.0%} of them; repair or remove the line"
             )
+
+    def _refuse_moving_labels(self, block: "pd.DataFrame", line: int) -> None:
+        for cell, label in self._labels.items():
+            other = block[cell].str.strip() != label
+            if other.any():
+                raise InputError(
+                    f"{self.path}: line {line + other.index[other][0]}: joint {block[cell][other].iloc[0]!r} where the "
+                    f"first line has {label!r}; the order of the joints changes; expected one order in the whole "
+                    "table; sort the columns by joint"
+                )
+
+
+def _longer(array: NDArray[np.float64], rows: int) -> NDArray[np.float64]:
+    longer = np.empty((rows, array.shape[1]), order="F")
+    longer[: len(array)] = array
+    return longer
 
 
 def _mend(dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]) -> tuple[bytes, list[str]]:
@@ -247,9 +235,12 @@ def _fits(field: str, kind: Any, decimal: str) -> bool:  # noqa: ANN401
     return kind is str or is_number(field, decimal)
 
 
-def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Any:  # noqa: ANN401
+def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.DataFrame":
     import pandas as pd
 
+    # Since pandas 3.1 numbers always are rounded correctly, and asking for it is deprecated.
+    rounds = tuple(map(int, pd.__version__.split(".")[:2])) >= (3, 1)
+    exact: dict[str, Any] = {} if rounds else {"float_precision": "round_trip"}
     return pd.read_csv(
         io.BytesIO(block),
         header=None,
@@ -260,19 +251,13 @@ def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> Any:  # 
         decimal=dialect.decimal,
         skipinitialspace=True,
         na_values=list(_NA),
-        **_exact_floats(pd.__version__),
         index_col=False,
         engine="c",
+        **exact,
     )
 
 
-def _exact_floats(version: str) -> dict[str, Any]:
-    """Ask for correctly rounded numbers; since pandas 3.1 there is nothing else, and asking is deprecated."""
-    major, minor = version.split(".")[:2]
-    return {} if (int(major), int(minor)) >= (3, 1) else {"float_precision": "round_trip"}
-
-
-def _blocks(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
+def _blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
     """Yield (number of the first line, whole lines, is it the end of the file)."""
     line, rest = dialect.line, b""
     chunks = _chunks(path, dialect)
@@ -308,20 +293,15 @@ def _without_cut_line(
         wrong = next((fields[c] for c in kinds if not _fits(fields[c], kinds[c], dialect.decimal)), None)
         found = "" if wrong is None else f"{wrong!r} where a number belongs"
         if not found and body == text and newline and dialect.width - 1 in kinds:
-            is_short = len(fields[-1]) < _shortest_end(dialect, before)
+            lines = before.decode(errors="replace").splitlines()[-_LOOK:]
+            ends = [len(text.strip().rpartition(dialect.separator)[2]) for text in lines]
+            is_short = len(fields[-1]) < min(ends, default=0)
             found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
     if not found or not last.strip():
         return body + b"\n", None
     number = line + before.count(b"\n") + len(newline)
     message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
     return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)
-
-
-def _shortest_end(dialect: Dialect, block: bytes) -> int:
-    """Return how many signs the last field of a line has at least, among the last lines of a block."""
-    lines = block.decode(errors="replace").splitlines()[-_LOOK:]
-    ends = [line.strip().rpartition(dialect.separator)[2] for line in lines]
-    return min(map(len, ends), default=0)
 
 
 def _check_widths(path: Path, dialect: Dialect, block: bytes, line: int) -> None:
@@ -365,7 +345,7 @@ def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
     return np.int64 if exact else np.float64
 
 
-def _dates(column: Any) -> NDArray[np.datetime64]:  # noqa: ANN401
+def _dates(column: "pd.Series[str]") -> NDArray[np.datetime64]:
     """Return dates in nanoseconds since 1970; what is no date, or beyond what these can hold, is missing."""
     import pandas as pd
 
@@ -375,46 +355,7 @@ def _dates(column: Any) -> NDArray[np.datetime64]:  # noqa: ANN401
     return stamps
 
 
-def _constant_columns(dialect: Dialect) -> frozenset[int]:
-    """Return columns that stand still in the first lines: a header stamp that nobody set is no clock."""
-    if len(dialect.rows) < 3:  # noqa: PLR2004
-        return frozenset()
-    whole = [row for row in dialect.rows if len(row) == dialect.width]
-    return frozenset(c for c in range(dialect.width) if len({row[c] for row in whole}) == 1)
-
-
-def _label_cells(dialect: Dialect) -> dict[int, str]:
-    """Return the fields of the first row that hold a joint's name, as ``rostopic echo -p`` writes them."""
-    first = zip(range(dialect.width), dialect.rows[0], strict=False)
-    return {cell: text.strip() for cell, text in first if text.strip() and is_label(dialect.names[cell])}
-
-
-def _refuse_moving_labels(path: Path, block: Any, labels: Mapping[int, str], line: int) -> None:  # noqa: ANN401
-    for cell, label in labels.items():
-        other = block[cell].str.strip() != label.strip()
-        if other.any():
-            raise InputError(
-                f"{path}: line {line + other.index[other][0]}: joint {block[cell][other].iloc[0]!r} where the "
-                f"first line has {label.strip()!r}; the order of the joints changes; expected one order in the whole "
-                "table; sort the columns by joint"
-            )
-
-
-def _refuse_headerless(path: Path, dialect: Dialect, options: ReadOptions) -> None:
-    if dialect.has_header or options.mapping:
-        return
-    raise InputError(
-        f"{path}: no header: line 1 holds {dialect.width} numbers; expected names of columns; say which column is what "
-        "by its number, e.g. --map t=#1 --map q=#2-#8 --map dq=#9-#15 --map tau_J=#16-#22"
-    )
-
-
-def _is_libfranka(dialect: Dialect) -> bool:
-    second = dialect.names[1].strip().lower() if len(dialect.names) > 1 else ""
-    return second in ("success rate", "success_rate")
-
-
-def _vet_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
+def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Recording:
     """Apply what is known of libfranka's logToCSV: its ring buffer, its first row, the robot of the old header."""
     rows, duration_s = len(recording.t), float(recording.t[-1])
     if rows <= _EXCEPTION_LOG_ROWS and duration_s < _EXCEPTION_LOG_S and not options.allow_short:
@@ -423,17 +364,13 @@ def _vet_libfranka(recording: Recording, path: Path, options: ReadOptions) -> Re
             "50 rows and is written when a motion fails); expected a recording of several movements; "
             "log the robot state continuously, or read it all the same with --allow-short"
         )
-    old_header = recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown"
-    recording = dataclasses.replace(recording, robot="panda") if old_header else recording  # libfranka <= 0.9.0
-    begins = rows > 1 and recording.first_s is None
-    if begins and any(np.isnan(array[0]).any() for array in recording.channels.values()):
-        return _without_first_row(recording)
-    return recording
-
-
-def _without_first_row(recording: Recording) -> Recording:
+    if recording.mapping["q"] == "q[{i}]" and recording.robot == "unknown":  # the header of libfranka <= 0.9.0
+        recording = replace(recording, robot="panda")
+    is_start = rows > 1 and recording.first_s is None
+    if not is_start or not any(np.isnan(array[0]).any() for array in recording.channels.values()):
+        return recording
     finding = Finding(code="first_row", message="the first row holds no numbers yet; it is left out", amount=1.0)
-    return dataclasses.replace(
+    return replace(
         recording,
         t=recording.t[1:],
         channels={channel: array[1:] for channel, array in recording.channels.items()},
@@ -443,21 +380,15 @@ def _without_first_row(recording: Recording) -> Recording:
 
 def _tables(path: Path) -> tuple[Topic, ...]:
     dialect = sniff_csv(path)
-    return (
-        Topic(
-            name=path.name,
-            type=f"table of {dialect.width} columns",
-            messages=_count_lines(path, dialect),
-            readable=True,
-        ),
-    )
+    rows = _count_lines(path, dialect)
+    return (Topic(name=path.name, type=f"table of {dialect.width} columns", messages=rows, readable=True),)
 
 
 CSV = Reader(
     name="csv",
     suffixes=(".csv", ".tsv", ".txt", ".dat"),
     recognises=looks_like_csv,
-    read=read_csv,
+    read=_read,
     topics=_tables,
     summary="text tables: libfranka logToCSV, rostopic echo -p, bag exports, tidy and long tables",
 )

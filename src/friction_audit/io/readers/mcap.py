@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from functools import partial
 from io import SEEK_CUR, BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
@@ -11,40 +12,39 @@ from zlib import crc32
 import numpy as np
 
 from friction_audit.errors import InputError
+from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import serial_in
+from friction_audit.io.readers.decompress import LARGEST_CHUNK, UnpackError, unpack
+from friction_audit.io.readers.message_kinds import LATEST_TIME_NS
 from friction_audit.io.readers.message_stream import (
-    SHORTEST_RUN,
     Block,
+    BlockCollector,
     Connection,
     Damage,
     Window,
     block_of_payloads,
-    block_of_ranges,
     open_log,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
-from friction_audit.io.readers.unpack import LARGEST_CHUNK, UnpackError, starts_with, unpack
+from friction_audit.io.readers.reader import Reader, ReadOptions, Recording
 
 if TYPE_CHECKING:
-    from mcap.records import Channel, Chunk, Message, Schema
+    from mcap.records import Channel, Chunk, Schema
 
 MAGIC = b"\x89MCAP0\r\n"
-SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE, METADATA_OPCODE = 3, 4, 5, 6, 12
-PARSED_OPCODES = (SCHEMA_OPCODE, CHANNEL_OPCODE, MESSAGE_OPCODE, CHUNK_OPCODE)
-BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
-"""What the mcap library raises on a record that is not what its opcode says."""
-END_LENGTHS = {2: 20, 15: 4}
-"""Opcode -> length of the footer and of the end of the data section: another length is a broken record."""
+_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK, _METADATA = 3, 4, 5, 6, 12  # opcodes of records
+# What the mcap library raises on a record that is not what its opcode says.
+_BROKEN = (struct.error, UnicodeDecodeError, EOFError, OverflowError)
+# Opcode -> length of the footer and of the end of the data section: another length is a broken record.
+_END_LENGTHS = {2: 20, 15: 4}
 _CHUNK_TIMES = struct.Struct("<QQ")
-MESSAGE_HEADER = np.dtype(
+_RECORD_START = struct.Struct("<BQ")
+_MESSAGE_TIME = struct.Struct("<HIQ")  # channel, sequence, log time
+_MESSAGE_HEADER = np.dtype(
     [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4"), ("log_time", "<u8"), ("sent", "<u8")]
 )
-_RECORD_START = struct.Struct("<BQ")
-_MESSAGE_START = struct.Struct("<BQHIQQ")
-MESSAGE_FIELDS_BYTES = MESSAGE_HEADER.itemsize - _RECORD_START.size
-LATEST_TIME_NS = 2**63 - 1
-LOOSE_MESSAGES_PER_BLOCK = 8192
+_MESSAGE_FIELDS_BYTES = _MESSAGE_HEADER.itemsize - _RECORD_START.size
+_LOOSE_MESSAGES_PER_BLOCK = 8192
 
 
 class McapStream:
@@ -98,20 +98,22 @@ class McapStream:
         """Yield the messages of some channels, chunk by chunk; chunks outside the window are passed over."""
         loose: dict[int, tuple[list[int], list[bytes]]] = {key: ([], []) for key in keys}
         for opcode, offset, record in self._records(window):
-            if opcode == CHUNK_OPCODE:
+            if opcode == _CHUNK:
                 data = self._decompress(record, offset)
-                yield from () if data is None else self._guarded(data, loose.keys(), offset)
-            elif opcode == MESSAGE_OPCODE and record.channel_id in loose:
-                yield from _gather(record, loose)
+                blocks, broken = ([], "") if data is None else _find_messages(data, loose.keys())
+                if broken:
+                    self._note(offset, broken)
+                yield from blocks
+            elif opcode == _MESSAGE and record.channel_id in loose:
+                times, payloads = loose[record.channel_id]
+                times.append(record.log_time & LATEST_TIME_NS)
+                payloads.append(record.data)
+                if len(payloads) == _LOOSE_MESSAGES_PER_BLOCK:
+                    yield block_of_payloads(record.channel_id, times, payloads)
+                    loose[record.channel_id] = ([], [])
         for key, (times, payloads) in loose.items():
             if payloads:
                 yield block_of_payloads(key, times, payloads)
-
-    def _guarded(self, data: bytes, keys: Collection[int], offset: int) -> Iterator[Block]:
-        blocks, broken = find_messages(data, keys)
-        if broken:
-            self._note(offset, broken)
-        return iter(blocks)
 
     def _records(self, window: Window | None = None) -> Iterator[tuple[int, int, Any]]:
         """Yield opcode, offset and content of chunks, and of what lies outside chunks; up to a break.
@@ -126,33 +128,33 @@ class McapStream:
                 if len(start) < _RECORD_START.size:
                     return self._note(offset, "it ends without the closing records")
                 opcode, length = _RECORD_START.unpack(start)
-                if length == END_LENGTHS.get(opcode):
+                if length == _END_LENGTHS.get(opcode):
                     return None
                 if offset + _RECORD_START.size + length > self._bytes:
                     yield from self._begun_record(opcode, offset, file)
                     return None
-                if opcode != CHUNK_OPCODE or window is None or not window.leaves_out(_times_of_chunk(file)):
+                if opcode != _CHUNK or window is None or not window.leaves_out(_times_of_chunk(file)):
                     yield from self._whole_record(opcode, offset, file, length)
                 offset += _RECORD_START.size + length
 
     def _whole_record(self, opcode: int, offset: int, file: BinaryIO, length: int) -> Iterator[tuple[int, int, Any]]:
         try:
-            if opcode in PARSED_OPCODES:
+            if opcode in (_SCHEMA, _CHANNEL, _MESSAGE, _CHUNK):
                 yield opcode, offset, _parse(opcode, file.read(length))
-            elif opcode == METADATA_OPCODE:
+            elif opcode == _METADATA:
                 self.notes |= _parse(opcode, file.read(length)).metadata
-        except BROKEN as error:
+        except _BROKEN as error:
             self._note(offset, f"a record is broken: {error}")
 
     def _begun_record(self, opcode: int, offset: int, file: BinaryIO) -> Iterator[tuple[int, int, Any]]:
         """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
-        if opcode != CHUNK_OPCODE:
+        if opcode != _CHUNK:
             return self._note(offset, "a record is cut off")
         try:
-            chunk = _parse(CHUNK_OPCODE, file.read(LARGEST_CHUNK))
+            chunk = _parse(_CHUNK, file.read(LARGEST_CHUNK))
             self._cut_chunk = offset
-            yield CHUNK_OPCODE, offset, chunk
-        except BROKEN:
+            yield _CHUNK, offset, chunk
+        except _BROKEN:
             pass  # cut before its first message
         return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
 
@@ -180,7 +182,7 @@ class McapStream:
         file.seek(0)
         try:
             summary = SeekingReader(file, record_size_limit=self._bytes).get_summary()
-        except (McapError, OSError, ValueError, MemoryError, *BROKEN):
+        except (McapError, OSError, ValueError, MemoryError, *_BROKEN):
             return None  # a file without a sound end is read from its beginning instead
         if summary is None or summary.statistics is None or summary.statistics.channel_count != len(summary.channels):
             return None
@@ -195,35 +197,42 @@ class McapStream:
         """Read the whole file for its channels and the number of their messages."""
         counts: dict[int, int] = {}
         for opcode, offset, record in self._records():
-            if opcode == CHUNK_OPCODE:
+            if opcode == _CHUNK:
                 data = self._decompress(record, offset)
                 self._count_chunk(data or b"", counts, offset)
-            elif opcode == MESSAGE_OPCODE:
+            elif opcode == _MESSAGE:
                 counts[record.channel_id] = counts.get(record.channel_id, 0) + 1
             else:
                 self._learn(opcode, record)
         return counts
 
     def _count_chunk(self, data: bytes, counts: dict[int, int], offset: int) -> None:
-        for opcode, at, length in _definitions(data):
-            try:
-                self._learn(opcode, _parse(opcode, data[at : at + length]))
-            except BROKEN as error:
-                self._note(offset, f"a record is broken: {error}")
-        for block in find_messages(data, None)[0]:
+        position = 0
+        while position + _RECORD_START.size <= len(data):
+            opcode, length = _RECORD_START.unpack_from(data, position)
+            position += _RECORD_START.size
+            if opcode in (_SCHEMA, _CHANNEL) and position + length <= len(data):
+                try:
+                    self._learn(opcode, _parse(opcode, data[position : position + length]))
+                except _BROKEN as error:
+                    self._note(offset, f"a record is broken: {error}")
+            position += length
+        for block in _find_messages(data, None)[0]:
             counts[block.key] = counts.get(block.key, 0) + len(block)
 
     def _learn(self, opcode: int, record: Any) -> None:  # noqa: ANN401
-        known: dict[int, Any] = self._channels if opcode == CHANNEL_OPCODE else self._schemas
+        known: dict[int, Any] = self._channels if opcode == _CHANNEL else self._schemas
         known[record.id] = record
 
     def _connection(self, channel: "Channel") -> Connection:
         schema = self._schemas.get(channel.schema_id)
-        encoding = channel.message_encoding
+        encoding, name = channel.message_encoding, schema.name if schema else ""
+        if encoding == "ros1" and "/msg/" not in name:  # as rosbags spells ROS types
+            name = name.replace("/", "/msg/", 1)
         return Connection(
             key=channel.id,
             topic=channel.topic,
-            type=_type_name(schema.name, encoding) if schema else "",
+            type=name,
             encoding=encoding,
             definition=schema.data if schema else b"",
             definition_format=schema.encoding if schema else "",
@@ -245,99 +254,41 @@ def _parse(opcode: int, content: bytes) -> Any:  # noqa: ANN401
     from mcap.records import Channel, Chunk, Message, Metadata, Schema
 
     stream = ReadDataStream(BytesIO(content))
-    kinds: dict[int, Any] = {
-        CHUNK_OPCODE: Chunk,
-        SCHEMA_OPCODE: Schema,
-        CHANNEL_OPCODE: Channel,
-        METADATA_OPCODE: Metadata,
-    }
+    kinds: dict[int, Any] = {_CHUNK: Chunk, _SCHEMA: Schema, _CHANNEL: Channel, _METADATA: Metadata}
     try:
-        return Message.read(stream, len(content)) if opcode == MESSAGE_OPCODE else kinds[opcode].read(stream)
+        return Message.read(stream, len(content)) if opcode == _MESSAGE else kinds[opcode].read(stream)
     except EndOfFile as error:
         raise EOFError("it ends early") from error  # without a text of its own in the library
 
 
-def _type_name(name: str, encoding: str) -> str:
-    """Return the name of a ROS type as rosbags spells it; other names stay as they are."""
-    if encoding == "ros1" and "/msg/" not in name:
-        return name.replace("/", "/msg/", 1)
-    return name
-
-
-def _gather(record: "Message", loose: dict[int, tuple[list[int], list[bytes]]]) -> Iterator[Block]:
-    """Collect messages that lie outside chunks; yield a block whenever there are enough."""
-    times, payloads = loose[record.channel_id]
-    times.append(record.log_time & LATEST_TIME_NS)
-    payloads.append(record.data)
-    if len(payloads) == LOOSE_MESSAGES_PER_BLOCK:
-        yield block_of_payloads(record.channel_id, times, payloads)
-        loose[record.channel_id] = ([], [])
-
-
-def _definitions(data: bytes) -> Iterator[tuple[int, int, int]]:
-    """Yield opcode, offset and length of the schemas and channels in a chunk."""
-    position = 0
+def _find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block], str]:
+    """Find the messages of some channels (None for all) in the records of a chunk, and what is wrong with it."""
+    collector, position = BlockCollector(data, keys), 0
     while position + _RECORD_START.size <= len(data):
         opcode, length = _RECORD_START.unpack_from(data, position)
-        position += _RECORD_START.size
-        if opcode in (SCHEMA_OPCODE, CHANNEL_OPCODE) and position + length <= len(data):
-            yield opcode, position, length
-        position += length
-
-
-def find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block], str]:
-    """Find the messages in the records of a chunk.
-
-    Messages of one channel and one length that follow each other are found all at once, as rows of equal length.
-
-    Args:
-        data: Records of a chunk, decompressed.
-        keys: Channels wanted, None for all.
-
-    Returns:
-        One block per run or channel, and what is wrong with the chunk, empty if nothing is.
-    """
-    blocks: list[Block] = []
-    mixed: dict[int, list[tuple[int, int, int]]] = {}
-    position, alternating = 0, False
-    while position + _RECORD_START.size <= len(data):
-        opcode, length = _RECORD_START.unpack_from(data, position)
-        if opcode != MESSAGE_OPCODE:
-            position += _RECORD_START.size + length
-            continue
-        following = position + _RECORD_START.size + length
-        if length < MESSAGE_FIELDS_BYTES or following > len(data):
-            break
-        if not alternating:
-            run = _run(data, position, length)
-            if keys is None or run.key in keys:
-                blocks.append(run)
-            alternating = len(run) < SHORTEST_RUN
-            position += len(run) * (_RECORD_START.size + length)
-            continue
-        _, _, channel, _, log_time, _ = _MESSAGE_START.unpack_from(data, position)
-        if keys is None or channel in keys:
-            entry = (position + MESSAGE_HEADER.itemsize, length - MESSAGE_FIELDS_BYTES, log_time & LATEST_TIME_NS)
-            mixed.setdefault(channel, []).append(entry)
-        position = following
-    blocks += [block_of_ranges(channel, data, entries) for channel, entries in mixed.items()]
-    return blocks, "" if position == len(data) else "a message runs over the end of its chunk"
+        taken, stride = 1, _RECORD_START.size + length
+        if opcode == _MESSAGE:
+            if length < _MESSAGE_FIELDS_BYTES or position + stride > len(data):
+                break
+            channel, _, log_time = _MESSAGE_TIME.unpack_from(data, position + _RECORD_START.size)
+            start, size = position + _MESSAGE_HEADER.itemsize, length - _MESSAGE_FIELDS_BYTES
+            taken = collector.add(
+                channel, log_time & LATEST_TIME_NS, start, size, partial(_run, data, position, length)
+            )
+        position += taken * stride
+    return collector.finish(), "" if position == len(data) else "a message runs over the end of its chunk"
 
 
 def _run(data: bytes, position: int, length: int) -> Block:
     """View the messages from here on that are as long as the first one and of its channel."""
     stride = _RECORD_START.size + length
     count = (len(data) - position) // stride
-    heads = np.ndarray((count,), MESSAGE_HEADER, data, offset=position, strides=(stride,))
-    same = (heads["length"] == length) & (heads["opcode"] == MESSAGE_OPCODE) & (heads["channel"] == heads["channel"][0])
+    heads = np.ndarray((count,), _MESSAGE_HEADER, data, offset=position, strides=(stride,))
+    same = (heads["length"] == length) & (heads["opcode"] == _MESSAGE) & (heads["channel"] == heads["channel"][0])
     run = count if same.all() else int(same.argmin())
-    start = position + MESSAGE_HEADER.itemsize + stride * np.arange(run, dtype=np.int64)
-    size = np.full(run, length - MESSAGE_FIELDS_BYTES, np.int64)
+    start = position + _MESSAGE_HEADER.itemsize + stride * np.arange(run, dtype=np.int64)
+    size = np.full(run, length - _MESSAGE_FIELDS_BYTES, np.int64)
     return Block(int(heads["channel"][0]), heads["log_time"][:run].astype(np.int64), data, start, size)
-
-
-def _recognises(path: Path) -> bool:
-    return starts_with(path, MAGIC)
 
 
 def _read(path: Path, options: ReadOptions) -> Recording:
@@ -346,15 +297,11 @@ def _read(path: Path, options: ReadOptions) -> Recording:
     return replace(recording, serial=serial_in(stream.notes))
 
 
-def _topics(path: Path) -> tuple[Topic, ...]:
-    return topics_of(path, McapStream(path))
-
-
 MCAP = Reader(
     name="mcap",
     suffixes=(".mcap",),
-    recognises=_recognises,
+    recognises=lambda path: starts_with(path, MAGIC),
     read=_read,
-    topics=_topics,
+    topics=lambda path: topics_of(path, McapStream(path)),
     summary="MCAP with ROS 2, ROS 1, JSON or protobuf messages holding joint states; salvaged where it breaks off.",
 )

@@ -1,9 +1,13 @@
-"""Definitions of ROS messages: from the file, from the standard set, or one of the known franka_msgs generations."""
+"""Decoders of messages: ROS through rosbags, JSON, protobuf through mcap-protobuf-support.
+
+The definition of a ROS message is from the file, from the standard set, or one of the known franka_msgs generations.
+"""
 
 import json
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Protocol
 
+from friction_audit.io.readers.message_kinds import UndecodableError
 from friction_audit.io.readers.message_layout import Layout, LayoutError, find_layout
 from friction_audit.io.readers.message_stream import Connection
 
@@ -11,150 +15,16 @@ if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc, Typesdict
     from rosbags.typesys.store import Typestore
 
-
-FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaState_multipanda")
-"""Files in ``franka_msgs/``, in the order in which they are tried."""
-
-FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
-
-ERROR_FLAGS = (36, 41)
-"""Number of flags in ``franka_msgs/Errors``, by generation."""
-
-
-DEEPEST = 64
-MOST_FIELDS = 100_000
-"""The largest state message, FrankaRobotState, has some 200 fields in five levels."""
+# Files in franka_msgs/, in the order in which they are tried.
+_FRANKA_GENERATIONS = ("FrankaRobotState_nested", "FrankaState_flat", "FrankaState_multipanda")
+_FRANKA_TYPES = ("franka_msgs/msg/FrankaState", "franka_msgs/msg/FrankaRobotState")
+_ERROR_FLAGS = (36, 41)  # flags in franka_msgs/Errors, by generation
+_DEEPEST, _MOST_FIELDS = 64, 100_000  # the largest state message, FrankaRobotState, has some 200 fields in five levels
+_STAMP_TYPES = ("builtin_interfaces/msg/Time",)
 
 
 class DefinitionError(Exception):
     """The definition that a file carries cannot be used."""
-
-
-def find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
-    """Find the definition of a connection's type and of all that it contains.
-
-    Args:
-        connection: A ROS 1 or ROS 2 connection.
-        payload: A message of it, with which the known franka_msgs generations are tried.
-
-    Returns:
-        Definitions as rosbags parses them, or None if nothing is known.
-
-    Raises:
-        DefinitionError: If the file carries a definition that cannot be parsed.
-    """
-    if connection.definition:
-        return _parse(connection)
-    standard = _standard_types(connection.encoding)
-    if connection.type in standard:
-        return standard
-    if connection.type in FRANKA_TYPES and payload is not None:
-        return _try_franka(connection, payload, standard)
-    return None
-
-
-def may_be_known(connection: Connection) -> bool:
-    """Return True if a definition can be found once a message is at hand."""
-    return bool(connection.definition) or connection.type in FRANKA_TYPES
-
-
-def _parse(connection: Connection) -> "Typesdict":
-    from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
-
-    types: Typesdict = dict(get_typestore(Stores.EMPTY).fielddefs)
-    try:
-        text = connection.definition.decode()
-        if connection.definition_format == "ros2idl":
-            types.update(_parse_idl(text))
-        else:
-            types.update(get_types_from_msg(text, connection.type))
-    except (TypesysError, UnicodeDecodeError, RecursionError) as error:
-        raise DefinitionError(f"its definition cannot be parsed ({error})") from error
-    if connection.type in types:
-        _count_fields(connection.type, types)
-    return types
-
-
-def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
-    """Return how many fields a message has at least, arrays of numbers counted once.
-
-    Raises:
-        DefinitionError: If it contains itself, or arrays of messages that a decoder would not come to an end of.
-    """
-    if typename in above or len(above) > DEEPEST:
-        raise DefinitionError(f"{typename} contains itself, or is nested more than {DEEPEST} deep")
-    count = 1
-    length: int | None
-    for _, description in types.get(typename, ((), ()))[1]:
-        # Node types of rosbags: 2 a named message, 3 an array, 4 a sequence (whose length a payload bounds).
-        match description:
-            case (2, inner):
-                length = None
-            case (3, ((2, inner), size)):
-                length = int(size)
-            case (_, ((2, inner), _)):
-                length = 1
-            case _:
-                count += 1
-                continue
-        own = _count_fields(str(inner), types, (*above, typename))
-        if own == 1 and length is not None:
-            raise DefinitionError(f"{typename} has an array of empty messages")
-        count += own * (1 if length is None else length)
-        if count > MOST_FIELDS:
-            raise DefinitionError(f"{typename} has more than {MOST_FIELDS} fields")
-    return count
-
-
-def _parse_idl(text: str) -> "Typesdict":
-    from rosbags.typesys import get_types_from_idl
-
-    separator = "=" * 80 + "\n"
-    if not text.startswith(f"{separator}IDL: "):
-        return get_types_from_idl(text)
-    types: Typesdict = {}
-    for part in text.split(separator)[1:]:
-        types.update(get_types_from_idl(part.split("\n", 1)[1]))
-    return types
-
-
-def _standard_types(encoding: str) -> "Typesdict":
-    from rosbags.typesys import Stores, get_typestore
-
-    return get_typestore(Stores.ROS1_NOETIC if encoding == "ros1" else Stores.ROS2_HUMBLE).fielddefs
-
-
-def _try_franka(connection: Connection, payload: bytes, standard: "Typesdict") -> "Typesdict | None":
-    """Choose the generation whose layout has the payload's length."""
-    for types in _franka_definitions(connection.type):
-        candidate = {**standard, **types}
-        try:
-            find_layout(payload, connection.type, candidate, encoding=connection.encoding)
-        except LayoutError:
-            continue
-        return candidate
-    return None
-
-
-def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
-    from importlib.resources import files
-
-    from rosbags.typesys import get_types_from_msg
-
-    folder = files("friction_audit.io.readers") / "franka_msgs"
-    parts: Typesdict = {}
-    for name in ("CollisionIndicators", "Elbow"):
-        text = (folder / f"{name}.msg").read_text(encoding="utf-8")
-        parts.update(get_types_from_msg(text, f"franka_msgs/msg/{name}"))
-    for generation in FRANKA_GENERATIONS:
-        text = (folder / f"{generation}.msg").read_text(encoding="utf-8")
-        for flags in ERROR_FLAGS:
-            errors = get_types_from_msg(f"bool[{flags}] flags", "franka_msgs/msg/Errors")
-            yield {**parts, **errors, **get_types_from_msg(text, typename)}
-
-
-class UndecodableError(Exception):
-    """One payload does not fit its definition."""
 
 
 class MessageDecoder(Protocol):
@@ -171,24 +41,21 @@ class MessageDecoder(Protocol):
         """Decode one message; raises UndecodableError."""
 
     def layout(self, payload: bytes) -> Layout | None:
-        """Find where the numbers lie in this payload, or None if that cannot be told."""
+        """Find where the numbers lie in this payload, or None if messages have no constant layout."""
 
 
 def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
-    """Make the decoder of a connection.
+    """Make the decoder of a connection; None if its type is not known, or cannot be known without a message.
 
     Args:
         connection: The connection.
         payload: One of its messages, if there is one at hand.
 
-    Returns:
-        None if the type is not known, or cannot be known without a message.
-
     Raises:
         DefinitionError: If the definition in the file cannot be used.
     """
     if connection.encoding in ("cdr", "ros1"):
-        types = find_definition(connection, payload)
+        types = _find_definition(connection, payload)
         return None if types is None or connection.type not in types else RosDecoder(connection, types)
     if connection.encoding == "json" and payload is not None:
         return JsonDecoder(payload)
@@ -197,19 +64,20 @@ def decoder_for(connection: Connection, payload: bytes | None = None) -> Message
     return None
 
 
+def needs_message(connection: Connection) -> bool:
+    """Return True if a decoder may be found once a message is at hand."""
+    return connection.encoding == "json" or bool(connection.definition) or connection.type in _FRANKA_TYPES
+
+
 class RosDecoder:
     """ROS 1 and ROS 2 (CDR) messages, through rosbags."""
 
     def __init__(self, connection: Connection, types: "Typesdict") -> None:
-        """Keep the definitions; the decoder proper is generated when it is first needed.
-
-        Raises:
-            DefinitionError: If the definitions are not all there.
-        """
+        """Keep the definitions; DefinitionError if they are not all there."""
         self._type = connection.type
         self._encoding = connection.encoding
         self._types = types
-        self._store: Typestore | None = None
+        self._store: Typestore | None = None  # generated when it is first needed
         try:
             self.paths = tuple(_ros_paths(connection.type, types))
         except KeyError as error:
@@ -218,64 +86,34 @@ class RosDecoder:
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
         from rosbags.serde import SerdeError
-        from rosbags.typesys import TypesysError
+        from rosbags.typesys import Stores, TypesysError, get_typestore
 
         try:
-            store = self._store or self._make_store()
+            if self._store is None:
+                self._store = get_typestore(Stores.EMPTY)
+                self._store.register(self._types)
             if self._encoding == "cdr":
-                return store.deserialize_cdr(payload, self._type)
-            return store.deserialize_ros1(payload, self._type)
+                return self._store.deserialize_cdr(payload, self._type)
+            return self._store.deserialize_ros1(payload, self._type)
         except (SerdeError, TypesysError, KeyError) as error:  # KeyError: a type that the definitions do not have
             raise UndecodableError(str(error)) from error
 
     def layout(self, payload: bytes) -> Layout | None:
-        """Find where the numbers lie in this payload, or None if that cannot be told."""
+        """Find where the numbers lie in this payload, or None if messages have no constant layout."""
         try:
             return find_layout(payload, self._type, self._types, encoding=self._encoding)
         except LayoutError:
             return None
-
-    def _make_store(self) -> "Typestore":
-        from rosbags.typesys import Stores, get_typestore
-
-        self._store = get_typestore(Stores.EMPTY)
-        self._store.register(self._types)
-        return self._store
-
-
-STAMP_TYPES = ("builtin_interfaces/msg/Time",)
-
-
-def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:
-    for name, description in types[typename][1]:
-        path = prefix + name
-        kind, detail = int(description[0]), description[1]
-        if kind == 1 or detail in STAMP_TYPES:
-            yield path
-        elif kind == 2 and not prefix:  # noqa: PLR2004
-            yield from _ros_paths(str(detail), types, f"{path}.")
-        elif kind > 2:  # noqa: PLR2004
-            yield from _ros_list_paths(description, path, types)
-
-
-def _ros_list_paths(description: "FieldDesc", path: str, types: "Typesdict") -> Iterator[str]:
-    match description:
-        case (_, ((1, _), _)):
-            yield path
-        case (_, ((2, str(inner)), _)) if "." not in path:
-            yield from _ros_paths(inner, types, f"{path}[].")
 
 
 class JsonDecoder:
     """JSON messages; the fields are those of the first message."""
 
     def __init__(self, payload: bytes) -> None:
-        """Find the fields."""
         try:
-            first = self.decode(payload)
+            self.paths = tuple(_json_paths(self.decode(payload)))
         except UndecodableError:
-            first = {}
-        self.paths = tuple(_json_paths(first))
+            self.paths = ()
 
     def decode(self, payload: bytes) -> object:
         """Decode one message; raises UndecodableError."""
@@ -289,27 +127,11 @@ class JsonDecoder:
         """Return None: the layout of a text is not constant."""
 
 
-def _json_paths(message: object, prefix: str = "") -> Iterator[str]:
-    if not isinstance(message, Mapping):
-        return
-    for name, value in message.items():
-        path = f"{prefix}{name}"
-        yield path
-        if isinstance(value, Mapping) and not prefix:
-            yield from _json_paths(value, f"{path}.")
-        elif isinstance(value, list) and value and not prefix:
-            yield from _json_paths(value[0], f"{path}[].")
-
-
 class ProtobufDecoder:
     """Protobuf messages, through mcap-protobuf-support."""
 
     def __init__(self, connection: Connection) -> None:
-        """Build the message class from the descriptors in the file.
-
-        Raises:
-            DefinitionError: If the descriptors are missing or broken.
-        """
+        """Build the message class from the descriptors in the file; DefinitionError if they are missing or broken."""
         from google.protobuf.message import DecodeError
         from mcap.exceptions import McapError
         from mcap.records import Schema
@@ -338,29 +160,126 @@ class ProtobufDecoder:
         """Return None: protobuf leaves out fields that are zero."""
 
 
+def _find_definition(connection: Connection, payload: bytes | None) -> "Typesdict | None":
+    """Find the definition of a connection's type and of all that it contains, as rosbags parses them."""
+    from rosbags.typesys import Stores, get_typestore
+
+    if connection.definition:
+        return _parse(connection)
+    standard = get_typestore(Stores.ROS1_NOETIC if connection.encoding == "ros1" else Stores.ROS2_HUMBLE).fielddefs
+    if connection.type in standard:
+        return standard
+    if connection.type in _FRANKA_TYPES and payload is not None:
+        for types in _franka_definitions(connection.type):  # the generation whose layout has the payload's length
+            try:
+                find_layout(payload, connection.type, {**standard, **types}, encoding=connection.encoding)
+            except LayoutError:
+                continue
+            return {**standard, **types}
+    return None
+
+
+def _parse(connection: Connection) -> "Typesdict":
+    from rosbags.typesys import Stores, TypesysError, get_types_from_idl, get_types_from_msg, get_typestore
+
+    types: Typesdict = dict(get_typestore(Stores.EMPTY).fielddefs)
+    separator = "=" * 80 + "\n"
+    try:
+        text = connection.definition.decode()
+        if connection.definition_format != "ros2idl":
+            types.update(get_types_from_msg(text, connection.type))
+        elif text.startswith(f"{separator}IDL: "):
+            for part in text.split(separator)[1:]:
+                types.update(get_types_from_idl(part.split("\n", 1)[1]))
+        else:
+            types.update(get_types_from_idl(text))
+    except (TypesysError, UnicodeDecodeError, RecursionError) as error:
+        raise DefinitionError(f"its definition cannot be parsed ({error})") from error
+    if connection.type in types:
+        _count_fields(connection.type, types)
+    return types
+
+
+def _count_fields(typename: str, types: "Typesdict", above: tuple[str, ...] = ()) -> int:
+    """Return how many fields a message has at least, arrays of numbers counted once.
+
+    DefinitionError if it contains itself, or arrays of messages that a decoder would not come to an end of.
+    """
+    if typename in above or len(above) > _DEEPEST:
+        raise DefinitionError(f"{typename} contains itself, or is nested more than {_DEEPEST} deep")
+    count = 1
+    length: int | None
+    for _, description in types.get(typename, ((), ()))[1]:
+        # Node types of rosbags: 2 a named message, 3 an array, 4 a sequence (whose length a payload bounds).
+        match description:
+            case (2, inner):
+                length = None
+            case (3, ((2, inner), size)):
+                length = int(size)
+            case (_, ((2, inner), _)):
+                length = 1
+            case _:
+                count += 1
+                continue
+        own = _count_fields(str(inner), types, (*above, typename))
+        if own == 1 and length is not None:
+            raise DefinitionError(f"{typename} has an array of empty messages")
+        count += own * (1 if length is None else length)
+        if count > _MOST_FIELDS:
+            raise DefinitionError(f"{typename} has more than {_MOST_FIELDS} fields")
+    return count
+
+
+def _franka_definitions(typename: str) -> Iterator["Typesdict"]:
+    from importlib.resources import files
+
+    from rosbags.typesys import get_types_from_msg
+
+    folder = files("friction_audit.io.readers") / "franka_msgs"
+    parts: Typesdict = {}
+    for name in ("CollisionIndicators", "Elbow"):
+        text = (folder / f"{name}.msg").read_text(encoding="utf-8")
+        parts.update(get_types_from_msg(text, f"franka_msgs/msg/{name}"))
+    for generation in _FRANKA_GENERATIONS:
+        text = (folder / f"{generation}.msg").read_text(encoding="utf-8")
+        for flags in _ERROR_FLAGS:
+            errors = get_types_from_msg(f"bool[{flags}] flags", "franka_msgs/msg/Errors")
+            yield {**parts, **errors, **get_types_from_msg(text, typename)}
+
+
+def _ros_paths(typename: str, types: "Typesdict", prefix: str = "") -> Iterator[str]:
+    for name, description in types[typename][1]:
+        path = prefix + name
+        kind, detail = int(description[0]), description[1]
+        if kind == 1 or detail in _STAMP_TYPES:
+            yield path
+        elif kind == 2 and not prefix:  # noqa: PLR2004
+            yield from _ros_paths(str(detail), types, f"{path}.")
+        elif kind > 2:  # noqa: PLR2004
+            yield from _ros_list_paths(description, path, types)
+
+
+def _ros_list_paths(description: "FieldDesc", path: str, types: "Typesdict") -> Iterator[str]:
+    match description:
+        case (_, ((1, _), _)):
+            yield path
+        case (_, ((2, str(inner)), _)) if "." not in path:
+            yield from _ros_paths(inner, types, f"{path}[].")
+
+
+def _json_paths(message: object, prefix: str = "") -> Iterator[str]:
+    for name, value in message.items() if isinstance(message, Mapping) else ():
+        path = f"{prefix}{name}"
+        yield path
+        if isinstance(value, Mapping) and not prefix:
+            yield from _json_paths(value, f"{path}.")
+        elif isinstance(value, list) and value and not prefix:
+            yield from _json_paths(value[0], f"{path}[].")
+
+
 def _protobuf_paths(descriptor: object, prefix: str = "") -> Iterator[str]:
     for field in descriptor.fields:  # type: ignore[attr-defined]
         path = f"{prefix}{field.name}"
         yield path
         if field.message_type is not None and not prefix:
             yield from _protobuf_paths(field.message_type, f"{path}[]." if field.is_repeated else f"{path}.")
-
-
-def value_at(message: object, path: str) -> object | None:
-    """Return the value of a field by its dotted path, or None if the message does not have it."""
-    value: object | None = message
-    for name in path.split("."):
-        value = value.get(name) if isinstance(value, Mapping) else _attribute(value, name)
-        if value is None:
-            return None
-    return value
-
-
-def _attribute(message: object, name: str) -> object | None:
-    """Return an attribute; an optional protobuf field that was not set is None, not its default."""
-    descriptor = getattr(message, "DESCRIPTOR", None)
-    if descriptor is not None:
-        field = descriptor.fields_by_name.get(name)
-        if field is None or (field.has_presence and not message.HasField(name)):  # type: ignore[attr-defined]
-            return None
-    return getattr(message, name, None)

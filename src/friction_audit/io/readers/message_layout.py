@@ -1,12 +1,12 @@
 """Where each number lies in a serialised message: the definition, walked over one payload.
 
-CDR aligns every primitive to its own size, counted from behind the four bytes of the encapsulation header, and ends
+CDR aligns every primitive to its own size, counted from after the four bytes of the encapsulation header, and ends
 strings with a zero; ROS 1 does neither.
 """
 
 import struct
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,26 +17,14 @@ from friction_audit.io.readers.message_stream import Block
 if TYPE_CHECKING:
     from rosbags.interfaces.typing import FieldDesc, Typesdict
 
+_CDR_HEADER_BYTES = 4
+_CDR_LITTLE_ENDIAN = b"\x00\x01"
+_CDR_TRAILING_PADDING_BYTES = 3
+_NUMBER_TYPES = {"bool": "u1", "byte": "u1", "char": "u1", "int8": "i1", "uint8": "u1", "int16": "<i2",
+                 "uint16": "<u2", "int32": "<i4", "uint32": "<u4", "int64": "<i8", "uint64": "<u8", "float32": "<f4",
+                 "float64": "<f8"}  # fmt: skip
 
-CDR_HEADER_BYTES = 4
-CDR_LITTLE_ENDIAN = b"\x00\x01"
-CDR_TRAILING_PADDING_BYTES = 3
-
-NUMBER_TYPES: Mapping[str, str] = {
-    "bool": "u1",
-    "byte": "u1",
-    "char": "u1",
-    "int8": "i1",
-    "uint8": "u1",
-    "int16": "<i2",
-    "uint16": "<u2",
-    "int32": "<i4",
-    "uint32": "<u4",
-    "int64": "<i8",
-    "uint64": "<u8",
-    "float32": "<f4",
-    "float64": "<f8",
-}
+Records = NDArray[np.void]
 
 
 class LayoutError(Exception):
@@ -82,34 +70,27 @@ def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: 
     Raises:
         LayoutError: If the definition and the payload do not fit, or the payload is big-endian.
     """
-    if encoding == "cdr" and payload[:2] != CDR_LITTLE_ENDIAN:
+    if encoding == "cdr" and payload[:2] != _CDR_LITTLE_ENDIAN:
         raise LayoutError("not little-endian plain CDR")
-    walk = _Walk(payload, types, cdr=encoding == "cdr")
+    walk = _Walk(payload, types, is_cdr=encoding == "cdr")
     try:
         walk.message(typename, "")
     except (struct.error, UnicodeDecodeError, KeyError) as error:
         raise LayoutError(str(error)) from error
     spare = len(payload) - walk.position
-    if spare < 0 or spare > (CDR_TRAILING_PADDING_BYTES if walk.cdr else 0):
+    if spare < 0 or spare > (_CDR_TRAILING_PADDING_BYTES if walk.is_cdr else 0):
         raise LayoutError(f"{spare} bytes left over")
     return Layout(len(payload), walk.numbers, walk.strings, np.flatnonzero(walk.fixed))
 
 
-@dataclass(slots=True)
 class _Walk:
-    payload: bytes
-    types: "Typesdict"
-    cdr: bool
-    position: int = 0
-    numbers: dict[str, Leaf] = field(default_factory=dict)
-    strings: dict[str, tuple[str, ...]] = field(default_factory=dict)
-    fixed: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, bool))
-
-    def __post_init__(self) -> None:
-        self.fixed = np.zeros(len(self.payload), bool)
-        if self.cdr:
-            self.fixed[: len(CDR_LITTLE_ENDIAN)] = True
-            self.position = CDR_HEADER_BYTES
+    def __init__(self, payload: bytes, types: "Typesdict", *, is_cdr: bool) -> None:
+        self.payload, self.types, self.is_cdr = payload, types, is_cdr
+        self.numbers: dict[str, Leaf] = {}
+        self.strings: dict[str, tuple[str, ...]] = {}
+        self.fixed = np.zeros(len(payload), bool)
+        self.position = _CDR_HEADER_BYTES if is_cdr else 0
+        self.fixed[: len(_CDR_LITTLE_ENDIAN) if is_cdr else 0] = True
 
     def message(self, typename: str, prefix: str) -> None:
         for name, description in self.types[typename][1]:
@@ -140,15 +121,14 @@ class _Walk:
                 self.message(str(detail), f"{path}[{index}].")
 
     def numeric(self, base: str, path: str, count: int) -> None:
-        if base not in NUMBER_TYPES:
+        if base not in _NUMBER_TYPES:
             raise LayoutError(f"{path} is of type {base}")
-        dtype = NUMBER_TYPES[base]
-        width = np.dtype(dtype).itemsize
+        width = np.dtype(_NUMBER_TYPES[base]).itemsize
         if count:
             self.align(width)
         if self.position + count * width > len(self.payload):
-            raise LayoutError(f"{path} ends behind the payload")
-        self.numbers[path] = Leaf(self.position, dtype, count)
+            raise LayoutError(f"{path} ends after the payload")
+        self.numbers[path] = Leaf(self.position, _NUMBER_TYPES[base], count)
         self.position += count * width
 
     def length(self) -> int:
@@ -163,18 +143,15 @@ class _Walk:
     def string(self) -> str:
         size = self.length()
         content = self.payload[self.position : self.position + size]
-        if len(content) < size or (self.cdr and content[-1:] != b"\x00"):
+        if len(content) < size or (self.is_cdr and content[-1:] != b"\x00"):
             raise LayoutError("a string without end")
         self.fixed[self.position : self.position + size] = True
         self.position += size
-        return (content[:-1] if self.cdr else content).decode()
+        return (content[:-1] if self.is_cdr else content).decode()
 
     def align(self, width: int) -> None:
-        if self.cdr:
-            self.position += -(self.position - CDR_HEADER_BYTES) % width
-
-
-Records = NDArray[np.void]
+        if self.is_cdr:
+            self.position += -(self.position - _CDR_HEADER_BYTES) % width
 
 
 class BlockDecoder:
@@ -197,27 +174,17 @@ class BlockDecoder:
                 "itemsize": layout.size,
             }
         )
-        self._bytes = np.dtype((np.uint8, (layout.size,)))
 
     def decode(self, block: Block) -> Records | None:
         """View a block as records, one per message, one field per path; None if any message is laid out differently."""
-        if not (block.size == self.layout.size).all():
+        size, count = self.layout.size, len(block)
+        if not (block.size == size).all():
             return None
-        buffer, start, stride = _evenly_spaced(block)
-        count = len(block)
-        rows = np.ndarray((count, self.layout.size), np.uint8, buffer, offset=start, strides=(stride, 1))
+        buffer, start, steps = block.buffer, int(block.start[0]), np.diff(block.start)
+        stride = int(steps[0]) if count > 1 else size
+        if stride < size or not (steps == stride).all():  # the payloads are not at a constant distance
+            buffer, start, stride = b"".join(block.payload(index) for index in range(count)), 0, size
+        rows = np.ndarray((count, size), np.uint8, buffer, offset=start, strides=(stride, 1))
         if not (rows[:, self.layout.fixed] == self._fixed_bytes).all():
             return None
         return np.ndarray((count,), self._dtype, buffer, offset=start, strides=(stride,))
-
-
-def _evenly_spaced(block: Block) -> tuple[bytes, int, int]:
-    """Return a buffer in which the payloads lie at a constant distance, the first offset and that distance."""
-    size = int(block.size[0])
-    if len(block) == 1:
-        return block.buffer, int(block.start[0]), size
-    steps = np.diff(block.start)
-    stride = int(steps[0])
-    if stride >= size and (steps == stride).all():
-        return block.buffer, int(block.start[0]), stride
-    return b"".join(block.payload(index) for index in range(len(block))), 0, size

@@ -1,7 +1,7 @@
 """A stream of messages -> Recording: what all message containers have in common."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
 from itertools import islice
@@ -10,49 +10,24 @@ from pathlib import Path
 import numpy as np
 
 from friction_audit.errors import InputError
+from friction_audit.io.files import stamp_of
 from friction_audit.io.readers.columns import MOST_JOINTS
-from friction_audit.io.readers.joint_samples import (
-    LARGEST_EXPECTATION,
-    JointSamples,
-    Row,
-    robot_of,
-    row_of,
-    stamp_paths,
-)
-from friction_audit.io.readers.message_decoder import (
-    DefinitionError,
-    MessageDecoder,
-    UndecodableError,
-    decoder_for,
-    may_be_known,
-)
+from friction_audit.io.readers.joint_names import robot_of
+from friction_audit.io.readers.joint_samples import LARGEST_EXPECTATION, JointSamples
+from friction_audit.io.readers.message_clock import choose_clock
+from friction_audit.io.readers.message_decoder import DefinitionError, MessageDecoder, decoder_for, needs_message
+from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
 from friction_audit.io.readers.message_layout import BlockDecoder
-from friction_audit.io.readers.message_stream import (
-    Block,
-    Connection,
-    Damage,
-    MessageKind,
-    MessageStream,
-    Window,
-    block_of_payloads,
-    choose_clock,
-    match_kind,
-)
+from friction_audit.io.readers.message_stream import Block, Connection, MessageStream, Window, block_of_payloads
 from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Recording, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, Choice, choose_topic
-from friction_audit.io.readers.unpack import stamp_of
 from friction_audit.joint_log import Finding, find_window
 
-SAMPLED_MESSAGES = 16
-"""First messages of a topic that tell its joints and channels."""
-CLOCK_DRIFT = 0.01
-"""Most that the time of recording may run away from the source's clock before a part is looked for in the whole log."""
-MOST_TIMES_SMALLER = 100
-"""A count in the file is believed up to a file that holds its samples in a hundredth of their size."""
-NANOSECONDS = 1e9
-
-CLOCKS = 3
-"""Arrays of times that are kept beside the channels."""
+_SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and channels are known
+_CLOCK_DRIFT = 0.01  # most drift of the time of recording against the source's clock; beyond, the whole log is read
+_MOST_TIMES_SMALLER = 100  # a count in the file is believed up to a file of a hundredth of the size of its samples
+_NANOSECONDS = 1e9
+_CLOCKS = 3  # arrays of times that are kept with the channels
 
 
 def read_messages(
@@ -64,7 +39,7 @@ def read_messages(
         path: The log, for messages.
         stream: Its messages.
         options: What the user said about it.
-        stated: Number of messages on each topic as a file beside the stream states it.
+        stated: Number of messages on each topic as metadata.yaml states it.
 
     Raises:
         InputError: If there is no joint state to read.
@@ -72,24 +47,39 @@ def read_messages(
     """
     candidates = _candidates(path, stream, options)
     choice = choose_topic(path, candidates, _topics(stream, candidates), options.topic)
-    row_bytes = np.float64().itemsize * (len(choice.candidate.channels) * len(choice.joints) + CLOCKS)
-    believed = MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes
-    expected = min(choice.candidate.messages or 0, LARGEST_EXPECTATION, believed)
-    if options.reads_part(expected * row_bytes) and (part := _read_part(path, stream, choice, options)) is not None:
-        samples, undecodable, skipped = part
-        missing: list[Finding] = []
-    else:
+    candidate = choice.candidate
+    row_bytes = np.float64().itemsize * (len(candidate.channels) * len(choice.joints) + _CLOCKS)
+    believed = _MOST_TIMES_SMALLER * stamp_of(path).size // row_bytes
+    expected = min(candidate.messages or 0, LARGEST_EXPECTATION, believed)
+    part = _read_part(path, stream, choice, options) if options.reads_part(expected * row_bytes) else None
+    missing: list[Finding] = []
+    if part is None:
         refuse_too_large(path, expected * row_bytes, expected * row_bytes)
-        samples, skipped = JointSamples(choice.joints, choice.candidate.channels, expected), 0
-        undecodable, seen = _collect(stream, choice.candidate, samples)
-        missing = _missing(stream, choice.candidate, seen, (stated or {}).get(choice.candidate.topic, 0))
+        samples, skipped = JointSamples(choice.joints, candidate.channels, expected), 0
+        undecodable, seen = _collect(stream, candidate, samples)
+        missing = _missing(stream, candidate, seen, (stated or {}).get(candidate.topic, 0))
+    else:
+        samples, undecodable, skipped = part
     if not samples.count:
         raise InputError(
-            f"{path}: none of the messages on topic {choice.candidate.topic} can be decoded as "
-            f"{choice.candidate.type}; choose another topic with --topic"
+            f"{path}: none of the messages on topic {candidate.topic} can be decoded as {candidate.type}; choose "
+            "another topic with --topic"
         )
-    losses = [*_losses(stream.damage, samples, undecodable), *missing]
-    return _recording(choice, samples, candidates, losses, skipped)
+    clock, kind = choose_clock(samples.log_time, samples.stamp, samples.robot_time), candidate.kind
+    shown = f"{kind.elements}[{{i}}].%s" if kind.elements else "%s[{i}]"
+    losses = [*_losses(stream, samples, undecodable), *missing]
+    return Recording(
+        t=clock.t[skipped:],
+        channels={name: array[skipped:] for name, array in samples.channels.items()},
+        first_s=float(clock.t[:skipped].min()) if skipped else None,
+        joint_names=choice.joints,
+        clock=clock.name,
+        start_s=clock.start_s,
+        robot=_robot(choice, candidates),
+        topic=candidate.topic,
+        mapping={name: shown % kind.fields[name] for name in samples.channels},
+        findings=(*choice.findings, *_empty_channels(candidate, candidates), *losses, *clock.findings),
+    )
 
 
 def topics_of(path: Path, stream: MessageStream) -> tuple[Topic, ...]:
@@ -118,10 +108,10 @@ def _sum(counts: Sequence[int | None]) -> int | None:
 
 def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list[Candidate]:
     """Find the topics that can be read, with their first messages decoded."""
-    wanted = _wanted(options)
+    wanted = options.topic.partition("#")[0].strip("/") if options.topic else None
     used = [c for c in stream.connections if c.messages != 0]
     decoders = {c.key: decoder for c in used if (decoder := _decoder(path, c, None, wanted)) is not None}
-    unknown = [c for c in used if c.key not in decoders and (c.encoding == "json" or may_be_known(c))]
+    unknown = [c for c in used if c.key not in decoders and needs_message(c)]
     firsts = _first_blocks(stream, unknown)
     for connection in unknown:
         block = firsts.get(connection.key)
@@ -129,26 +119,34 @@ def _candidates(path: Path, stream: MessageStream, options: ReadOptions) -> list
         found = (_decoder(path, connection, payload, wanted) for payload in payloads)
         if (late := next((decoder for decoder in found if decoder is not None and decoder.paths), None)) is not None:
             decoders[connection.key] = late
-    kinds = _kinds(path, [c for c in used if c.key in decoders], decoders, options)
+    kinds = _kinds(path, [c for c in used if c.key in decoders], decoders, options.mapping, wanted)
     firsts |= _first_blocks(stream, [c for c in used if c.key in kinds and c.key not in firsts])
     groups: dict[str, list[Connection]] = {}
     for connection in used:
         if connection.key in kinds and connection.key in firsts:
             groups.setdefault(connection.topic, []).append(connection)
-    candidates = [_candidate(group, kinds, decoders, firsts) for group in groups.values()]
-    for candidate in candidates:
-        joints = max((len(row.names) for row in candidate.rows), default=0)
-        if joints > MOST_JOINTS and wanted in (None, candidate.topic.strip("/")):
+    candidates = []
+    for topic, group in groups.items():
+        kind = kinds[group[0].key]
+        same = [c for c in group if kinds[c.key] == kind]  # connections of one topic, of the kind of the first one
+        rows = [row for c in same for row in _first_rows(firsts[c.key], decoders[c.key], kind)]
+        joints = max((len(row.names) for row in rows), default=0)
+        if joints > MOST_JOINTS and wanted in (None, topic.strip("/")):
             raise InputError(
-                f"{path}: a message on topic {candidate.topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
+                f"{path}: a message on topic {topic} holds {joints} joints; expected at most {MOST_JOINTS}; "
                 "choose another topic with --topic"
             )
+        candidates.append(
+            Candidate(
+                topic=topic,
+                type=group[0].type,
+                messages=_sum([c.messages for c in same]),
+                kind=kind,
+                decoders={c.key: decoders[c.key] for c in same},
+                rows=rows,
+            )
+        )
     return candidates
-
-
-def _wanted(options: ReadOptions) -> str | None:
-    """Return the topic that the user asked for, without the arm and the slashes around it."""
-    return options.topic.partition("#")[0].strip("/") if options.topic else None
 
 
 def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: str | None) -> MessageDecoder | None:
@@ -164,43 +162,23 @@ def _decoder(path: Path, connection: Connection, payload: bytes | None, wanted: 
         ) from error
 
 
-def _candidate(
-    group: Sequence[Connection],
-    kinds: Mapping[int, MessageKind],
-    decoders: Mapping[int, MessageDecoder],
-    firsts: Mapping[int, Block],
-) -> Candidate:
-    """Join the connections of one topic that are of the same kind as the first one."""
-    kind = kinds[group[0].key]
-    same = [connection for connection in group if kinds[connection.key] == kind]
-    return Candidate(
-        topic=group[0].topic,
-        type=group[0].type,
-        messages=_sum([connection.messages for connection in same]),
-        kind=kind,
-        decoders={connection.key: decoders[connection.key] for connection in same},
-        rows=[row for c in same for row in _first_rows(firsts[c.key], decoders[c.key], kind)],
-    )
-
-
 def _first_blocks(stream: MessageStream, connections: Sequence[Connection]) -> dict[int, Block]:
     """Return the first messages of each connection, which may lie in several blocks."""
     # One connection at a time: a container may hand over all messages of one before it comes to the next.
     found = {
-        c.key: list(islice(_messages_of(stream, c.key), min(SAMPLED_MESSAGES, c.messages or 1))) for c in connections
+        c.key: list(islice(_messages_of(stream, c.key), min(_SAMPLED_MESSAGES, c.messages or 1))) for c in connections
     }
     return {key: block_of_payloads(key, *zip(*timed, strict=True)) for key, timed in found.items() if timed}
 
 
 def _messages_of(stream: MessageStream, key: int) -> Iterator[tuple[int, bytes]]:
-    """Yield log time and payload of the messages of a connection."""
     for block in stream.blocks([key]):
         yield from ((int(block.log_time[index]), block.payload(index)) for index in range(len(block)))
 
 
 def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> list[Row]:
     rows = []
-    for index in range(min(len(block), SAMPLED_MESSAGES)):
+    for index in range(min(len(block), _SAMPLED_MESSAGES)):
         try:
             rows.append(row_of(decoder.decode(block.payload(index)), kind))
         except UndecodableError:
@@ -211,58 +189,39 @@ def _first_rows(block: Block, decoder: MessageDecoder, kind: MessageKind) -> lis
 
 
 def _kinds(
-    path: Path, connections: Sequence[Connection], decoders: Mapping[int, MessageDecoder], options: ReadOptions
+    path: Path,
+    connections: Sequence[Connection],
+    decoders: Mapping[int, MessageDecoder],
+    mapping: Mapping[str, str],
+    wanted: str | None,
 ) -> dict[int, MessageKind]:
-    """Match the fields of all connections.
-
-    Raises:
-        InputError: If the user mapped fields that no connection has.
-    """
-    wanted = _wanted(options)
+    """Match the fields of all connections; what the user mapped wins, InputError if no connection has it."""
     kinds: dict[int, MessageKind] = {}
-    refused: list[tuple[Connection, list[str]]] = []
+    refusals: list[InputError] = []
+    # actual.velocities[{i}] names the array actual.velocities
+    stated = {channel: text.replace("[{i}]", "").replace(".{i}", "") for channel, text in mapping.items()}
     for connection in connections:
-        decoder = decoders[connection.key]
-        mapping = options.mapping if wanted in (None, connection.topic.strip("/")) else {}
-        kind, missing = _kind(decoder, mapping)
-        if missing:
-            refused.append((connection, missing))
+        paths = decoders[connection.key].paths
+        named = stated if wanted in (None, connection.topic.strip("/")) else {}
+        kind, absent = match_kind(paths), [field for field in named.values() if field not in paths]
+        if absent:
+            near = sorted({name for field in absent for name in get_close_matches(field, paths, cutoff=0.5)})
+            hint = f"; did you mean {', '.join(near)}?" if near else ""
+            text = (
+                f"{path}: topic {connection.topic}: no field {', '.join(absent)} in {connection.type}{hint}; "
+                f"its fields are {', '.join(paths)}; correct --map"
+            )
+            refusals.append(InputError(text))
+        elif named:
+            stamps = ("header.stamp",) if "header.stamp" in paths else ()
+            base = kind or MessageKind(rank=0, fields={}, required=(), stamps=stamps)
+            fields = {**base.fields, **{channel: field for channel, field in named.items() if channel != "t"}}
+            kinds[connection.key] = replace(base, fields=fields, robot_time=named.get("t", base.robot_time))
         elif kind is not None:
             kinds[connection.key] = kind
-    if refused and (wanted is not None or not kinds):
-        connection, missing = refused[0]
-        raise _no_such_field(path, connection, decoders[connection.key], missing)
+    if refusals and (wanted is not None or not kinds):
+        raise refusals[0]
     return kinds
-
-
-def _kind(decoder: MessageDecoder, mapping: Mapping[str, str]) -> tuple[MessageKind | None, list[str]]:
-    """Match the fields of a connection; what the user mapped wins. Returns also the fields mapped but not there."""
-    kind = match_kind(decoder.paths)
-    named = {channel: _field_path(text) for channel, text in mapping.items()}
-    missing = [field for field in named.values() if field not in decoder.paths]
-    if not named or missing:
-        return kind, missing
-    robot_time = named.pop("t", None)
-    base = kind or MessageKind(rank=0, fields={}, required=(), stamps=_stamps(decoder.paths))
-    return replace(base, fields={**base.fields, **named}, robot_time=robot_time or base.robot_time), []
-
-
-def _no_such_field(path: Path, connection: Connection, decoder: MessageDecoder, missing: Sequence[str]) -> InputError:
-    near = sorted({name for field in missing for name in get_close_matches(field, decoder.paths, cutoff=0.5)})
-    hint = f"; did you mean {', '.join(near)}?" if near else ""
-    return InputError(
-        f"{path}: topic {connection.topic}: no field {', '.join(missing)} in {connection.type}{hint}; "
-        f"its fields are {', '.join(decoder.paths)}; correct --map"
-    )
-
-
-def _stamps(paths: Iterable[str]) -> tuple[str, ...]:
-    return ("header.stamp",) if "header.stamp" in paths else ()
-
-
-def _field_path(text: str) -> str:
-    """Return the path in what the user mapped: ``actual.velocities[{i}]`` names the array ``actual.velocities``."""
-    return text.replace("[{i}]", "").replace(".{i}", "")
 
 
 def _collect(
@@ -287,9 +246,8 @@ def _read_part(
 ) -> tuple[JointSamples, int, int] | None:
     """Decode the first messages, from which time counts, and those of the part asked for, found by log time.
 
-    Returns:
-        The samples, the number of messages that failed, and how many of the first samples are no more than the origin;
-        None if the log time tells too little about the clock chosen.
+    Returns the samples, the number of messages that failed, and how many of the first samples are no more than the
+    origin; None if the log time does not follow the clock chosen.
     """
     candidate = choice.candidate
     firsts = _first_blocks(stream, [c for c in stream.connections if c.key in candidate.decoders])
@@ -302,12 +260,12 @@ def _read_part(
     start, stop = options.window_of_clock()
     origin = float(samples.log_time.min())
     window = Window(
-        origin + NANOSECONDS * (start - MARGIN_S - CLOCK_DRIFT * abs(start)),
-        origin + NANOSECONDS * (stop + MARGIN_S + CLOCK_DRIFT * abs(stop)),
+        origin + _NANOSECONDS * (start - MARGIN_S - _CLOCK_DRIFT * abs(start)),
+        origin + _NANOSECONDS * (stop + MARGIN_S + _CLOCK_DRIFT * abs(stop)),
     )
     undecodable, _ = _collect(stream, candidate, samples, window)
     if samples.count == skipped:
-        duration = max(window.latest - origin, 0.0) / NANOSECONDS * options.time_scale
+        duration = max(window.latest - origin, 0.0) / _NANOSECONDS * options.time_scale
         find_window(np.array([0.0, duration]), options.t_start_s, options.t_end_s, str(path))
         return None
     t = choose_clock(samples.log_time, samples.stamp, samples.robot_time).t
@@ -321,13 +279,13 @@ def _add_block(
 ) -> bool:
     """Append a block by the layout in use, or by that of its own first message; False if neither fits."""
     for attempt in (fast.get(block.key), None):
-        decoder_in_use = attempt or _block_decoder(block, decoder, kind, samples)
-        if decoder_in_use is None:
+        block_decoder = attempt or _block_decoder(block, decoder, kind, samples)
+        if block_decoder is None:
             return False
-        records = decoder_in_use.decode(block)
+        records = block_decoder.decode(block)
         if records is not None:
-            fast[block.key] = decoder_in_use
-            return samples.add_records(records, decoder_in_use.layout, kind, block.log_time)
+            fast[block.key] = block_decoder
+            return samples.add_records(records, block_decoder.layout, kind, block.log_time)
     return False
 
 
@@ -335,11 +293,8 @@ def _block_decoder(
     block: Block, decoder: MessageDecoder, kind: MessageKind, samples: JointSamples
 ) -> BlockDecoder | None:
     layout = decoder.layout(block.payload(0))
-    paths = [kind.fields[name] for name in samples.channels]
-    if kind.stamps:
-        paths += stamp_paths(kind)
-    if kind.robot_time:
-        paths.append(kind.robot_time)
+    paths = [*(kind.fields[name] for name in samples.channels), *kind.stamp_paths]
+    paths += [kind.robot_time] if kind.robot_time else []
     if layout is None or any(path not in layout.numbers for path in paths):
         return None
     return BlockDecoder(layout, block.payload(0), tuple(dict.fromkeys(paths)))
@@ -362,7 +317,7 @@ def _add_rows(samples: JointSamples, block: Block, decoder: MessageDecoder, kind
 
 
 def _missing(stream: MessageStream, candidate: Candidate, seen: Mapping[int, int], stated: int) -> list[Finding]:
-    """Compare the messages read with their number by the file's own index and by the file beside it."""
+    """Compare the messages read with their number by the file's own index and by metadata.yaml."""
     own = [c for c in stream.connections if c.topic == candidate.topic]
     indexed = sum(max((c.messages or 0) - seen[c.key], 0) for c in own if c.key in candidate.decoders)
     found = sum(seen[c.key] if c.key in candidate.decoders else c.messages or 0 for c in own)
@@ -374,9 +329,9 @@ def _missing(stream: MessageStream, candidate: Candidate, seen: Mapping[int, int
     return [Finding(code="missing_messages", message=text, amount=float(lost), damaged=True)]
 
 
-def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -> list[Finding]:
+def _losses(stream: MessageStream, samples: JointSamples, undecodable: int) -> list[Finding]:
     findings = []
-    for d in damage:
+    for d in stream.damage:
         place = "" if d.byte is None else f" at byte {d.byte} of {d.file_bytes}"
         text = f"the file is damaged{place} ({d.reason}); the {samples.count} messages outside the damage were read"
         amount = None if d.byte is None else float(d.byte)
@@ -390,37 +345,8 @@ def _losses(damage: Sequence[Damage], samples: JointSamples, undecodable: int) -
     return findings
 
 
-def _recording(
-    choice: Choice,
-    samples: JointSamples,
-    candidates: Sequence[Candidate],
-    losses: list[Finding],
-    skipped: int,
-) -> Recording:
-    clock = choose_clock(samples.log_time, samples.stamp, samples.robot_time)
-    kind = choice.candidate.kind
-    return Recording(
-        t=clock.t[skipped:],
-        channels={name: array[skipped:] for name, array in samples.channels.items()},
-        first_s=float(clock.t[:skipped].min()) if skipped else None,
-        joint_names=choice.joints,
-        clock=clock.name,
-        start_s=clock.start_s,
-        robot=_robot(choice, candidates),
-        topic=choice.candidate.topic,
-        mapping={name: _shown(kind, name) for name in samples.channels},
-        findings=(*choice.findings, *_empty_channels(choice, candidates), *losses, *clock.findings),
-    )
-
-
-def _shown(kind: MessageKind, channel: str) -> str:
-    if kind.elements:
-        return f"{kind.elements}[{{i}}].{kind.fields[channel]}"
-    return f"{kind.fields[channel]}[{{i}}]"
-
-
 def _robot(choice: Choice, candidates: Sequence[Candidate]) -> str:
-    """Tell the robot from the joints' names; where the topic has none, from those of the other topics."""
+    """Return the robot by the joints' names; where the topic has none, by those of the other topics."""
     robot = robot_of(choice.joints)
     if robot != "unknown" or choice.joints[0] != "joint1":
         return robot
@@ -428,9 +354,8 @@ def _robot(choice: Choice, candidates: Sequence[Candidate]) -> str:
     return others.pop() if len(others) == 1 else "unknown"
 
 
-def _empty_channels(choice: Choice, candidates: Sequence[Candidate]) -> list[Finding]:
+def _empty_channels(chosen: Candidate, candidates: Sequence[Candidate]) -> list[Finding]:
     """Say which of the kind's main channels hold nothing, and which topic has them."""
-    chosen = choice.candidate
     empty = [name for name in ("q", "dq", "tau_J") if name in chosen.kind.fields and name not in chosen.channels]
     if not empty:
         return []

@@ -1,12 +1,12 @@
-"""NumPy .npz -> Recording: panda-py's ``get_log()`` as people save it, or arrays under house names."""
+"""NumPy .npz -> Recording: panda-py's ``get_log()`` as people save it, or arrays under names of channels."""
 
 import struct
 import tokenize
 import zipfile
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import prod
 from pathlib import Path
 from typing import IO, Any
@@ -16,44 +16,26 @@ from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap, map_columns
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic, refuse_too_large
-from friction_audit.io.readers.time_column import Clock, take_part, to_clock
-from friction_audit.io.readers.to_recording import name_joints, stated_arm, to_recording
-from friction_audit.io.readers.unpack import starts_with
+from friction_audit.io.files import starts_with
+from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
+from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.io.readers.table import ColumnTable, Part, read_table
+from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
 from friction_audit.joint_log import Finding, Float
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}
+_PANDA_PY_CLOCK = TimeColumn(cells=(), name="time", unit="ms", clock="robot_time")
 _ZIP_MAGIC = b"PK"
 _CHUNK_BYTES = 8 << 20
 _NAMES_BYTES = 1 << 20
-_DAMAGED = (
-    zipfile.BadZipFile,
-    zlib.error,
-    struct.error,
-    tokenize.TokenError,
-    SyntaxError,
-    OSError,
-    EOFError,
-    LookupError,
-    OverflowError,
-    ValueError,
-    RuntimeError,
-)
-"""What NumPy and the zip module raise on a damaged archive."""
+# What NumPy and the zip module raise on a damaged archive.
+_DAMAGED = (zipfile.BadZipFile, zlib.error, struct.error, tokenize.TokenError, SyntaxError, OSError, EOFError,
+            LookupError, OverflowError, ValueError, RuntimeError)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Entry:
-    """An array in the archive, by what its header says.
-
-    Attributes:
-        info: Its place in the archive.
-        shape: Its shape.
-        dtype: What it holds.
-        by_column: True if it is stored column by column.
-        offset: Length of the header. [bytes]
-    """
+    """An array in the archive, by what its header says: ``offset`` is the header's length in bytes."""
 
     info: zipfile.ZipInfo
     shape: tuple[int, ...]
@@ -67,87 +49,68 @@ class Entry:
         return prod(self.shape[1:])
 
 
-def read_npz(path: Path, options: ReadOptions) -> Recording:
-    """Read a NumPy archive; pickled objects are never unpacked.
-
-    Raises:
-        InputError: If arrays are missing, pickled or of unequal length, or the file is damaged.
-    """
-    arm = stated_arm(path, options)
+def _read(path: Path, options: ReadOptions) -> Recording:
     with _opened(path) as archive:
-        entries, damage = _entries(archive, path)
-        tables = {name: e for name, e in entries.items() if e.dtype.kind in "fiu" and e.width <= MOST_JOINTS}
-        # panda-py keeps scalars as vectors of length 1
-        cells = [(n, e) for n, entry in tables.items() for e in (range(entry.width) if entry.width != 1 else (None,))]
-        names = [name if element is None else f"{name}[{element}]" for name, element in cells]
-        joints = _joint_names(archive, entries)
-        wide = {name for name, entry in tables.items() if entry.width == len(joints) > 1}
-        labels = {cell: joints[e] for cell, (name, e) in enumerate(cells) if e is not None and name in wide}
-        try:
-            columns = map_columns(names, path=str(path), mapping=options.mapping, labels=labels, arm=arm)
-        except InputError as error:
-            raise InputError("; ".join((str(error), *(finding.message for finding in damage)))) from error
-        panda_py = tables.keys() >= _PANDA_PY and columns.time.name == "time"
-        clock, channels, first_s = _Numbers(archive, path, tables, cells).read(columns, options, is_panda=panda_py)
-    recording = to_recording(columns, clock, channels, findings=damage)
-    recording = replace(recording, first_s=first_s, clock="robot_time" if panda_py else recording.clock)
-    return recording if labels else name_joints(recording, joints)
+        return read_table(NpzTable(path, archive), options)
 
 
-class _Numbers:
-    """The numbers of an archive."""
+class NpzTable(ColumnTable):
+    """The arrays of an archive; pickled ones are never unpacked."""
 
-    def __init__(
-        self,
-        archive: zipfile.ZipFile,
-        path: Path,
-        entries: Mapping[str, Entry],
-        cells: Sequence[tuple[str, int | None]],
-    ) -> None:
-        self._archive, self._path, self._entries, self._cells = archive, path, entries, cells
+    may_be_long = False
 
-    def read(
-        self, columns: ColumnMap, options: ReadOptions, *, is_panda: bool
-    ) -> tuple[Clock, dict[str, Float], float | None]:
-        """Return clock, channels, and the log's first stamp if only a part of it was read."""
-        time = self._cells[columns.time.cells[0]]
-        wanted = {self._cells[cell][0] for own in columns.channels.values() for cell in own}
-        samples = self._entries[time[0]].shape[0]
+    def __init__(self, path: Path, archive: zipfile.ZipFile) -> None:
+        self._archive = archive
+        entries, self._damage = _entries(archive, path)
+        self._tables = {name: e for name, e in entries.items() if e.dtype.kind in "fiu" and e.width <= MOST_JOINTS}
+        self._cells: list[tuple[str, int | None]] = []
+        for name, entry in self._tables.items():  # panda-py keeps scalars as vectors of length 1
+            self._cells += [(name, None)] if entry.width == 1 else [(name, i) for i in range(entry.width)]
+        super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
+        named = entries.get("joint_names")
+        if named is not None and named.dtype.kind == "U" and named.info.file_size <= _NAMES_BYTES:
+            self.joint_names = [str(name) for name in _array(archive, named).ravel()]
+        wide = {name for name, entry in self._tables.items() if entry.width == len(self.joint_names) > 1}
+        places = enumerate(self._cells)
+        self.labels = {cell: self.joint_names[e] for cell, (name, e) in places if e is not None and name in wide}
+        self.clock = _PANDA_PY_CLOCK if self._tables.keys() >= _PANDA_PY else None
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return the arrays that are damaged."""
+        return self._damage
+
+    def size(self, columns: ColumnMap) -> tuple[int, int]:
+        """Return the number of samples, and the bytes that these arrays take in the file."""
+        time = self._cells[columns.time.cells[0]][0]
+        samples = self._tables[time].shape[0]
+        wanted = {self._cells[cell][0] for cells in columns.channels.values() for cell in cells}
         for name in sorted(wanted):
-            self._check_length(name, samples)
-        packed = sum(self._entries[name].info.compress_size for name in {time[0], *wanted})
-        needed = 8 * samples * (1 + sum(map(len, columns.channels.values())))
-        is_part = options.reads_part(needed)
-        refuse_too_large(self._path, 8 * samples if is_part else needed, packed)
-        stamps = _column(_array(self._archive, self._entries[time[0]]), time[1])
-        raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
-        clock = to_clock(raw, "ms" if is_panda else columns.time.unit, path=str(self._path))
-        rows: NDArray[np.bool_] = np.ones(samples, dtype=np.bool_)
-        first_s = None
-        if is_part:
-            clock, rows, first_s = take_part(clock, options, path=str(self._path))
-            refuse_too_large(self._path, needed // samples * len(clock.t), packed)
-        return clock, {c: self._channel(own, rows, is_part=is_part) for c, own in columns.channels.items()}, first_s
+            if (shape := self._tables[name].shape)[0] != samples:
+                raise InputError(
+                    f"{self.path}: {name} has shape {shape}, time has {samples} samples; expected one row per sample; "
+                    "save it transposed or cut to the same length"
+                )
+        return samples, sum(self._tables[name].info.compress_size for name in {time, *wanted})
 
-    def _channel(self, cells: Sequence[int], rows: NDArray[np.bool_], *, is_part: bool) -> Float:
-        first, last = int(rows.argmax()), len(rows) - int(rows[::-1].argmax())
-        channel = np.empty((int(np.count_nonzero(rows)), len(cells)), order="F")
-        arrays: dict[str, NDArray[Any]] = {}
-        for joint, cell in enumerate(cells):
-            name, element = self._cells[cell]
-            if name not in arrays:
-                arrays = {name: _array(self._archive, self._entries[name], slice(first, last))}
-            column = _column(arrays[name], element)
-            channel[:, joint] = column[rows[first:last]] if is_part else column
-        return channel
+    def read_clock(self, time: TimeColumn) -> Clock:
+        """Read all stamps."""
+        name, element = self._cells[time.cells[0]]
+        stamps = _array(self._archive, self._tables[name])[:, element or 0]
+        raw = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
+        return to_clock(raw, time.unit, path=str(self.path))
 
-    def _check_length(self, name: str, samples: int) -> None:
-        shape = self._entries[name].shape
-        if shape[0] != samples:
-            raise InputError(
-                f"{self._path}: {name} has shape {shape}, time has {samples} samples; expected one row per sample; "
-                "save it transposed or cut to the same length"
-            )
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+        """Read the channels, in the rows of a mask or in all; one array at a time is in memory as a whole."""
+        channels: dict[str, Float] = {}
+        for channel, cells in columns.channels.items():
+            channels[channel] = np.empty((len(clock.t), len(cells)), order="F")
+            arrays: dict[str, NDArray[Any]] = {}
+            for joint, cell in enumerate(cells):
+                name, element = self._cells[cell]
+                if name not in arrays:
+                    arrays = {name: _array(self._archive, self._tables[name], rows)}
+                channels[channel][:, joint] = arrays[name][:, element or 0]
+        return Part(clock=clock, channels=channels)
 
 
 @contextmanager
@@ -188,11 +151,7 @@ def _entries(archive: zipfile.ZipFile, path: Path) -> tuple[dict[str, Entry], tu
 
 
 def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
-    """Read the header of an array.
-
-    Raises:
-        ValueError: If it is none, or claims another size than the entry has.
-    """
+    """Read the header of an array; ValueError if it is none, or claims another size than the entry has."""
     if info.compress_type not in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED):
         raise ValueError("compressed in another way than NumPy does")
     with archive.open(info) as stream:
@@ -205,52 +164,36 @@ def _entry(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> Entry:
     return entry
 
 
-def _joint_names(archive: zipfile.ZipFile, entries: Mapping[str, Entry]) -> list[str]:
-    named = entries.get("joint_names")
-    if named is None or named.dtype.kind != "U" or named.info.file_size > _NAMES_BYTES:
-        return []
-    return [str(name) for name in _array(archive, named).ravel()]
-
-
-def _array(archive: zipfile.ZipFile, entry: Entry, rows: slice = slice(None)) -> NDArray[Any]:
-    """Return some rows of an array, (n,) or (n, k); all of it goes by, so that its checksum is verified."""
+def _array(archive: zipfile.ZipFile, entry: Entry, rows: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+    """Return the rows of a mask, or all, of an array: (n,) or (n, k); all of it goes by, to verify its checksum."""
     samples, width = entry.shape[0], entry.width
-    first, last, _ = rows.indices(samples)
-    runs = [(c * samples + first, c * samples + last) for c in range(width)]
-    runs = runs if entry.by_column else [(first * width, last * width)]
-    numbers = np.empty((last - first) * width, dtype=entry.dtype)
-    place, filled = 0, 0
+    count = samples if rows is None else int(np.count_nonzero(rows))
+    numbers = np.empty((count, width), entry.dtype, order="F" if entry.by_column else "C")
+    # Rows of all columns follow each other, or, stored by column, the rows of one column.
+    runs = numbers.T[:, :, np.newaxis] if entry.by_column else numbers[np.newaxis]
     with archive.open(entry.info) as stream:
-        _skip(stream, entry.offset)
-        for start, stop in runs:
-            _skip(stream, (start - place) * entry.dtype.itemsize)
-            _fill(stream, numbers[filled : filled + stop - start])
-            place, filled = stop, filled + stop - start
+        _read_exactly(stream, entry.offset)
+        row_bytes = runs.shape[2] * entry.dtype.itemsize
+        most = max(_CHUNK_BYTES // row_bytes, 1) if row_bytes else samples or 1
+        for run in runs:
+            filled = 0
+            for start in range(0, samples, most):
+                size = min(most, samples - start)
+                content = _read_exactly(stream, size * row_bytes)
+                chunk = np.frombuffer(content, entry.dtype).reshape(size, runs.shape[2])
+                chunk = chunk if rows is None else chunk[rows[start : start + size]]
+                run[filled : filled + len(chunk)] = chunk
+                filled += len(chunk)
         while stream.read(_CHUNK_BYTES):
             pass
-    return numbers.reshape((last - first, width), order="F" if entry.by_column else "C")
+    return numbers
 
 
-def _skip(stream: IO[bytes], size: int) -> None:
-    while size > 0:
-        chunk = stream.read(min(size, _CHUNK_BYTES))
-        if not chunk:
-            raise EOFError("the archive ends within an array")
-        size -= len(chunk)
-
-
-def _fill(stream: IO[bytes], numbers: NDArray[Any]) -> None:
-    target = numbers.view(np.uint8)
-    while len(target):
-        chunk = stream.read(min(len(target), _CHUNK_BYTES))
-        if not chunk:
-            raise EOFError("the archive ends within an array")
-        target[: len(chunk)] = np.frombuffer(chunk, dtype=np.uint8)
-        target = target[len(chunk) :]
-
-
-def _column(array: NDArray[Any], element: int | None) -> NDArray[Any]:
-    return array[:, element or 0]
+def _read_exactly(stream: IO[bytes], size: int) -> bytes:
+    content = stream.read(size)
+    if len(content) < size:
+        raise EOFError("the archive ends within an array")
+    return content
 
 
 def _recognises(path: Path) -> bool:
@@ -274,7 +217,7 @@ NPZ = Reader(
     name="npz",
     suffixes=(".npz",),
     recognises=_recognises,
-    read=read_npz,
+    read=_read,
     topics=_tables,
-    summary="NumPy archives: panda-py's get_log(), or arrays (n, joints) under house names",
+    summary="NumPy archives: panda-py's get_log(), or arrays (n, joints) under names of channels",
 )

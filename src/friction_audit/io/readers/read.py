@@ -1,6 +1,6 @@
-"""The readers there are, in the order in which they are asked whether they recognise a file.
+"""Read a log of any format: the list of readers, the checks, and the hash of the content.
 
-A format is added by writing one file and naming its record here.
+A format is added by writing one file and naming its record in READERS.
 """
 
 from collections.abc import Sequence
@@ -10,8 +10,10 @@ from pathlib import Path
 
 from friction_audit.errors import InputError
 from friction_audit.io.checks import examine, to_joint_log
+from friction_audit.io.checks.sampling import with_findings
+from friction_audit.io.files import Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.io.readers.csv import CSV
-from friction_audit.io.readers.joint_samples import arm_name, arms_in
+from friction_audit.io.readers.joint_names import arm_name, arms_in
 from friction_audit.io.readers.mcap import MCAP
 from friction_audit.io.readers.npz import NPZ
 from friction_audit.io.readers.parquet import PARQUET
@@ -19,20 +21,17 @@ from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, R
 from friction_audit.io.readers.rosbag1 import ROSBAG1
 from friction_audit.io.readers.rosbag2 import ROSBAG2
 from friction_audit.io.readers.topics import namespace
-from friction_audit.io.readers.unpack import Stamp, sha256_of, stamp_of, starts_with
 from friction_audit.joint_log import Finding, JointLog, Source, find_window
 
+# CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (PARQUET, NPZ, ROSBAG1, ROSBAG2, MCAP, CSV)
-"""CSV comes last: any text with separators looks like one."""
-
-
 _DEFAULT = ReadOptions()
 _PACKED = {b"\x1f\x8b": "gzip", b"BZh": "bzip2", b"\xfd7zXZ": "xz", b"\x28\xb5\x2f\xfd": "zstd"}
 _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
 def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
-    """Read a recorded joint log, whatever its format, and vet it.
+    """Read a recorded joint log, whatever its format, and check it.
 
     Args:
         path: A file, or the directory of a ROS 2 bag.
@@ -50,7 +49,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
         try:
             recording = reader.read(file, options)
             damage = recording.findings
-            recording = _with_findings(recording, _suffix_mismatch(file, reader))
+            recording = with_findings(recording, *_suffix_mismatch(file, reader))
             recording = examine(recording, path=str(path), options=options)
             sha256 = digest.result()
         except OSError as error:
@@ -67,7 +66,7 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
             if not notes:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
-    recording = _with_findings(recording, _growth(before, _stamp(file)))
+    recording = with_findings(recording, *_growth(before, _stamp(file)))
     if not options.has_window:
         return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
     recording = _part(recording, options, str(path))
@@ -135,7 +134,10 @@ def _stamp(path: Path) -> Stamp:
             choose_reader(path)  # before all files below it are looked at, which may be a whole disk
         elif path.is_file():
             with path.open("rb") as stream:
-                _refuse_pointer(path, stream.read(len(_GIT_LFS)))
+                if stream.read(len(_GIT_LFS)) == _GIT_LFS:
+                    raise InputError(
+                        f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
+                    )
         elif path.exists():
             raise InputError(f"{path}: a pipe or a device; expected a file; save its content to a file and read that")
         stamp = stamp_of(path)
@@ -145,13 +147,6 @@ def _stamp(path: Path) -> Stamp:
         what = "its files are empty" if path.is_dir() else "the file is empty"
         raise InputError(f"{path}: {what} (0 bytes); expected a joint log: {_formats()}; copy or record it again")
     return stamp
-
-
-def _refuse_pointer(path: Path, head: bytes) -> None:
-    if head == _GIT_LFS:
-        raise InputError(
-            f"{path}: a Git LFS pointer; expected the log that it stands for; fetch it with `git lfs pull`"
-        )
 
 
 def _unreadable(path: Path, error: OSError) -> InputError:
@@ -183,12 +178,8 @@ def _growth(before: Stamp, after: Stamp) -> tuple[Finding, ...]:
     return (Finding(code="file_grew", message=message, amount=float(after.size - before.size), damaged=True),)
 
 
-def _with_findings(recording: Recording, findings: tuple[Finding, ...]) -> Recording:
-    return replace(recording, findings=(*recording.findings, *findings)) if findings else recording
-
-
-def arm_told_by(source: Source, joint_names: Sequence[str]) -> str:
-    """Return the serial number or the name of the arm of a log, or nothing where the log tells neither.
+def arm_of_log(source: Source, joint_names: Sequence[str]) -> str:
+    """Return the serial number or the name of the arm of a log, or nothing where the log has neither.
 
     ``left`` of joints called ``left_joint1``, or of a topic ``/left/joint_states``; nothing of ``panda_joint1``, which
     every Panda's are called.

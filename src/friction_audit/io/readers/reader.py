@@ -1,4 +1,4 @@
-"""What a reader is: one record per container format."""
+"""What a reader is given and what it returns; one record per container format."""
 
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -10,18 +10,12 @@ from pathlib import Path
 from friction_audit.errors import InputError, UsageError
 from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
 
-MAPPABLE = ("t", *JOINT_CHANNELS)
-"""What ``--map`` may name."""
-MARGIN_S = 1.0
-"""Read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours. [s]"""
+MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours
+# Size of the arrays up to which a log is read whole although a part is asked for: units, signs and delays are then
+# judged by all of the log. Beyond, a part is long enough to judge them by. [byte]
 WHOLE_BYTES = 256 << 20
-"""Size of the arrays up to which a reader reads a log whole although a part is asked for.
-
-Units, signs and delays are then judged by all of the log. Beyond, a part is long enough to judge them by.
-"""
-
-_BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100
-"""No recording of a gigabyte shrinks to a hundredth when it is compressed: noise does not."""
+_MAPPABLE = ("t", *JOINT_CHANNELS)
+_BOMB_BYTES, _BOMB_RATIO = 1 << 30, 100  # noise does not shrink to a hundredth when it is compressed
 _GIGABYTE = 1e9
 TAKE_A_PART = "read a part of it with --t-start and --t-end, for example --t-start 0 --t-end 600"
 
@@ -47,7 +41,10 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
             f"{path}: {needed / _GIGABYTE:.3g} GB packed into {packed / _GIGABYTE:.3g} GB; expected numbers that were "
             f"measured, which do not shrink to less than a hundredth; the file is damaged or no recording"
         )
-    memory = _memory()
+    try:
+        memory = min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
+    except (AttributeError, ValueError, OSError):  # Windows does not hand out more memory than it has
+        return
     if needed > memory:
         raise TooLargeError(
             f"{path}: its numbers take {needed / _GIGABYTE:.3g} GB, more than the {memory / _GIGABYTE:.3g} GB of "
@@ -55,16 +52,8 @@ def refuse_too_large(path: Path, needed: int, packed: int) -> None:
         )
 
 
-def _memory() -> float:
-    """Return the memory that this process can have. [bytes]"""
-    try:
-        return min(address_limit(), os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE"))
-    except (AttributeError, ValueError, OSError):  # Windows does not hand out what it does not have
-        return inf
-
-
 def address_limit() -> float:
-    """Return the limit on the addresses of this process, as ``ulimit -v`` sets it. [bytes]"""
+    """Return the limit on the addresses of this process, as ``ulimit -v`` sets it. [byte]"""
     try:
         import resource
     except ImportError:  # Windows
@@ -96,7 +85,7 @@ class ReadOptions:
     Attributes:
         topic: Topic to read, for files that hold several; with several arms on it ``TOPIC#ARM``, in a table ``#ARM``.
         mapping: Channel (or ``"t"``) -> name in the file, ``{i}`` standing for the joint's index, or names
-            separated by commas; wins over every guess.
+            separated by commas; wins over the automatic choice.
         robot: Robot stated by the user, wins over the log's own names.
         time_scale: Factor on the log's clock, for a log whose clock is known to be stretched.
         allow_short: Read a log that looks like a libfranka exception log all the same.
@@ -113,14 +102,15 @@ class ReadOptions:
     t_end_s: float | None = None
 
     def __post_init__(self) -> None:
-        """Check the factor, the channels and the part.
-
-        Raises:
-            UsageError: If the factor is no number above zero, a channel does not exist, or the part holds no time.
-        """
-        wrong = [f"--map {c}: no such channel{_did_you_mean(c)}" for c in self.mapping if c not in MAPPABLE]
+        """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
+        wrong = []
+        for channel in self.mapping.keys() - {*_MAPPABLE}:
+            near = get_close_matches(channel, _MAPPABLE, n=2)
+            wrong.append(
+                f"--map {channel}: no such channel" + (f" (did you mean {' or '.join(near)}?)" if near else "")
+            )
         if wrong:
-            raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(MAPPABLE)}")
+            raise UsageError(f"{'; '.join(sorted(wrong))}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:
@@ -142,14 +132,9 @@ class ReadOptions:
         return start, stop
 
 
-def _did_you_mean(channel: str) -> str:
-    near = get_close_matches(channel, MAPPABLE, n=2)
-    return f" (did you mean {' or '.join(near)}?)" if near else ""
-
-
 @dataclass(eq=False, kw_only=True, slots=True)
 class Recording:
-    """What a reader hands over, names and units translated, before the recording is vetted.
+    """What a reader returns: names and units translated, faults not yet looked for.
 
     The arrays belong to the receiver, which may work in place.
 
@@ -158,9 +143,9 @@ class Recording:
         channels: Channel of JointLog -> array of shape (n, j), Fortran order, NaN where nothing was recorded.
         joint_names: One name per joint.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-        start_s: Unix time of t = 0, or None when the clock does not tell. [s]
+        start_s: Unix time of t = 0, or None when the clock does not say. [s]
         first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
-        robot: Robot told by joint names or message types, or ``"unknown"``.
+        robot: Robot by joint names or message types, or ``"unknown"``.
         serial: Serial number of the arm as the file states it, empty if it does not.
         topic: Topic read, or None.
         mapping: Channel -> name in the file, with ``{i}``.

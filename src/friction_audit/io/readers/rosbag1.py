@@ -3,7 +3,8 @@
 import re
 import struct
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
@@ -11,26 +12,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.message_stream import (
-    SHORTEST_RUN,
-    Block,
-    Connection,
-    Damage,
-    Window,
-    block_of_ranges,
-    open_log,
-)
+from friction_audit.io.files import starts_with
+from friction_audit.io.readers.decompress import UnpackError, bound_of, unpack
+from friction_audit.io.readers.message_stream import Block, BlockCollector, Connection, Damage, Window, open_log
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
-from friction_audit.io.readers.unpack import UnpackError, bound_of, starts_with, unpack
+from friction_audit.io.readers.reader import Reader
 
-MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, BAG_HEADER, INDEX, CHUNK, CHUNK_INFO, CONNECTION = 2, 3, 4, 5, 6, 7
-LARGEST_HEADER = 1 << 24
-"""A header names a topic, a time and a size; definitions are in the data. [byte]"""
+_MAGIC = b"#ROSBAG V2.0\n"
+_MESSAGE, _BAG_HEADER, _INDEX, _CHUNK, _CHUNK_INFO, _CONNECTION = 2, 3, 4, 5, 6, 7
+_LARGEST_HEADER = 1 << 24  # a header names a topic, a time and a size; definitions are in the data [byte]
 _LENGTH = struct.Struct("<I")
 _TIME = struct.Struct("<II")
-NANOSECONDS = 10**9
+_NANOSECONDS = 10**9
 
 
 class BrokenRecordError(Exception):
@@ -39,15 +32,9 @@ class BrokenRecordError(Exception):
 
 @dataclass(frozen=True, slots=True)
 class Chunk:
-    """A chunk of messages.
+    """Where a chunk and its data begin, the data's length, compression and length when decompressed [byte].
 
-    Attributes:
-        record: Where it begins in the file. [byte]
-        offset: Where its data begins. [byte]
-        size: Length of its data. [byte]
-        compression: Name of the compression.
-        claimed: Length of its data when decompressed, as the bag says. [byte]
-        unfinished: True if its end is missing, which has been noted.
+    ``unfinished`` is True if its end is missing, which has been noted.
     """
 
     record: int
@@ -108,14 +95,12 @@ class Rosbag1Stream:
                 if window and chunk.record in self._times and window.leaves_out(self._times[chunk.record]):
                     continue
                 data = self._decompress(file, chunk)
-                if data is not None:
-                    yield from self._messages(data, keys, chunk)
-
-    def _messages(self, data: bytes, keys: Collection[int] | None, chunk: Chunk) -> list[Block]:
-        content = find_messages(data, keys)
-        if content.broken and not chunk.unfinished:
-            self._note(chunk.offset, content.broken)
-        return content.blocks
+                if data is None:
+                    continue
+                blocks, _, broken = _find_messages(data, keys)
+                if broken and not chunk.unfinished:
+                    self._note(chunk.offset, broken)
+                yield from blocks
 
     def _survey(self, file: BinaryIO) -> None:
         """Walk over the file's records without reading the chunks' content; index records tell the counts."""
@@ -131,19 +116,19 @@ class Rosbag1Stream:
 
     def _survey_record(self, file: BinaryIO, header: Mapping[str, bytes], place: tuple[int, int], size: int) -> None:
         kind = (header.get("op") or b"\x00")[0]
-        if kind == BAG_HEADER and "encryptor" in header and header["encryptor"]:
+        if kind == _BAG_HEADER and "encryptor" in header and header["encryptor"]:
             raise InputError(f"{self._path}: the bag is encrypted ({header['encryptor'].decode()}); decrypt it first")
-        if kind == CHUNK:
+        if kind == _CHUNK:
             self._survey_chunk(header, place, size)
         elif place[1] + size > self._bytes:
             raise BrokenRecordError("a record is cut off")
-        elif kind == CONNECTION:
+        elif kind == _CONNECTION:
             _learn_connection(header, file.read(size), self._connections)
-        elif kind == INDEX:
+        elif kind == _INDEX:
             key = _number(header, "conn")
             self._counts[key] = self._counts.get(key, 0) + _number(header, "count")
             self._uncounted = []
-        elif kind == CHUNK_INFO:
+        elif kind == _CHUNK_INFO:
             place_of_chunk = int.from_bytes(header.get("chunk_pos", b""), "little")
             self._times[place_of_chunk] = _time(header, "start_time"), _time(header, "end_time")
 
@@ -168,9 +153,9 @@ class Rosbag1Stream:
                 data = self._decompress(file, chunk)
                 if data is None:
                     continue
-                content = find_messages(data, None)
-                self._connections = {**content.connections, **self._connections}
-                for block in content.blocks if chunk in uncounted else ():
+                blocks, connections, _ = _find_messages(data, None)
+                self._connections = {**connections, **self._connections}
+                for block in blocks if chunk in uncounted else ():
                     self._counts[block.key] = self._counts.get(block.key, 0) + len(block)
 
     def _decompress(self, file: BinaryIO, chunk: Chunk) -> bytes | None:
@@ -199,7 +184,7 @@ class Rosbag1Stream:
 
 
 def _check_magic(path: Path, first_line: bytes, size: int) -> None:
-    if first_line == MAGIC:
+    if first_line == _MAGIC:
         return
     if not size:
         raise InputError(f"{path}: is empty; expected a ROS 1 bag; check that it was copied whole")
@@ -210,22 +195,17 @@ def _check_magic(path: Path, first_line: bytes, size: int) -> None:
 
 def _read_header(file: BinaryIO) -> tuple[dict[str, bytes], int]:
     """Read a record up to its data; returns the header's fields and the length of the data."""
-    size = _read_length(file)
-    if size > LARGEST_HEADER:
+
+    def read(size: int) -> bytes:
+        if len(data := file.read(size)) < size:
+            raise BrokenRecordError("a record is cut off")
+        return data
+
+    (size,) = _LENGTH.unpack(read(_LENGTH.size))
+    if size > _LARGEST_HEADER:
         raise BrokenRecordError(f"a record's header claims {size} bytes")
-    header = _parse_header(_read_exactly(file, size))
-    return header, _read_length(file)
-
-
-def _read_length(file: BinaryIO) -> int:
-    return int(_LENGTH.unpack(_read_exactly(file, _LENGTH.size))[0])
-
-
-def _read_exactly(file: BinaryIO, size: int) -> bytes:
-    data = file.read(size)
-    if len(data) < size:
-        raise BrokenRecordError("a record is cut off")
-    return data
+    header = _parse_header(read(size))
+    return header, int(_LENGTH.unpack(read(_LENGTH.size))[0])
 
 
 def _parse_header(header: bytes) -> dict[str, bytes]:
@@ -244,19 +224,20 @@ def _parse_header(header: bytes) -> dict[str, bytes]:
     return fields
 
 
-def _number(header: Mapping[str, bytes], name: str) -> int:
+def _field(header: Mapping[str, bytes], name: str, form: struct.Struct) -> tuple[int, ...]:
     value = header.get(name, b"")
-    if len(value) != _LENGTH.size:
+    if len(value) != form.size:
         raise BrokenRecordError(f"a record's header has no {name}")
-    return int(_LENGTH.unpack(value)[0])
+    return form.unpack(value)
+
+
+def _number(header: Mapping[str, bytes], name: str) -> int:
+    return _field(header, name, _LENGTH)[0]
 
 
 def _time(header: Mapping[str, bytes], name: str) -> int:
-    value = header.get(name, b"")
-    if len(value) != _TIME.size:
-        raise BrokenRecordError(f"a record's header has no {name}")
-    seconds, nanoseconds = _TIME.unpack(value)
-    return int(seconds * NANOSECONDS + nanoseconds)
+    seconds, nanoseconds = _field(header, name, _TIME)
+    return seconds * _NANOSECONDS + nanoseconds
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -276,7 +257,7 @@ class MessageHead:
     def unpack(self, match: re.Match[bytes]) -> tuple[int, int, int]:
         """Return connection, time [ns] and length of the payload [byte]."""
         (conn,), (sec, nsec) = _LENGTH.unpack(match["conn"]), _TIME.unpack(match["time"])
-        return conn, sec * NANOSECONDS + nsec, _LENGTH.unpack(match["length"])[0]
+        return conn, sec * _NANOSECONDS + nsec, _LENGTH.unpack(match["length"])[0]
 
 
 def _message_head(head: bytes) -> MessageHead:
@@ -308,73 +289,36 @@ def _message_head(head: bytes) -> MessageHead:
     return MessageHead(re.compile(pattern, re.DOTALL), record, fixed)
 
 
-@dataclass(slots=True)
-class ChunkContent:
-    """What is in a chunk: blocks of messages, descriptions of connections, and what is wrong, empty if nothing is."""
-
-    blocks: list[Block] = field(default_factory=list)
-    connections: dict[int, dict[str, bytes]] = field(default_factory=dict)
-    broken: str = ""
+Connections = dict[int, dict[str, bytes]]
 
 
-def find_messages(data: bytes, keys: Collection[int] | None) -> ChunkContent:
-    """Find the messages in the records of a chunk.
+def _find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Block], Connections, str]:
+    """Find the messages of some connections (None for all) in the records of a chunk.
 
-    Messages of one connection and one length that follow each other are found all at once, as rows of equal length.
-
-    Args:
-        data: Records of a chunk, decompressed.
-        keys: Connections wanted, None for all.
+    Returns also the descriptions of connections in the chunk, and what is wrong with it.
     """
-    walk = _ChunkWalk(data, keys)
-    try:
-        while walk.position < len(data):
-            walk.step()
-    except BrokenRecordError as error:
-        walk.content.broken = str(error)
-    walk.content.blocks += [block_of_ranges(key, data, entries) for key, entries in walk.mixed.items()]
-    return walk.content
-
-
-@dataclass(slots=True)
-class _ChunkWalk:
-    data: bytes
-    keys: Collection[int] | None
-    position: int = 0
-    content: ChunkContent = field(default_factory=ChunkContent)
-    mixed: dict[int, list[tuple[int, int, int]]] = field(default_factory=dict)
+    collector, connections, broken = BlockCollector(data, keys), Connections(), ""
     head: MessageHead | None = None
-    alternating: bool = False
-
-    def step(self) -> None:
-        """Take the next record, or the next run of records."""
-        match = self.head.pattern.match(self.data, self.position) if self.head else None
-        if self.head is None or match is None:
-            self.other_record()
-            return
-        key, log_time, size = self.head.unpack(match)
-        if match.end() + size > len(self.data):
-            raise BrokenRecordError("a message runs over the end of its chunk")
-        wanted = self.keys is None or key in self.keys
-        if self.alternating:
-            if wanted:
-                self.mixed.setdefault(key, []).append((match.end(), size, log_time))
-            self.position = match.end() + size
-            return
-        run = _run(self.data, self.position, self.head, size)
-        if wanted:
-            self.content.blocks.append(run)
-        self.alternating = len(run) < SHORTEST_RUN
-        self.position += len(run) * (self.head.record.itemsize + size)
-
-    def other_record(self) -> None:
-        """Learn from a record that is not a message, or from a message whose head looks different."""
-        header, start, following = _record_at(self.data, self.position)
-        if header["op"][0] == MESSAGE:
-            self.head = _message_head(self.data[self.position : start])
-            return
-        _learn_connection(header, self.data[start:following], self.content.connections)
-        self.position = following
+    position = 0
+    try:
+        while position < len(data):
+            match = head.pattern.match(data, position) if head else None
+            if head is None or match is None:  # no message, or a message whose head looks different
+                header, start, following = _record_at(data, position)
+                if header["op"][0] == _MESSAGE:
+                    head = _message_head(data[position:start])
+                else:
+                    _learn_connection(header, data[start:following], connections)
+                    position = following
+                continue
+            key, log_time, size = head.unpack(match)
+            if match.end() + size > len(data):
+                raise BrokenRecordError("a message runs over the end of its chunk")  # noqa: TRY301
+            taken = collector.add(key, log_time, match.end(), size, partial(_run, data, position, head, size))
+            position += taken * (head.record.itemsize + size)
+    except BrokenRecordError as error:
+        broken = str(error)
+    return collector.finish(), connections, broken
 
 
 def _run(data: bytes, position: int, head: MessageHead, size: int) -> Block:
@@ -388,7 +332,7 @@ def _run(data: bytes, position: int, head: MessageHead, size: int) -> Block:
     same &= (rows[:, head.fixed] == rows[0, head.fixed]).all(axis=1)
     run = count if same.all() else int(same.argmin())
     start = position + width + stride * np.arange(run, dtype=np.int64)
-    log_time = values["sec"][:run].astype(np.int64) * NANOSECONDS + values["nsec"][:run]
+    log_time = values["sec"][:run].astype(np.int64) * _NANOSECONDS + values["nsec"][:run]
     return Block(int(values["conn"][0]), log_time, data, start, np.full(run, size, np.int64))
 
 
@@ -407,27 +351,15 @@ def _record_at(data: bytes, position: int) -> tuple[dict[str, bytes], int, int]:
 
 
 def _learn_connection(header: Mapping[str, bytes], data: bytes, connections: dict[int, dict[str, bytes]]) -> None:
-    if header["op"][0] == CONNECTION and "topic" in header:
+    if header["op"][0] == _CONNECTION and "topic" in header:
         connections[_number(header, "conn")] = {**_parse_header(data), "topic": header["topic"]}
-
-
-def _recognises(path: Path) -> bool:
-    return starts_with(path, b"#ROSBAG V")
-
-
-def _read(path: Path, options: ReadOptions) -> Recording:
-    return read_messages(path, Rosbag1Stream(path), options)
-
-
-def _topics(path: Path) -> tuple[Topic, ...]:
-    return topics_of(path, Rosbag1Stream(path))
 
 
 ROSBAG1 = Reader(
     name="rosbag1",
     suffixes=(".bag",),
-    recognises=_recognises,
-    read=_read,
-    topics=_topics,
+    recognises=lambda path: starts_with(path, b"#ROSBAG V"),
+    read=lambda path, options: read_messages(path, Rosbag1Stream(path), options),
+    topics=lambda path: topics_of(path, Rosbag1Stream(path)),
     summary="ROS 1 bag with JointState or FrankaState messages; one that was never closed or breaks off is salvaged.",
 )

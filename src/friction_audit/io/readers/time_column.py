@@ -12,9 +12,8 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.joint_log import Float, find_window
 
-UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}
-"""Unit of a clock -> units per second."""
-
+UNITS = {"s": 1.0, "ms": 1e3, "us": 1e6, "ns": 1e9}  # units per second
+# Name, unit if the name says it, clock; the better clock first: robot, header, log.
 _NAMES: tuple[tuple[str, str | None, str], ...] = (
     (r"field\.time|robot_time|state\.time", None, "robot_time"),
     (r"(?:field\.)?header\.stamp|header_stamp|.*[./]header[./]stamp", None, "header_stamp"),
@@ -23,18 +22,14 @@ _NAMES: tuple[tuple[str, str | None, str], ...] = (
     (r"log_?time|publish_?time|receive_?time", None, "log_time"),
     (r"duration|time|t|timestamps?|times|__time|elapsed|elapsed_time|seconds|clock", None, "column"),
 )
-"""Name, unit if the name tells it, clock; the better clock first: robot, header, log."""
-
 _UNITS_SPELLED = "milliseconds|msec|ms|nanoseconds|nsec|ns|microseconds|usec|us|µs|seconds|sec|s"
 _UNIT = rf"(?:(?:[ _]+|[ _]*[\[(])(?P<unit>{_UNITS_SPELLED})[\])]?)?"
 _SPELLED = {"mil": "ms", "mse": "ms", "ms": "ms", "nan": "ns", "nse": "ns", "ns": "ns", "mic": "us", "use": "us",
             "us": "us", "µs": "us"}  # fmt: skip
 _PATTERNS = tuple((re.compile(rf"(?:{name}){_UNIT}", re.IGNORECASE), unit, clock) for name, unit, clock in _NAMES)
 _SECONDS = re.compile(r"(?P<stem>.*stamp)[._/]secs?", re.IGNORECASE)
-_EPOCH_S = (1.1e9, 4.1e9)
-"""Unix time between the years 2004 and 2099. [s]"""
-_LONGEST_S = 1e10
-"""Three centuries: from no stamp to the last one in nanoseconds."""
+_EPOCH_S = (1.1e9, 4.1e9)  # Unix time between the years 2004 and 2099
+_LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanoseconds
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -44,7 +39,7 @@ class TimeColumn:
     Attributes:
         cells: Its position; two for seconds and nanoseconds kept apart.
         name: Its name in the file.
-        unit: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``, or None when the median step has to tell.
+        unit: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``, or None when the median step decides.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
     """
 
@@ -73,7 +68,7 @@ def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, 
     """Return the part of a clock that was asked for, with margins, the mask of its rows, and the first stamp of all.
 
     Raises:
-        UsageError: If no sample lies in it.
+        UsageError: If no sample lies in the part.
     """
     first_s = float(np.nanmin(clock.t))
     since_first = clock.t - first_s
@@ -90,14 +85,11 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
 
     Args:
         names: Names of the columns.
-        constant: Columns seen not to change, which therefore are no clock (a stamp that nobody set).
+        constant: Columns seen not to change, which therefore are no clock (a stamp that was never set).
     """
     bare = [name.strip() for name in names]
-    if (
-        len(bare) > 1
-        and bare[1].lower() in ("success rate", "success_rate")
-        and bare[0].lower() in ("duration", "time")
-    ):
+    first, second, *_ = [*map(str.lower, bare[:2]), "", ""]
+    if second in ("success rate", "success_rate") and first in ("duration", "time"):
         return TimeColumn(cells=(0,), name=bare[0], unit="ms", clock="robot_time")  # libfranka's logToCSV
     split = _split_stamp(bare)
     if split is not None and split.cells[1] not in constant:
@@ -106,7 +98,8 @@ def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColum
         for cell, name in enumerate(bare):
             match = pattern.fullmatch(name)
             if match is not None and cell not in constant:
-                return TimeColumn(cells=(cell,), name=name, unit=_spelled(match["unit"]) or unit, clock=clock)
+                spelled = match["unit"] and _SPELLED.get(match["unit"].lower()[:3], "s")
+                return TimeColumn(cells=(cell,), name=name, unit=spelled or unit, clock=clock)
     return None
 
 
@@ -129,20 +122,15 @@ def to_clock(
     found = unit or _unit_from_values(float(begin), elapsed)
     if UNITS[found] != 1.0:
         elapsed /= UNITS[found]
-    _refuse_centuries(elapsed, path)
-    start_s = float(begin) / UNITS[found]
-    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
-
-
-def _refuse_centuries(elapsed_s: Float, path: str) -> None:
-    """Refuse stamps that no clock shows, before their squares overflow."""
-    far = max(-np.nanmin(elapsed_s), np.nanmax(elapsed_s))
-    if _LONGEST_S < far < np.inf:
-        row = int(np.nanargmax(np.abs(elapsed_s)))
+    far = max(-np.nanmin(elapsed), np.nanmax(elapsed))
+    if _LONGEST_S < far < np.inf:  # before its square overflows
+        row = int(np.nanargmax(np.abs(elapsed)))
         raise InputError(
-            f"{path}: the stamp of row {row + 1} is {elapsed_s[row]:.3g} s from the first one; expected the seconds of "
+            f"{path}: the stamp of row {row + 1} is {elapsed[row]:.3g} s from the first one; expected the seconds of "
             "one recording; remove the row, or name another clock with --map t=<column>"
         )
+    start_s = float(begin) / UNITS[found]
+    return Clock(elapsed, start_s if _EPOCH_S[0] < start_s < _EPOCH_S[1] else None, found)
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
@@ -162,22 +150,14 @@ def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
     return None
 
 
-def _spelled(unit: str | None) -> str | None:
-    return None if unit is None else _SPELLED.get(unit.lower()[:3], "s")
-
-
 def _unit_from_values(origin: float, elapsed: Float) -> str:
     """Judge the unit: by the size of a Unix time, else by the median step of a log of 5 Hz to 5 kHz."""
     for unit, per_second in UNITS.items():
         if _EPOCH_S[0] < origin / per_second < _EPOCH_S[1]:
             return unit
-    step = _median_step(elapsed)
-    return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")
-
-
-def _median_step(elapsed: Float) -> float:
-    """Return the median step between stamps that differ; joints, or two recordings, may share theirs."""
+    # The median is of stamps that differ: joints, or two recordings, may share theirs.
     in_order = not (elapsed[1:] < elapsed[:-1]).any()
     lots = (elapsed[: 1 << 16], elapsed) if in_order else (elapsed,)
     steps = next((steps for lot in lots if len(steps := np.diff(np.unique(lot[np.isfinite(lot)])))), np.zeros(1))
-    return float(np.median(steps))
+    step = float(np.median(steps))
+    return next((unit for unit, longest in (("s", 0.2), ("ms", 200.0), ("us", 2e5)) if step < longest), "ns")

@@ -7,24 +7,16 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from friction_audit.errors import InputError
-from friction_audit.io.readers.joint_samples import UNNAMED_ARM, Row, arm_name, arms_in
+from friction_audit.io.readers.joint_names import UNNAMED_ARM, arm_name, arms_in
 from friction_audit.io.readers.message_decoder import MessageDecoder
-from friction_audit.io.readers.message_stream import MessageKind
+from friction_audit.io.readers.message_kinds import MessageKind, Row
 from friction_audit.io.readers.reader import SeveralArmsError, Topic
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding
 
-DRIVER_NODES = frozenset(
-    {
-        "franka_state_controller",
-        "franka_robot_state_broadcaster",
-        "joint_state_broadcaster",
-        "joint_state_controller",
-        "franka",
-    }
-)
-"""Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished."""
-
-NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
+# Nodes that publish an arm's own state; they are no name of an arm, and their topics are not republished.
+_DRIVER_NODES = {"franka_state_controller", "franka_robot_state_broadcaster", "joint_state_broadcaster",
+                 "joint_state_controller", "franka"}  # fmt: skip
+_NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -34,7 +26,7 @@ class Candidate:
     Attributes:
         topic: Its name.
         type: Its message type.
-        messages: Number of messages, or None when the file does not tell.
+        messages: Number of messages, or None when the file does not say.
         kind: Which fields are which channel.
         decoders: Key of each connection -> its decoder.
         rows: The first messages, decoded.
@@ -89,31 +81,27 @@ def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[T
         name, _, arm = wanted.partition("#")
         candidate = _named(path, candidates, topics, name)
         return Choice(candidate, _arm_joints(path, candidate, arm))
-    measured = [c for c in candidates if c.arms and not NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
+    measured = [c for c in candidates if c.arms and not _NOT_MEASURED.search(c.topic.rsplit("/", 1)[-1])]
     if not measured:
         raise InputError(_nothing_to_read(path, candidates, topics))
-    if _several_arms(measured):
+    namespaces = {namespace(candidate.topic) for candidate in measured} - {""}
+    prefixes = {arm for candidate in measured for arm in candidate.arms} - {""}
+    if len(namespaces) > 1 or len(prefixes) > 1:
         message = f"{path}: several arms in one log; choose one with {_choices(measured)}"
         raise SeveralArmsError(message, _best_of_each_arm(measured))
     best = min(measured, key=_preference)
-    return Choice(best, _arm_joints(path, best, ""), _chosen_finding(best, measured))
+    return Choice(best, _arm_joints(path, best, ""), _others_finding(best, [c for c in measured if c is not best]))
 
 
 def _preference(candidate: Candidate) -> tuple[bool, int, bool, int]:
     """Torque before none, libfranka's own messages before others, first hand before republished, then the rate."""
-    first_hand = bool(DRIVER_NODES & set(candidate.topic.split("/")))
+    first_hand = bool(_DRIVER_NODES & set(candidate.topic.split("/")))
     return not candidate.has_torque, candidate.kind.rank, not first_hand, -(candidate.messages or 0)
-
-
-def _several_arms(candidates: Sequence[Candidate]) -> bool:
-    namespaces = {namespace(candidate.topic) for candidate in candidates} - {""}
-    prefixes = {arm for candidate in candidates for arm in candidate.arms} - {""}
-    return len(namespaces) > 1 or len(prefixes) > 1
 
 
 def namespace(topic: str) -> str:
     """Return what stands before a topic's name, nodes of drivers left out: ``left`` of ``/left/joint_states``."""
-    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in DRIVER_NODES)
+    return "/".join(part for part in topic.strip("/").split("/")[:-1] if part not in _DRIVER_NODES)
 
 
 def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
@@ -160,15 +148,15 @@ def _named(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic],
             return candidate
     there = next((topic for topic in topics if topic.name.strip("/") == wanted.strip("/")), None)
     if there is not None and there.messages == 0:
-        raise InputError(f"{path}: topic {there.name} has no messages; {list_topics(topics)}")
+        raise InputError(f"{path}: topic {there.name} has no messages; {_listed(topics)}")
     if there is not None:
         raise InputError(
             f"{path}: topic {there.name} of type {there.type} holds no joint state that can be read; expected fields "
-            f"q, dq and tau_J, or position, velocity and effort; {list_topics(topics)}"
+            f"q, dq and tau_J, or position, velocity and effort; {_listed(topics)}"
         )
     near = get_close_matches(wanted, [topic.name for topic in topics], cutoff=0.5)
     hint = f"did you mean {' or '.join(near)}? " if near else ""
-    raise InputError(f"{path}: no topic {wanted}; {hint}{list_topics(topics)}; choose one with --topic")
+    raise InputError(f"{path}: no topic {wanted}; {hint}{_listed(topics)}; choose one with --topic")
 
 
 def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic]) -> str:
@@ -177,33 +165,30 @@ def _nothing_to_read(path: Path, candidates: Sequence[Candidate], topics: Sequen
     if candidates and not any(topic.messages for topic in topics if topic.name in {c.topic for c in candidates}):
         names = ", ".join(dict.fromkeys(candidate.topic for candidate in candidates))
         return (
-            f"{path}: 0 messages on {names}; expected joint states; {list_topics(topics)}; check that the robot was "
+            f"{path}: 0 messages on {names}; expected joint states; {_listed(topics)}; check that the robot was "
             "running, and record anew"
         )
     if broken := next((candidate for candidate in candidates if not candidate.rows), None):
         return (
             f"{path}: the first messages on topic {broken.topic} of type {broken.type} do not fit their definition; "
-            f"{list_topics(topics)}; choose another one with --topic, or record anew"
+            f"{_listed(topics)}; choose another one with --topic, or record anew"
         )
     return (
         f"{path}: no topic with measured joint states; expected fields q, dq and tau_J, or position, velocity and "
-        f"effort; {list_topics(topics)}; name the fields with --topic and --map if one of them holds the joints"
+        f"effort; {_listed(topics)}; name the fields with --topic and --map if one of them holds the joints"
     )
 
 
-def list_topics(topics: Sequence[Topic]) -> str:
-    """List topics for a message."""
-    if not topics:
-        return "there are no topics"
-    return "topics are " + ", ".join(f"{topic.name} ({topic.type}{_count(topic.messages)})" for topic in topics)
+def _listed(topics: Sequence[Topic]) -> str:
+    listed = ", ".join(f"{topic.name} ({topic.type}{_count(topic.messages)})" for topic in topics)
+    return f"topics are {listed}" if topics else "there are no topics"
 
 
 def _count(messages: int | None) -> str:
     return "" if messages is None else f", {messages} messages"
 
 
-def _chosen_finding(best: Candidate, candidates: Sequence[Candidate]) -> tuple[Finding, ...]:
-    others = [c for c in candidates if c is not best]
+def _others_finding(best: Candidate, others: Sequence[Candidate]) -> tuple[Finding, ...]:
     if not others:
         return ()
     names = ", ".join(f"{c.topic} ({c.type}{_count(c.messages)})" for c in others)

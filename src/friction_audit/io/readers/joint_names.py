@@ -1,0 +1,101 @@
+"""Names of joints: which arm each belongs to, in which order, and which robot they say."""
+
+import re
+from collections.abc import Iterable, Sequence
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.reader import SeveralArmsError
+
+UNNAMED_ARM = "joint"  # what an arm without prefix is called after the # of --topic
+# panda_joint3, left_fr3_joint1, joint2: the arm before the word, the joint's number after it
+_ARM_JOINT = re.compile(r"^(?:(?P<arm>.*?)_?)?joint_?(?P<number>\d+)$", re.IGNORECASE)
+_FINGER = re.compile(r"finger|gripper", re.IGNORECASE)
+_LAST_NUMBER = re.compile(r"(.*?)(\d+)")
+# The prefix of the joints says the robot: panda1, left_panda, fer, fr3v2.
+_ROBOTS = (
+    ("panda", re.compile(r"(?:^|[\W_])(?:panda|fer)(?:[\W_]|\d|$)", re.IGNORECASE)),
+    ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
+)
+_MAKE = re.compile(r"panda|fer|fr3(?:v\d(?:_\d)?)?|franka", re.IGNORECASE)
+_FEWEST_BESIDE_AN_ARM = 2  # a single numbered joint beside an arm (a lift, a gripper) is not a second arm
+
+
+def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
+    """Group joints by arm: prefix of the arm -> its joints in the order of their numbers, fingers left out.
+
+    Where no name ends in ``joint`` and a number, there is one arm, "": names that differ in a number at their end alone
+    (``A1``) in the order of the numbers, others in the order of the message.
+    """
+    bodies = [name for name in dict.fromkeys(names) if not is_finger(name)]
+    numbered: dict[str, list[tuple[int, str]]] = {}
+    for name in bodies:
+        if match := _ARM_JOINT.match(name):
+            numbered.setdefault(match["arm"] or "", []).append((int(match["number"]), name))
+    if not numbered:
+        return {"": _by_last_number(bodies)} if bodies else {}
+    most = max(map(len, numbered.values()))
+    return {
+        arm: tuple(name for _, name in sorted(joints))
+        for arm, joints in sorted(numbered.items())
+        if len(joints) >= min(most, _FEWEST_BESIDE_AN_ARM)
+    }
+
+
+def is_finger(name: str) -> bool:
+    """Return True for joints of a gripper, which are no part of the arm."""
+    return _FINGER.search(name) is not None
+
+
+def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
+    numbered = [(match[1], int(match[2]), name) for name in names if (match := _LAST_NUMBER.fullmatch(name))]
+    if len(numbered) < len(names) or len({stem for stem, _, _ in numbered}) > 1:
+        return tuple(names)
+    return tuple(name for _, _, name in sorted(numbered))
+
+
+def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
+    """Return the joints of the arm to read, in their order, from the joints of a table.
+
+    Args:
+        names: Joint names in the order of the table.
+        wanted: The arm as the user gave it after the ``#`` of ``--topic``, or "".
+        path: The file, for messages.
+
+    Raises:
+        InputError: If there is no such arm.
+        SeveralArmsError: If there are several arms and the user named none.
+    """
+    arms = {arm or UNNAMED_ARM: joints for arm, joints in arms_in(names).items()}
+    if wanted and wanted not in arms:
+        choices = " or ".join(f"--topic '#{arm}'" for arm in arms)
+        raise InputError(
+            f"{path}: no arm {wanted!r} in this table; it has {', '.join(arms) or 'no joints by name'}; "
+            f"{f'choose with {choices}' if arms else 'leave --topic out'}"
+        )
+    if not wanted and len(arms) > 1:
+        raise several_arms(f"{path}: several arms in one log", arms)
+    return arms[wanted] if wanted else next(iter(arms.values()), ())
+
+
+def several_arms(what: str, arms: Iterable[str]) -> SeveralArmsError:
+    """Return the error of a table with several arms, with the choices for ``--topic``."""
+    topics = [f"#{arm}" for arm in arms]
+    choices = " or ".join(f"--topic '{topic}'" for topic in topics)
+    return SeveralArmsError(f"{what}; choose one with {choices}", topics)
+
+
+def arm_name(prefix: str) -> str:
+    """Return what the prefix of joints calls their arm, or nothing where it is the make of the robot alone."""
+    return "" if _MAKE.fullmatch(prefix) else prefix
+
+
+def robot_of(names: Iterable[str]) -> str:
+    """Return ``"panda"``, ``"fr3"`` or ``"unknown"`` from the prefix of the joint names."""
+    prefixes = {match["arm"] or "" for name in names if (match := _ARM_JOINT.match(name))}
+    robots = {robot for robot, pattern in _ROBOTS for prefix in prefixes if pattern.search(prefix)}
+    return robots.pop() if len(robots) == 1 else "unknown"
+
+
+def numbered_joints(count: int) -> tuple[str, ...]:
+    """Name joints that carry no names: joint1..joint{count}."""
+    return tuple(f"joint{number}" for number in range(1, count + 1))

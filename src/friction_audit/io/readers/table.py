@@ -1,0 +1,211 @@
+"""A table -> Recording: what CSV, Parquet and npz share once the container has named its columns."""
+
+import re
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap, doubt_torque, map_columns, map_long_columns
+from friction_audit.io.readers.joint_names import choose_arm, robot_of
+from friction_audit.io.readers.reader import ReadOptions, Recording, refuse_too_large
+from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
+from friction_audit.joint_log import Finding, Float
+
+_RADIANS_PER_DEGREE = np.pi / 180.0
+_WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was written as floats
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Part:
+    """The numbers that were read of a table: all of it, or the part asked for.
+
+    Attributes:
+        clock: Its clock, n rows.
+        channels: Channel -> array of shape (n, columns), Fortran order.
+        joint: Joint of each row of a long table, shape (n,), else None.
+        first_s: First stamp of the whole table on the clock, where a part was read. [s]
+    """
+
+    clock: Clock
+    channels: dict[str, Float]
+    joint: NDArray[Any] | None = None
+    first_s: float | None = None
+
+
+class Table(ABC):
+    """An open table; each container derives from it.
+
+    Attributes:
+        path: The file.
+        names: Names of the columns that hold one number per row; elements of lists as ``name[0]``, ``name[1]``...
+        labels: Position of a column -> its joint, where joint names stand beside the numbers.
+        constant: Positions of columns seen not to change.
+        may_be_long: False if a table of this container never has one row per joint and time.
+        joint_names, robot, serial, start_s: What the file states beside its columns; start_s is of the first row. [s]
+        clock: The clock as the container knows it, for the column of the same name.
+    """
+
+    may_be_long = True
+    labels: Mapping[int, str] = {}
+    constant: frozenset[int] = frozenset()
+    joint_names: Sequence[str] = ()
+    robot = "unknown"
+    serial = ""
+    start_s: float | None = None
+    clock: TimeColumn | None = None
+
+    def __init__(self, path: Path, names: Sequence[str]) -> None:
+        self.path, self.names = path, names
+
+    @abstractmethod
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone."""
+
+    def findings(self) -> tuple[Finding, ...]:
+        """Return the damage found so far."""
+        return ()
+
+
+class ColumnTable(Table):
+    """A table that is stored column by column, so that the clock can be read before all else."""
+
+    def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
+        """Read the columns; of a large table the part asked for alone."""
+        rows, packed = self.size(columns)
+        row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
+        is_part = options.reads_part(rows * row_bytes)
+        refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
+        clock = self.read_clock(columns.time)
+        if not is_part:
+            return self.read_rows(columns, clock, None)
+        clock, kept, first_s = take_part(clock, options, path=str(self.path))
+        refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
+        return replace(self.read_rows(columns, clock, kept), first_s=first_s)
+
+    @abstractmethod
+    def size(self, columns: ColumnMap) -> tuple[int, int]:
+        """Return the number of rows, and the bytes that these columns take in the file."""
+
+    @abstractmethod
+    def read_clock(self, time: TimeColumn) -> Clock:
+        """Read all stamps."""
+
+    @abstractmethod
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+        """Read the channels, in the rows of a mask or in all."""
+
+
+def read_table(table: Table, options: ReadOptions) -> Recording:
+    """Read the recording in a table.
+
+    Raises:
+        InputError: If columns are missing or damaged, or a topic was asked for.
+        SeveralArmsError: If the table holds several arms and the user named none.
+    """
+    path, topic = str(table.path), options.topic
+    stated, _, arm = (topic or "").partition("#")
+    if stated or (topic is not None and not arm):
+        raise InputError(f"{path}: a table has no topics, and --topic asks for {topic}; leave --topic out")
+    columns = map_long_columns(table.names, path=path, mapping=options.mapping) if table.may_be_long else None
+    if columns is None:
+        labels, constant = table.labels, table.constant
+        try:
+            columns = map_columns(
+                table.names, path=path, mapping=options.mapping, labels=labels, constant=constant, arm=arm
+            )
+        except InputError as error:
+            damage = (finding.message for finding in table.findings())
+            raise InputError("; ".join((str(error), *damage))) from error
+    if table.clock is not None and table.clock.name == columns.time.name:
+        columns = replace(columns, time=replace(table.clock, cells=columns.time.cells))
+    part = table.read(columns, options)
+    columns = replace(columns, findings=(*columns.findings, *table.findings()))
+    if part.joint is not None:
+        columns, part = _pivot(columns, part.joint, part, arm, path)
+    for channel in columns.degrees:
+        array = part.channels[channel]
+        array *= _RADIANS_PER_DEGREE
+    recording = Recording(
+        t=part.clock.t,
+        channels=part.channels,
+        joint_names=columns.joint_names,
+        clock=columns.time.clock,
+        start_s=part.clock.start_s,
+        first_s=part.first_s,
+        robot=columns.robot,
+        serial=table.serial,
+        mapping={"t": f"{columns.time.name} [{part.clock.unit}]", **columns.mapping},
+        findings=columns.findings,
+    )
+    return recording if columns.joint is not None else _with_stated(recording, table)
+
+
+def _with_stated(recording: Recording, table: Table) -> Recording:
+    """Add the start, the joints and the robot that the file states beside its columns."""
+    if recording.start_s is None and table.start_s is not None:
+        first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s
+        start_s = table.start_s - first_s
+        recording = replace(recording, start_s=start_s if isfinite(start_s) else None)
+    if table.labels or len(table.joint_names) != len(recording.joint_names):
+        return recording
+    robot = table.robot if table.robot != "unknown" else robot_of(table.joint_names)
+    robot = recording.robot if robot == "unknown" else robot
+    return replace(recording, joint_names=tuple(table.joint_names), robot=robot)
+
+
+def _pivot(columns: ColumnMap, joint: NDArray[Any], part: Part, arm: str, path: str) -> tuple[ColumnMap, Part]:
+    """Bring a long table to one row per time; rows of times that some joint lacks are left out."""
+    import pandas as pd
+
+    codes, labels = pd.factorize(joint, sort=False)
+    if len(labels) > MOST_JOINTS:
+        raise InputError(
+            f"{path}: the column of joints holds {len(labels)} names; expected at most {MOST_JOINTS} joints; "
+            "name another column as the joint's"
+        )
+    texts = [_WHOLE.sub(r"\1", str(label).strip()) for label in labels]
+    kept = [texts.index(text) for text in choose_arm(texts, arm, path=path)]
+    if not kept:
+        raise InputError(f"{path}: 0 samples; the table has a header and no rows; record the arm while it moves")
+    clock = part.clock
+    rows, lost = _rows_of_joints([np.flatnonzero(codes == code) for code in kept], clock.t)
+    channels = {channel: np.empty((len(rows[0]), len(kept)), order="F") for channel in part.channels}
+    for channel, column in part.channels.items():
+        for place, chosen in enumerate(rows):
+            channels[channel][:, place] = column[chosen, 0]
+    names = _names([texts[code] for code in kept])
+    columns = replace(columns, joint_names=names, robot=robot_of(names))
+    findings = (*columns.findings, *doubt_torque(columns, columns.mapping, joints=len(names)))
+    if lost:
+        message = f"{lost} rows belong to times at which other joints have no row; they are left out"
+        findings += (Finding(code="incomplete_rows", message=message, amount=float(lost), damaged=True),)
+    part = replace(part, clock=Clock(clock.t[rows[0]], clock.start_s, clock.unit), channels=channels)
+    return replace(columns, findings=findings), part
+
+
+def _names(labels: Sequence[str]) -> tuple[str, ...]:
+    if not all(label.isdigit() for label in labels):
+        return tuple(labels)
+    base = 0 if any(int(label) == 0 for label in labels) else 1
+    return tuple(f"joint{int(label) - base + 1}" for label in labels)
+
+
+def _rows_of_joints(rows: list[NDArray[np.intp]], time: Float) -> tuple[list[NDArray[np.intp]], int]:
+    """Return each joint's rows at the times that all joints have, and how many rows that leaves out."""
+    common = time[rows[0]]
+    if all(len(own) == len(common) and np.array_equal(time[own], common) for own in rows):
+        return rows, 0
+    for own in rows:
+        common = np.intersect1d(common, time[own])
+    matched = []
+    for own in rows:
+        order = own[np.argsort(time[own], kind="stable")]
+        matched.append(order[np.searchsorted(time[order], common)])
+    return matched, sum(map(len, rows)) - len(rows) * len(common)
