@@ -19,8 +19,8 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.io.readers import SeveralArmsError
 from friction_audit.io.files import sha256_of as hash_file
+from friction_audit.io.readers import SeveralArmsError
 from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, estimate_log

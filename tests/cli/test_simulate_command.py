@@ -13,8 +13,8 @@ import numpy as np
 import pyarrow.parquet as pq
 import pytest
 
-from friction_audit.io.readers import read_log
 from friction_audit.io.files import sha256_of
+from friction_audit.io.readers import read_log
 from friction_audit.io.writers import WRITERS, Writer
 from friction_audit.reporting.schemas import load_schema
 from friction_audit.simulation import Simulation, dispatch, simulate

@@ -138,5 +138,3 @@ def test_an_incomplete_channel_that_is_not_needed_is_left_out() -> None:
     columns = map_columns(names, path="log", mapping={})
     assert "temperature" not in columns.channels
     assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
-
-
