@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.batch.ledger_rows import SCHEMA_VERSION
 from tests.batch.conftest import Batch, Inline
 
 BROKEN: dict[str, str] = {
@@ -22,28 +21,9 @@ BROKEN: dict[str, str] = {
 }
 
 
-def test_nothing_is_computed_anew_where_nothing_is_broken(rig: Path, batch: Batch, tmp_path: Path) -> None:
+@pytest.mark.parametrize("fault", BROKEN)
+def test_a_broken_session_is_named_and_computed_anew(fault: str, rig: Path, batch: Batch, tmp_path: Path) -> None:
     first = batch(rig)
-    to_schema_1(tmp_path)
-    second = batch(rig)
-    assert (second.new, second.warnings, repr(second.sessions)) == (0, (), repr(first.sessions))
-
-
-@pytest.mark.parametrize(
-    ("fault", "schema"),
-    [
-        (fault, schema)
-        for fault in BROKEN
-        for schema in (1, SCHEMA_VERSION)
-        if (fault, schema) != ("twice the value", 1)
-    ],
-)
-def test_a_broken_session_is_named_and_computed_anew(
-    fault: str, schema: int, rig: Path, batch: Batch, tmp_path: Path
-) -> None:
-    first = batch(rig)
-    if schema == 1:
-        to_schema_1(tmp_path)
     with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database, database:
         (path,) = database.execute("SELECT path FROM sessions WHERE id = 1").fetchone()
         assert database.execute(BROKEN[fault]).rowcount > 0
@@ -56,8 +36,12 @@ def test_a_broken_session_is_named_and_computed_anew(
     assert batch(rig).warnings == ()
 
 
-def to_schema_1(tmp_path: Path) -> None:
-    """Make the ledger one of schema 1, which had no hashes."""
+def test_a_ledger_of_schema_1_is_opened_and_its_sessions_are_computed_anew(
+    rig: Path, batch: Batch, tmp_path: Path
+) -> None:
+    first = batch(rig)
     with closing(sqlite3.connect(tmp_path / "out" / "ledger.sqlite")) as database:
         database.execute("ALTER TABLE sessions DROP COLUMN digest")
         database.execute("PRAGMA user_version = 1")
+    second = batch(rig)
+    assert (second.new, repr(second.sessions)) == (4, repr(first.sessions))

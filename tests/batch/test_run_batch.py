@@ -262,7 +262,7 @@ def test_a_log_that_no_web_server_has(batch: Batch, server: str) -> None:
 
 def test_a_log_that_the_worker_does_not_see(rig: Path) -> None:
     log = find_logs([str(rig / "2026-03-01.parquet")], {})[0]
-    task = replace(work.task_of(log), place="/nowhere/2026-03-01.parquet")
+    task = work.Task(path=log.path, place="/nowhere/2026-03-01.parquet")
     fault = work.work_on(BatchSettings(), task).faults[0]
     assert "give a path that every worker sees" in fault.message
     assert not fault.lasting

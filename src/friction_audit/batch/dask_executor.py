@@ -15,10 +15,8 @@ from friction_audit.batch.executor import Asked, Done, Lost
 from friction_audit.errors import UsageError
 
 DISTRIBUTION = "friction-audit"
-PATIENCE_S = 15.0
-"""For the scheduler's first answer."""
-PER_THREAD = 2
-"""Tasks under way for every thread of the cluster: one is worked on, one is at hand."""
+PATIENCE_S = 15.0  # for the scheduler's first answer
+PER_THREAD = 2  # tasks under way for every thread of the cluster: one is worked on, one is at hand
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -63,21 +61,14 @@ def _run(
         if not pending:
             return
         future = done.get()
-        task = pending.pop(future)
-        yield task, _outcome(future)
-
-
-def _outcome(future: Any) -> Any:  # noqa: ANN401
-    error = future.exception()
-    if error is None:
-        return future.result()
-    said = " ".join(str(error).split())
-    return Lost(f"lost on the cluster: {type(error).__name__}: {said}")
+        task, error = pending.pop(future), future.exception()
+        text = " ".join(str(error).split())
+        yield task, future.result() if error is None else Lost(f"lost on the cluster: {type(error).__name__}: {text}")
 
 
 def _connect(address: str) -> Any:  # noqa: ANN401
     try:
-        distributed = _distributed()
+        distributed: Any = import_module("distributed")
     except ImportError as error:
         raise UsageError(
             f"--scheduler {address}: needs dask.distributed, which is not installed; install friction-audit[cluster]"
@@ -92,10 +83,6 @@ def _connect(address: str) -> Any:  # noqa: ANN401
             f"--scheduler {address}: no scheduler answers ({said}); expected an address such as tcp://host:8786; check "
             "that it runs and can be reached"
         ) from error
-
-
-def _distributed() -> Any:  # noqa: ANN401
-    return import_module("distributed")
 
 
 def versions() -> dict[str, str]:

@@ -17,14 +17,13 @@ from friction_audit.io.readers import READERS
 BAG_METADATA = "metadata.yaml"
 STORAGE_SUFFIXES = (".db3", ".mcap")
 COMPRESSED = (".zstd", ".zst")
+# Suffixes of too much that is no log: read where the user names the file, left alone in a folder.
 NEEDS_A_NAME = (".txt", ".dat", *COMPRESSED)
-"""Suffixes of too much that is no log: read where the user names the file, left alone in a folder."""
-
+# Endings of what is taken for a log in a folder.
 SUFFIXES = tuple(
     sorted({suffix for reader in READERS for suffix in reader.suffixes if suffix not in NEEDS_A_NAME})
     + [storage + packed for storage in STORAGE_SUFFIXES for packed in COMPRESSED]
 )
-"""Endings of what is taken for a log in a folder."""
 
 
 def find_logs(
@@ -86,7 +85,7 @@ def _logs_in(top: Path, closed: set[str]) -> Iterator[LogFile]:
             yield _local(here, around[1:])
             continue
         for file in sorted(files, key=natural):
-            if is_log_name(file):
+            if not file.startswith(".") and file.lower().endswith(SUFFIXES):
                 yield _local(here / file, around)
     for error in closed_to_us:  # a folder that cannot be listed: its reader says why
         yield _local(Path(error.filename), _folders_around(top, Path(error.filename)))
@@ -98,14 +97,11 @@ def _folders_around(top: Path, here: Path) -> tuple[str, ...]:
     return (*reversed(inner), top.resolve().name)
 
 
-def is_log_name(file: str) -> bool:
-    """Return True if a file in a folder is taken for a log."""
-    return not file.startswith(".") and file.lower().endswith(SUFFIXES)
-
-
 def is_bag(folder: str, files: Sequence[str]) -> bool:
     """Return True if a folder is one ROS 2 bag: it says so, or its storage files are called as it is."""
-    storage = [name for name in files if name.lower().endswith(tuple(s for s in SUFFIXES if _is_storage(s)))]
+    storage = [
+        name for name in files if name.lower().endswith(tuple(s for s in SUFFIXES if s.startswith(STORAGE_SUFFIXES)))
+    ]
     named = [PurePath(name.removesuffix(".zstd").removesuffix(".zst")).stem for name in storage]
     parts = [stem.rpartition("_") for stem in named]
     return bool(storage) and (
@@ -118,19 +114,14 @@ def bag_folders(listing: Mapping[str, Sequence[str]]) -> set[str]:
     return {folder for folder, files in listing.items() if is_bag(folder.rstrip("/").rpartition("/")[2], files)}
 
 
-def _is_storage(suffix: str) -> bool:
-    return suffix.startswith(STORAGE_SUFFIXES)
-
-
 def _local(path: Path, folders: tuple[str, ...]) -> LogFile:
     place = path.absolute()
     try:
         stamp = stamp_of(path)
     except OSError:  # the worker says why
         stamp = Stamp(size=-1, changed_ns=0)
-    which = repr(
-        [(inode, *times) for _, _, inode, *times in stamp.identity]
-    )  # devices are numbered anew at every start
+    # Devices are numbered anew at every start.
+    which = repr([(inode, *times) for _, _, inode, *times in stamp.identity])
     return LogFile(
         path=as_text(str(path)),
         place=str(place),

@@ -1,4 +1,4 @@
-"""Recorded and Fault: what came of one arm of one log, from its content alone; names and places come later."""
+"""What came of one arm of one log, from its content alone; then which arm each session is of and when it was."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -32,7 +32,7 @@ class Fault:
     """One arm of a log, or the whole of it, that no summary could be made of.
 
     Attributes:
-        message: Why, as people are told beside the name of the log.
+        message: Why; printed after the name of the log.
         topic: Which arm, as in ``Recorded``.
         lasting: True if the log itself is to blame: the same log with the same settings will fail again.
         detail: Where in the program it happened, if the program is to blame.
@@ -63,9 +63,8 @@ _DATE = r"(?P<year>(?:19|20)\d\d)(?P<s>[-_.]?)(?P<month>0[1-9]|1[0-2])(?P=s)(?P<
 _CLOCK = r"(?P<hour>[01]\d|2[0-3])(?P<c>[-_.:]?)(?P<minute>[0-5]\d)(?:(?P=c)(?P<second>[0-5]\d)(?:[.,](?P<part>\d+))?)?"
 _ZONE = r"(?P<zone>Z|[+-]\d\d:?\d\d)?"
 _MOMENT = re.compile(rf"(?<!\d){_DATE}(?:[T _.-]+{_CLOCK}{_ZONE})?(?!\d)", re.IGNORECASE)
+# Seconds since 1970, from 2001 to 2033, as they are or in thousandths, millionths or billionths.
 _EPOCH = re.compile(r"(?<!\d)(1\d{9})(?:(\d{3}|\d{6}|\d{9})|\.(\d+))?(?!\d)")
-"""Seconds since 1970, from 2001 to 2033, as they are or in thousandths, millionths or billionths."""
-
 _DATE_ONLY = re.compile(rf"(?<!\d){_DATE}(?!\d)")
 
 
@@ -119,13 +118,9 @@ def _unix_time(found: re.Match[str]) -> float | None:
     return moment.timestamp() + float(f"0.{found['part'] or 0}")
 
 
-NOTHING_SAID = ManifestRow(path="")
-UNKNOWN = "unknown"
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Identified:
-    """Sessions, each of a robot, in order, and what is to be said about that.
+    """Sessions, each of a robot, in order.
 
     Attributes:
         sessions: By robot, each robot's in the order of their starts, or of their names where starts are not known.
@@ -143,7 +138,7 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
     warnings = list(_shared_names(found))
     for robot in sorted({session.robot for _, session in named}, key=natural):
         own = [(recorded, session) for recorded, session in named if session.robot == robot]
-        groups = _alike(own)
+        groups = _alike_arms(own)
         if len(groups) > 1:
             warnings.append(
                 f"robot {robot}: its logs are of unlike arms ({'; '.join(groups)}), which are not compared with each "
@@ -156,13 +151,16 @@ def identify(found: Sequence[tuple[LogFile, Recorded]]) -> Identified:
 
 
 def _session(file: LogFile, recorded: Recorded) -> Session:
-    row = file.row or NOTHING_SAID
-    session = recorded.session
+    row, session, known = file.row or ManifestRow(path=""), recorded.session, recorded.session.robot
     start_s, start_from = _start(file, row, session)
+    if recorded.topic:  # one of several arms of a log
+        robot = f"{row.robot}/{known or recorded.topic}" if row.robot else known or recorded.topic
+    else:
+        robot = row.robot or known or robot_folder(file.folders)
     return replace(
         session,
         path=name_of(file, recorded.topic),
-        robot=_robot(file, row, recorded),
+        robot=robot,
         start_s=start_s,
         start_from=start_from,
         conditions=replace(session.conditions, payload=row.payload),
@@ -174,15 +172,6 @@ def _session(file: LogFile, recorded: Recorded) -> Session:
 def name_of(file: LogFile, topic: str) -> str:
     """Return what people call an arm of a log; the topic is empty where the log holds one."""
     return f"{file.path} [{topic}]" if topic else file.path
-
-
-def _robot(file: LogFile, row: ManifestRow, recorded: Recorded) -> str:
-    """Return the robot's name, of manifest, log or folder; with the arm, where the log holds several."""
-    told = recorded.session.robot
-    if not recorded.topic:
-        return row.robot or told or robot_folder(file.folders)
-    arm = told or recorded.topic
-    return f"{row.robot}/{arm}" if row.robot else arm
 
 
 def robot_folder(folders: Sequence[str]) -> str:
@@ -200,23 +189,22 @@ def _start(file: LogFile, row: ManifestRow, session: Session) -> tuple[float | N
     return (named, "name") if named is not None else (None, "nothing")
 
 
-def _alike(own: Iterable[tuple[Recorded, Session]]) -> dict[str, list[Session]]:
-    """Group sessions by number of joints and by make; a log that does not tell its make is of the only one there is."""
-    pairs = list(own)
+def _alike_arms(pairs: Sequence[tuple[Recorded, Session]]) -> dict[str, list[Session]]:
+    """Group sessions by number of joints and make; a log without its make is of the only one that is known."""
     makes: dict[int, set[str]] = {}
     for recorded, session in pairs:
         makes.setdefault(len(session.joints), set()).add(recorded.kind)
     groups: dict[str, list[Session]] = {}
     for recorded, session in pairs:
         joints = len(session.joints)
-        known = makes[joints] - {UNKNOWN}
-        make = known.copy().pop() if len(known) == 1 else recorded.kind
+        known = makes[joints] - {"unknown"}
+        make = next(iter(known)) if len(known) == 1 else recorded.kind
         groups.setdefault(f"{joints} joint{'' if joints == 1 else 's'}, {make}", []).append(session)
     return dict(sorted(groups.items()))
 
 
 def _shared_names(found: Sequence[tuple[LogFile, Recorded]]) -> list[str]:
-    """Return a warning for each name that logs of several folders give their arm: there may be two called ``left``."""
+    """Warn of each name that logs of several folders give their arm: there may be two called ``left``."""
     places: dict[str, set[str]] = {}
     for file, recorded in found:
         if recorded.session.robot and not (file.row and file.row.robot) and not recorded.named_by_serial:

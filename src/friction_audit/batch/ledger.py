@@ -8,8 +8,8 @@ import sqlite3
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from itertools import count
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from friction_audit.batch import ledger_rows as rows
@@ -20,14 +20,11 @@ from friction_audit.batch.remote import LogFile, as_text
 from friction_audit.drift.session import Session
 from friction_audit.errors import InputError
 
-BUSY_S = 60.0
-"""How long to wait while another run writes."""
-BESIDE = ("", "-wal", "-shm")
-"""Endings of the files that a ledger is made of while it is open."""
-LEFT_BEHIND = ("-wal", "-journal")
-"""What lies beside a ledger that is open or was not closed."""
-AT_ONCE = 50
-"""Keys per question: SQLite takes no more than a thousand, and rows take memory beside what is made of them."""
+BUSY_S = 60.0  # to wait while another run writes
+PARTS = ("", "-wal", "-shm")  # endings of the files that a ledger consists of while it is open
+UNCLEAN = ("-wal", "-journal")  # what lies next to a ledger that is open or was not closed
+AT_ONCE = 50  # keys per query: SQLite takes no more than a thousand, and rows take memory
+OTHER_PLACE = "choose another folder with -o, or --rebuild to move it aside and compute anew"
 
 
 class Ledger:
@@ -42,7 +39,7 @@ class Ledger:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        unclean = any(path.with_name(path.name + ending).exists() for ending in LEFT_BEHIND)
+        unclean = any(path.with_name(path.name + ending).exists() for ending in UNCLEAN)
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._database = sqlite3.connect(path, timeout=BUSY_S, isolation_level=None)
@@ -51,7 +48,7 @@ class Ledger:
         self._database.row_factory = sqlite3.Row
         self._database.text_factory = _text  # a broken row must not hide the others
         try:
-            with self._told():
+            with self._worded():
                 self._set_up()
                 if unclean:
                     self._check()
@@ -62,9 +59,7 @@ class Ledger:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def close(self) -> None:
@@ -162,19 +157,10 @@ class Ledger:
             WHERE sha256 = :sha256 AND settings = :settings AND topic = :topic AND (path, robot, start_s, start_from,
             payload, temperature_c, note)
             IS NOT (:path, :robot, :start_s, :start_from, :payload, :temperature_c, :note)"""
+        own = ("path", "robot", "start_s", "start_from", "temperature_c", "note", "sha256")
         values = [
-            {
-                "path": session.path,
-                "robot": session.robot,
-                "start_s": session.start_s,
-                "start_from": session.start_from,
-                "payload": session.conditions.payload,
-                "temperature_c": session.temperature_c,
-                "note": session.note,
-                "sha256": session.sha256,
-                "settings": settings,
-                "topic": topic,
-            }
+            {name: getattr(session, name) for name in own}
+            | {"payload": session.conditions.payload, "settings": settings, "topic": topic}
             for session, topic in named
         ]
         with self._transaction():
@@ -195,7 +181,7 @@ class Ledger:
         version = self._pragma("user_version")
         holds_tables = bool(self._ask("SELECT 1 FROM sqlite_master LIMIT 1"))
         if holds_tables and self._pragma("application_id") != APPLICATION_ID:
-            raise InputError(f"{self.path}: an SQLite database, but no ledger; {_MOVE_ON}")
+            raise InputError(f"{self.path}: an SQLite database, but no ledger; {OTHER_PLACE}")
         if version > SCHEMA_VERSION:
             raise InputError(
                 f"{self.path}: a ledger of schema {version}; this friction-audit knows {SCHEMA_VERSION}; use the newer "
@@ -209,35 +195,21 @@ class Ledger:
             for table in TABLES:
                 self._database.execute(table)
             if "digest" not in {column["name"] for column in self._ask("PRAGMA table_info(sessions)")}:
-                self._give_digests()
+                # A ledger of schema 1: its sessions are of older results, which are never asked for again.
+                self._database.execute("ALTER TABLE sessions ADD COLUMN digest TEXT NOT NULL DEFAULT ''")
+                self._database.execute("DELETE FROM meta WHERE key = 'reported'")
             self._database.execute(f"PRAGMA application_id = {APPLICATION_ID}")
             self._database.execute(f"PRAGMA user_version = {SCHEMA_VERSION}")
-
-    def _give_digests(self) -> None:
-        """Give the sessions of a ledger of schema 1 their hashes; one that is broken gets none, and so is found out."""
-        self._database.execute("ALTER TABLE sessions ADD COLUMN digest TEXT NOT NULL DEFAULT ''")
-        self._database.execute("DELETE FROM meta WHERE key = 'reported'")  # a note without a hash, made anew
-        for known in self._ask("SELECT DISTINCT sha256, settings FROM sessions"):
-            for row, *parts in self._stored((known["sha256"],), known["settings"]):
-                if rows.is_sound(row, *parts):
-                    self._write_digest(row["id"], rows.digest_of(row, *parts))
-
-    def _write_digest(self, key: int, digest: str) -> None:
-        self._database.execute("UPDATE sessions SET digest = ? WHERE id = ?", (digest, key))
 
     def _forget_rows(self, key: int) -> None:
         for table in ("joints", "coefficients"):
             self._database.execute(f"DELETE FROM {table} WHERE session = ?", (key,))  # noqa: S608 - names from here
 
     def _check(self) -> None:
-        """Refuse a file that is damaged.
-
-        Raises:
-            InputError: If SQLite finds faults in it.
-        """
+        """Refuse a file in which SQLite finds faults."""
         said = [str(row[0]) for row in self._ask("PRAGMA quick_check(3)")]
         if said != ["ok"]:
-            raise InputError(f"{self.path}: a damaged ledger ({'; '.join(said)}); {_MOVE_ON}")
+            raise InputError(f"{self.path}: a damaged ledger ({'; '.join(said)}); {OTHER_PLACE}")
 
     def _pragma(self, name: str) -> int:
         return int(self._database.execute(f"PRAGMA {name}").fetchone()[0])
@@ -255,19 +227,12 @@ class Ledger:
         self._database.executemany(statement, rows.coefficient_rows(key, joints))
         for row, *parts in self._stored((recorded.session.sha256,), settings):
             if row["id"] == key:
-                self._write_digest(key, rows.digest_of(row, *parts))
+                digest = rows.digest_of(row, *parts)
+                self._database.execute("UPDATE sessions SET digest = ? WHERE id = ?", (digest, key))
 
     def _save_fault(self, log: LogFile, settings: str, sha256: str, fault: Fault) -> None:
-        values = (
-            as_text(log.place),
-            settings,
-            fault.topic,
-            sha256,
-            log.path,
-            fault.message,
-            fault.lasting,
-            fault.detail,
-        )
+        place, path = as_text(log.place), log.path
+        values = (place, settings, fault.topic, sha256, path, fault.message, fault.lasting, fault.detail)
         self._database.execute("INSERT OR REPLACE INTO failed VALUES (?, ?, ?, ?, ?, ?, ?, ?)", values)
 
     def _remember(self, log: LogFile, sha256: str) -> None:
@@ -284,12 +249,12 @@ class Ledger:
         return found
 
     def _ask(self, query: str, values: tuple[object, ...] | dict[str, object] = ()) -> list[sqlite3.Row]:
-        with self._told():
+        with self._worded():
             return self._database.execute(query, values).fetchall()
 
     @contextmanager
     def _transaction(self) -> Iterator[None]:
-        with self._told():
+        with self._worded():
             self._database.execute("BEGIN IMMEDIATE")
             try:
                 yield
@@ -299,20 +264,17 @@ class Ledger:
             self._database.commit()
 
     @contextmanager
-    def _told(self) -> Iterator[None]:
-        """Turn what SQLite says into words for people."""
+    def _worded(self) -> Iterator[None]:
+        """Turn an error of SQLite into an InputError."""
         try:
             yield
         except sqlite3.DatabaseError as error:
             if getattr(error, "sqlite_errorname", "") == "SQLITE_NOTADB":
-                raise InputError(f"{self.path}: no SQLite database, and so no ledger; {_MOVE_ON}") from error
+                raise InputError(f"{self.path}: no SQLite database, and so no ledger; {OTHER_PLACE}") from error
             raise InputError(
                 f"{self.path}: {error}; check that its folder can be written to, is not full and lies on a disk of "
-                f"this machine; if the file is broken, {_MOVE_ON}"
+                f"this machine; if the file is broken, {OTHER_PLACE}"
             ) from error
-
-
-_MOVE_ON = "choose another folder with -o, or --rebuild to move it aside and compute anew"
 
 
 def _text(content: bytes) -> str:
@@ -327,10 +289,10 @@ def move_aside(path: Path) -> Path | None:
     """
     if not path.exists():
         return None
-    number = next(n for n in range(1, 1_000_000) if not _aside(path, n).exists())
-    target = _aside(path, number)
+    names = (path.with_name(f"{path.stem}-{number}{path.suffix}") for number in count(1))
+    target = next(name for name in names if not name.exists())
     try:
-        for ending in BESIDE:  # what has not been copied from the log of changes yet goes with it
+        for ending in PARTS:  # what has not been copied from the log of changes yet goes with it
             part = path.with_name(path.name + ending)
             if part.exists():
                 part.rename(target.with_name(target.name + ending))
@@ -339,13 +301,8 @@ def move_aside(path: Path) -> Path | None:
     return target
 
 
-def _aside(path: Path, number: int) -> Path:
-    return path.with_name(f"{path.stem}-{number}{path.suffix}")
-
-
 def _marks(keys: tuple[str, ...]) -> str:
-    """Return a placeholder for each key: values never become part of a question."""
-    return ", ".join("?" * len(keys))
+    return ", ".join("?" * len(keys))  # values never become part of a query
 
 
 def _in_lots(keys: Iterable[str]) -> Iterator[tuple[str, ...]]:

@@ -5,15 +5,15 @@ import json
 import math
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import fields
 from typing import Any
 
 from friction_audit.batch.identity import Recorded
-from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, Session, SpeedCurve
+from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 
 Row = tuple[Any, ...]
 Stored = sqlite3.Row | Mapping[str, Any]
-NAN = float("nan")
 
 SESSION_COLUMNS = (
     "sha256", "settings", "topic", "path", "robot", "start_s", "start_from", "duration_s", "drive", "torque", "gravity",
@@ -27,8 +27,8 @@ JOINT_COLUMNS = (
 COEFFICIENT_COLUMNS = (
     "session", "joint", "coefficient", "value", "low", "high", "within_value", "within_low", "within_high",
 )  # fmt: skip
+# Columns of a session that are written anew with every manifest; nothing is read from them.
 NAMED = {"path", "robot", "start_s", "start_from", "payload", "temperature_c", "note"}
-"""Columns of a session that are written anew with every manifest; nothing is read from them."""
 CONTENT = tuple(column for column in SESSION_COLUMNS if column not in NAMED)
 
 
@@ -104,32 +104,6 @@ def digest_of(row: Stored, joints: Iterable[Stored], coefficients: Iterable[Stor
     return hashlib.sha256(json.dumps(stored, default=repr).encode()).hexdigest()
 
 
-def is_sound(row: sqlite3.Row, joints: Sequence[sqlite3.Row], coefficients: Sequence[sqlite3.Row]) -> bool:
-    """Return whether the rows of a session without a hash are as this program writes them: read and written again."""
-    of_joint = {joint["joint"]: [one for one in coefficients if one["joint"] == joint["joint"]] for joint in joints}
-    try:
-        recorded = recorded_from(row, joints, of_joint)
-        written = recorded.session.joints
-        again = (
-            dict(zip(SESSION_COLUMNS, map(_plain, session_row(recorded, row["settings"])), strict=True)),
-            [dict(zip(JOINT_COLUMNS, one, strict=True)) for one in joint_rows(row["id"], written)],
-            [dict(zip(COEFFICIENT_COLUMNS, one, strict=True)) for one in coefficient_rows(row["id"], written)],
-        )
-        text = json.dumps([*map(dict, (row, *joints, *coefficients))], ensure_ascii=False, allow_nan=False)
-        return (
-            bool(text.encode())  # bytes that are no UTF-8 raise
-            and all({one["coefficient"] for one in own} == {*COEFFICIENTS} for own in of_joint.values())
-            and digest_of(*again) == digest_of(row, joints, coefficients)
-        )
-    except (ValueError, TypeError, KeyError, AttributeError):
-        return False
-
-
-def _plain(value: object) -> object:
-    """Return a value as SQLite gives it back."""
-    return int(value) if isinstance(value, bool) else value
-
-
 def _joint_from(row: sqlite3.Row, coefficients: Sequence[sqlite3.Row]) -> JointSummary:
     return JointSummary(
         joint=row["joint"],
@@ -137,14 +111,10 @@ def _joint_from(row: sqlite3.Row, coefficients: Sequence[sqlite3.Row]) -> JointS
         coefficients={one["coefficient"]: _coefficient(one, "") for one in coefficients},
         cycles=row["cycles"],
         moving_s=row["moving_s"],
-        speed_rad_s=(
-            _or_nan(row["speed_low_rad_s"]),
-            _or_nan(row["speed_median_rad_s"]),
-            _or_nan(row["speed_high_rad_s"]),
-        ),
+        speed_rad_s=tuple(_or_nan(row[f"speed_{name}_rad_s"]) for name in ("low", "median", "high")),  # type: ignore[arg-type]
         temperature_c=row["temperature_c"],
         within={one["coefficient"]: _coefficient(one, "within_") for one in coefficients},
-        curve=_curve_from(row["curve"]),
+        curve=SpeedCurve(**json.loads(row["curve"])),
         reason=row["reason"],
         verdict=row["verdict"],
         effects=tuple(json.loads(row["effects"])),
@@ -152,11 +122,7 @@ def _joint_from(row: sqlite3.Row, coefficients: Sequence[sqlite3.Row]) -> JointS
 
 
 def _coefficient(row: sqlite3.Row, prefix: str) -> Coefficient:
-    if prefix:
-        value, low, high = row["within_value"], row["within_low"], row["within_high"]
-    else:
-        value, low, high = row["value"], row["low"], row["high"]
-    return Coefficient(value=_or_nan(value), low=_or_nan(low), high=_or_nan(high))
+    return Coefficient(**{name: _or_nan(row[f"{prefix}{name}"]) for name in ("value", "low", "high")})
 
 
 def _number(value: float) -> float | None:
@@ -164,7 +130,7 @@ def _number(value: float) -> float | None:
 
 
 def _or_nan(value: float | None) -> float:
-    return NAN if value is None else value
+    return float("nan") if value is None else value
 
 
 def _list_text(items: Sequence[str]) -> str:
@@ -172,28 +138,11 @@ def _list_text(items: Sequence[str]) -> str:
 
 
 def _curve_text(curve: SpeedCurve) -> str:
-    columns = {
-        "speed_rad_s": list(curve.speed_rad_s),
-        "torque_nm": list(curve.torque_nm),
-        "spread_nm": list(curve.spread_nm),
-    }
-    return json.dumps(columns, separators=(",", ":"))
+    return json.dumps({f.name: list(getattr(curve, f.name)) for f in fields(curve)}, separators=(",", ":"))
 
 
-def _curve_from(text: str) -> SpeedCurve:
-    columns = json.loads(text)
-    return SpeedCurve(
-        speed_rad_s=columns["speed_rad_s"],
-        torque_nm=columns["torque_nm"],
-        spread_nm=columns["spread_nm"],
-    )
-
-
-APPLICATION_ID = 0x46414C47
-"""``FALG``, in the head of the file: an SQLite database without it is not a ledger."""
-SCHEMA_VERSION = 2
-"""In ``user_version``; raised with every change below."""
-
+APPLICATION_ID = 0x46414C47  # "FALG" in the head of the file: an SQLite database without it is not a ledger
+SCHEMA_VERSION = 2  # in user_version; raised with every change below
 TABLES = (
     "CREATE TABLE IF NOT EXISTS meta (key TEXT PRIMARY KEY, value TEXT NOT NULL)",
     "CREATE TABLE IF NOT EXISTS settings (key TEXT PRIMARY KEY, text TEXT NOT NULL)",

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from friction_audit.batch.identity import parse_time
 from friction_audit.batch.remote import ManifestRow
@@ -23,8 +23,9 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
 
 
+# Columns that are read; "path" has to be there. Others may be there, and are left alone.
 COLUMNS = ("path", "start", "robot", "temperature", "payload", "note")
-"""Columns that are read; ``path`` has to be there. Others may be there, and are left alone."""
+RESULTS_VERSION = 11  # raised with every change after which the same log gives other numbers: ledgers compute anew
 
 
 def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
@@ -39,15 +40,14 @@ def read_manifest(manifest: Path) -> dict[str, ManifestRow]:
     wrong: list[str] = []
     rows: dict[str, ManifestRow] = {}
     seen: dict[str, int] = {}
-    for cells in lines:
-        if not any(cell.strip() for cell in cells):
+    for cells in ([cell.strip() for cell in row] for row in lines):
+        if not any(cells):
             continue
         if len(cells) > len(header):
-            wrong.append(
-                f"line {lines.line_num}: {len(cells)} cells under {len(header)} columns; put text with commas in quotes"
-            )
+            found = f"{len(cells)} cells under {len(header)} columns"
+            wrong.append(f"line {lines.line_num}: {found}; put text with commas in quotes")
             continue
-        values = dict(zip(header, (cell.strip() for cell in cells), strict=False))
+        values = dict(zip(header, cells, strict=False))
         wrong += _wrong_with(values, lines.line_num, manifest.parent)
         place = _place(values.get("path", ""), manifest.parent)
         if values.get("path") and seen.setdefault(place, lines.line_num) != lines.line_num:
@@ -87,7 +87,7 @@ def _wrong_with(values: Mapping[str, str], line: int, folder: Path) -> Iterator[
     if not path:
         yield f"line {line}: no path"
     elif "://" not in path and not (folder / path).exists():
-        yield f"line {line}: {path}: no such file or directory beside the manifest"
+        yield f"line {line}: {path}: no such file or directory in the folder of the manifest"
     start, temperature = values.get("start", ""), values.get("temperature", "")
     if start and parse_time(start) is None:
         yield f"line {line}: start {start}: expected a date and time such as 2026-03-01T14:30:00 or seconds since 1970"
@@ -118,10 +118,6 @@ def _row(values: Mapping[str, str]) -> ManifestRow:
     )
 
 
-RESULTS_VERSION = 11
-"""Raised with every change of the program after which the same log gives other numbers: ledgers then compute anew."""
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BatchSettings:
     """What is done with each log of a batch.
@@ -137,15 +133,13 @@ class BatchSettings:
     diagnosis: "DiagnosisSettings | None" = None
 
     def text(self) -> str:
-        """Return all that the numbers depend on beside the log, as JSON in a fixed order."""
-        every = {"results": RESULTS_VERSION, **asdict(self)}
-        return json.dumps(every, sort_keys=True, default=_as_text)
+        """Return all that the numbers depend on, apart from the log, as JSON in a fixed order."""
+
+        def as_text(value: object) -> str:  # an arm's URDF may be written anew under its name: its content counts
+            return f"sha256 {sha256_of(value)}" if isinstance(value, Path) else str(value)
+
+        return json.dumps({"results": RESULTS_VERSION, **asdict(self)}, sort_keys=True, default=as_text)
 
     def key(self) -> str:
         """Return the fingerprint of the settings."""
         return hashlib.sha256(self.text().encode()).hexdigest()[:16]
-
-
-def _as_text(value: Any) -> str:  # noqa: ANN401 - what JSON does not know
-    """Return a file by what it holds: an arm's URDF may be written anew under its name."""
-    return f"sha256 {sha256_of(value)}" if isinstance(value, Path) else str(value)

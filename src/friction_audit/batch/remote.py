@@ -1,4 +1,4 @@
-"""LogFile: one log of a batch, before anybody has opened it."""
+"""LogFile: one log of a batch, before it is opened; and logs behind URLs, through fsspec."""
 
 import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -10,8 +10,15 @@ from typing import Any
 from friction_audit.drift.session import natural
 from friction_audit.errors import InputError, UsageError
 
-LEDGER = "ledger.sqlite"
-"""Name of a ledger; a folder that holds one holds results, not logs."""
+LEDGER = "ledger.sqlite"  # a folder that holds one holds results, not logs
+# Where file systems state whether a file has changed, the surest first.
+VERSION_KEYS = (
+    "ETag", "etag", "Content-MD5", "md5Hash", "mtime", "LastModified", "Last-Modified", "last_modified", "updated",
+    "created",
+)  # fmt: skip
+# What file systems of fsspec raise where a place cannot be reached or may not be looked at.
+UNREACHABLE = (OSError, RuntimeError, ValueError)
+BagFolders = Callable[[Mapping[str, Sequence[str]]], set[str]]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,8 +50,8 @@ class LogFile:
         path: As found, for people: bytes of a name that are no UTF-8 are written out.
         place: Where a worker finds it: an absolute path, or a URL.
         folders: Names of the folders that it lies in, the innermost first, no further than what the user named.
-        size: Bytes, of all files of a bag; -1 where nobody tells.
-        changed: When it was last changed, in the words of its file system; empty where nobody tells.
+        size: Bytes, of all files of a bag; -1 where it is not known.
+        changed: When it was last changed, in the words of its file system; empty where it is not known.
         row: What the manifest says of it, or None.
     """
 
@@ -66,15 +73,6 @@ def as_text(name: str) -> str:
     return name.encode("utf-8", "backslashreplace").decode()
 
 
-VERSION_KEYS = (
-    "ETag", "etag", "Content-MD5", "md5Hash", "mtime", "LastModified", "Last-Modified", "last_modified", "updated",
-    "created",
-)  # fmt: skip
-"""Where file systems tell whether a file has changed, the surest first."""
-
-BagFolders = Callable[[Mapping[str, Sequence[str]]], set[str]]
-
-
 def find(url: str, suffixes: Sequence[str], bag_folders: BagFolders) -> list[LogFile]:
     """Return the logs at a URL: the file itself, or those in a folder or that match a glob.
 
@@ -89,7 +87,7 @@ def find(url: str, suffixes: Sequence[str], bag_folders: BagFolders) -> list[Log
         if path.lower().endswith(tuple(suffixes)) and not system.isdir(path):
             return _at(system, path, ()) if system.exists(path) else []
         return list(_below(system, path, suffixes, bag_folders))
-    except _UNREACHABLE as error:
+    except UNREACHABLE as error:
         raise _unreachable(url, error) from error
 
 
@@ -111,7 +109,7 @@ def fetched(place: str) -> Iterator[Path]:
                     system.get_file(file, str(copy / file.rpartition("/")[2]))
             else:
                 system.get_file(path, str(copy))
-        except _UNREACHABLE as error:
+        except UNREACHABLE as error:
             raise _unreachable(place, error) from error
         yield copy
 
@@ -164,23 +162,10 @@ def _at(system: Any, path: str, folders: tuple[str, ...]) -> list[LogFile]:  # n
     infos = [system.info(file) for file in (system.find(path) if system.isdir(path) else [path])]
     sizes = [info.get("size") for info in infos]
     around = folders or (path.rstrip("/").rpartition("/")[0].rpartition("/")[2],)
-    return [
-        LogFile(
-            path=url,
-            place=url,
-            folders=around,
-            size=-1 if None in sizes else sum(sizes),
-            changed="" if not all(map(_version, infos)) else " ".join(map(_version, infos)),
-        )
-    ]
-
-
-def _version(info: Mapping[str, Any]) -> str:
-    return next((str(info[key]) for key in VERSION_KEYS if info.get(key)), "")
-
-
-_UNREACHABLE = (OSError, RuntimeError, ValueError)
-"""What file systems of fsspec raise where a place cannot be reached or nobody may look at it."""
+    versions = [next((str(info[key]) for key in VERSION_KEYS if info.get(key)), "") for info in infos]
+    changed = " ".join(versions) if all(versions) else ""
+    size = -1 if None in sizes else sum(sizes)
+    return [LogFile(path=url, place=url, folders=around, size=size, changed=changed)]
 
 
 def _unreachable(url: str, error: Exception) -> InputError:

@@ -1,4 +1,4 @@
-"""Sessions of several arms -> their drift, arms side by side."""
+"""A batch: work on what the ledger does not know, gather all sessions, find the drift of their arms."""
 
 import fcntl
 import hashlib
@@ -7,7 +7,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -17,7 +17,7 @@ from friction_audit.batch.identity import Fault, Recorded, Worked, identify, nam
 from friction_audit.batch.ledger import Ledger
 from friction_audit.batch.manifest import BatchSettings
 from friction_audit.batch.remote import LogFile
-from friction_audit.batch.work import Task, task_of, work_on
+from friction_audit.batch.work import Task, work_on
 from friction_audit.drift.analyse import analyse_arm, analyse_drift, arms_of
 from friction_audit.drift.report import ArmDrift, DriftReport
 from friction_audit.drift.session import Session
@@ -35,7 +35,7 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
         executor: What runs the work; a single arm is analysed here, where its sessions are.
 
     Raises:
-        AnalysisError: If nobody finishes an arm.
+        AnalysisError: If an arm is not finished.
     """
     arms = arms_of(sessions)
     if len(arms) == 1:
@@ -48,11 +48,8 @@ def drift_of_arms(sessions: Sequence[Session], settings: DriftSettings, executor
     return DriftReport(arms=tuple(found[robot] for robot in sorted(found)))
 
 
-ENDS_BYTES = 65536
-"""At each end of a file: there are the start of a recording and the index or notes of most formats."""
-
-MOST_NAMED = 3
-"""Copies that a warning names; more are counted."""
+ENDS_BYTES = 65536  # at each end of a file: the start of a recording, and the index or notes of most formats
+MOST_NAMED = 3  # copies that a warning names; more are counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,9 +67,6 @@ class Progress:
     done: int
     total: int
     failed: int
-
-
-Watch = Callable[[Progress], None]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -115,7 +109,7 @@ class Standing:
     warnings: tuple[str, ...]
 
     def digest(self) -> str:
-        """Return a fingerprint of all that the sessions depend on beside the settings."""
+        """Return a fingerprint of all that the sessions depend on, apart from the settings."""
         every = [(log.path, log.folders, log.row, self.hashes.get(log.place)) for log in self.logs]
         return hashlib.sha256(repr((every, self.passing, self.warnings)).encode()).hexdigest()
 
@@ -125,7 +119,7 @@ def catch_up(
     settings: BatchSettings,
     ledger: Ledger,
     executor: Executor,
-    watch: Watch,
+    watch: Callable[[Progress], None],
     *,
     backwards: bool = False,
 ) -> Standing:
@@ -136,7 +130,7 @@ def catch_up(
         settings: What is done with each.
         ledger: What is known, and where it is kept.
         executor: What runs the work.
-        watch: Told how far it is, at the beginning and after every log.
+        watch: Called with the progress at the beginning and after every log.
         backwards: Begin with the last one: beside another run, so that the two meet halfway.
     """
     key = settings.key()
@@ -167,7 +161,8 @@ def gather(standing: Standing, settings: BatchSettings, ledger: Ledger) -> Batch
     key = settings.key()
     pairs, failed = _gather(standing, ledger, key)
     named = identify(pairs)
-    _name_sessions(pairs, named.sessions, ledger, key)
+    topics = {name_of(log, one.topic): one.topic for log, one in pairs}
+    ledger.name_sessions(((session, topics[session.path]) for session in named.sessions), key)
     return BatchResult(
         sessions=named.sessions,
         failed=tuple(failed),
@@ -214,11 +209,9 @@ def _ends(log: LogFile) -> str:
 
 
 def _hash(log: LogFile) -> str | None:
-    """Return the hash of a log, or None where it cannot be read: the worker will say why."""
-    try:
+    with suppress(OSError):  # the worker will say why
         return sha256_of(Path(log.place))
-    except OSError:
-        return None
+    return None
 
 
 def _one_of_each(logs: Sequence[LogFile], hashes: Mapping[str, str]) -> tuple[list[LogFile], dict[str, str]]:
@@ -255,7 +248,11 @@ def _copies_told(copies: Mapping[str, str]) -> Iterator[str]:
 
 
 def _work_through(
-    new: Sequence[LogFile], settings: BatchSettings, ledger: Ledger, executor: Executor, watch: Watch
+    new: Sequence[LogFile],
+    settings: BatchSettings,
+    ledger: Ledger,
+    executor: Executor,
+    watch: Callable[[Progress], None],
 ) -> dict[str, tuple[Fault, ...]]:
     """Work on new logs and save what comes of each at once; return what went wrong without being the log's fault."""
     by_place = {log.place: log for log in new}
@@ -269,25 +266,20 @@ def _work_through(
         for log in new:
             sha256 = ledger.known_hash(log)
             if sha256 is None or not ledger.is_done(sha256, key):
-                yield task_of(log)
+                yield Task(path=log.path, place=log.place)
             else:  # by another run
                 done += 1
 
     with closing(executor.run(partial(work_on, settings), tasks())) as outcomes:
         for task, outcome in outcomes:
-            worked = _as_worked(outcome)
-            log = by_place[task.place]
+            log, worked = by_place[task.place], outcome
+            if isinstance(worked, Lost):
+                worked = Worked(sha256="", faults=(Fault(message=worked.message, lasting=False),))
             ledger.save(log, settings, worked)
             passing[log.place] = tuple(fault for fault in worked.faults if not fault.lasting)
             done, failed = done + 1, failed + bool(worked.faults)
             watch(Progress(done, len(new), failed))
     return passing
-
-
-def _as_worked(outcome: Worked | Lost) -> Worked:
-    if isinstance(outcome, Lost):
-        return Worked(sha256="", faults=(Fault(message=outcome.message, lasting=False),))
-    return outcome
 
 
 def _gather(standing: Standing, ledger: Ledger, key: str) -> tuple[list[tuple[LogFile, Recorded]], list[Failed]]:
@@ -304,29 +296,17 @@ def _gather(standing: Standing, ledger: Ledger, key: str) -> tuple[list[tuple[Lo
     return pairs, failed
 
 
-def _name_sessions(
-    pairs: Sequence[tuple[LogFile, Recorded]], sessions: Sequence[Session], ledger: Ledger, key: str
-) -> None:
-    """Write names and starts beside the numbers, for whoever reads the ledger."""
-    topics = {name_of(log, one.topic): one.topic for log, one in pairs}
-    ledger.name_sessions(((session, topics[session.path]) for session in sessions), key)
-
-
 @contextmanager
 def run_lock(folder: Path) -> Iterator[bool]:
-    """Yield True if this is the only run in a folder, which has to be there; where nobody can tell, True."""
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        yield _lock(handle)
-    finally:
-        os.close(handle)
-
-
-def _lock(handle: int) -> bool:
+    """Yield True if this is the only run in a folder, which has to be there, as far as its file system has locks."""
+    handle, alone = os.open(folder, os.O_RDONLY), True
     try:
         fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
-        return False
+        alone = False
     except OSError:  # a file system without locks
-        return True
-    return True
+        pass
+    try:
+        yield alone
+    finally:
+        os.close(handle)

@@ -7,14 +7,14 @@ hands the work out imports no more than the names of it.
 import socket
 import traceback
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from friction_audit.batch.identity import Fault, Recorded, Worked
 from friction_audit.batch.manifest import BatchSettings
-from friction_audit.batch.remote import LogFile, as_text, fetched
+from friction_audit.batch.remote import as_text, fetched
 from friction_audit.drift.session import Session
 from friction_audit.errors import FrictionAuditError, InputError
 from friction_audit.io.files import Stamp, sha256_of, stamp_of
@@ -26,44 +26,30 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.result import Discrepancy
 
 
-READINGS = 2
-"""A log that changes while it is read (a link to it made, a copy not finished) is read once more."""
+READINGS = 2  # a log that changes while it is read (a link to it made, a copy not finished) is read once more
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Task:
-    """A log to be worked on: what people call it, and where a worker finds it."""
+    """A log to be worked on: its name for people, and where a worker finds it."""
 
     path: str
     place: str
-
-
-def task_of(log: LogFile) -> Task:
-    """Return the task that a log is."""
-    return Task(path=log.path, place=log.place)
 
 
 def work_on(settings: BatchSettings, task: Task) -> Worked:
     """Estimate every arm of a log; whatever is wrong with the log, or with the program, is part of the result."""
     try:
         with _at_hand(task) as path, one_joint_at_a_time():
-            # Names that only the worker knows are no help to anybody.
             return _renamed(_work_on(settings, path), str(path), task.path)
     except FrictionAuditError as error:
-        return Worked(sha256="", faults=(Fault(message=_told(error, task), lasting=False),))
-
-
-def _told(error: FrictionAuditError, task: Task) -> str:
-    return as_text(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
+        message = as_text(str(error).replace(task.place, task.path)).removeprefix(f"{task.path}: ")
+        return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
 
 
 @contextmanager
 def _at_hand(task: Task) -> Iterator[Path]:
-    """Yield the log as a file of this machine.
-
-    Raises:
-        InputError: If it is not to be seen from here.
-    """
+    """Yield the log as a file of this machine; refuse what cannot be seen from here."""
     if "://" in task.place:
         with fetched(task.place) as path:
             yield path
@@ -81,20 +67,19 @@ def _at_hand(task: Task) -> Iterator[Path]:
 
 def _work_on(settings: BatchSettings, path: Path) -> Worked:
     """Work on a log that stays what it is meanwhile: what comes of it is kept under the hash of its content."""
+
+    def stamp() -> Stamp | None:
+        with suppress(OSError):
+            return stamp_of(path)
+        return None
+
     for _ in range(READINGS):
-        before = _stamp(path)
+        before = stamp()
         worked = _arms(settings, path)
-        if _stamp(path) == before:
+        if stamp() == before:
             return worked
     message = "the file changed while it was read; run the same command again when it is finished"
     return Worked(sha256="", faults=(Fault(message=message, lasting=False),))
-
-
-def _stamp(path: Path) -> Stamp | None:
-    try:
-        return stamp_of(path)
-    except OSError:
-        return None
 
 
 def _arms(settings: BatchSettings, path: Path) -> Worked:
@@ -112,25 +97,25 @@ def _arms(settings: BatchSettings, path: Path) -> Worked:
 def _arm(settings: BatchSettings, path: Path, topic: str) -> Worked:
     """Estimate one arm of a log, or the only one if the topic is empty."""
     try:
-        options = replace(settings.reading, topic=topic) if topic else settings.reading
-        recorded = _record(settings, path, topic, options.topic)
+        recorded = _record(settings, path, topic)
         return Worked(sha256=recorded.session.sha256, recorded=(recorded,))
     except SeveralArmsError:
         raise
     except FrictionAuditError as error:
-        sha256 = _hash(path)
-        return Worked(sha256=sha256, faults=(Fault(message=str(error), topic=topic, lasting=bool(sha256)),))
+        fault = Fault(message=str(error), topic=topic)
     except MemoryError:
         fault = Fault(message="not enough memory to work on it; use fewer workers", topic=topic, lasting=False)
-        return Worked(sha256=_hash(path), faults=(fault,))
     except Exception as error:  # noqa: BLE001 - a bug that one log shows must not cost the others
         message = f"a bug of friction-audit, please report it: {type(error).__name__}: {error}"
         fault = Fault(message=message, topic=topic, lasting=False, detail=traceback.format_exc())
-        return Worked(sha256=_hash(path), faults=(fault,))
+    sha256 = ""
+    with suppress(OSError):  # a log that cannot even be read
+        sha256 = sha256_of(path)
+    return Worked(sha256=sha256, faults=(replace(fault, lasting=fault.lasting and bool(sha256)),))
 
 
-def _record(settings: BatchSettings, path: Path, topic: str, read_topic: str | None) -> Recorded:
-    log = read_log(path, replace(settings.reading, topic=read_topic))
+def _record(settings: BatchSettings, path: Path, topic: str) -> Recorded:
+    log = read_log(path, replace(settings.reading, topic=topic) if topic else settings.reading)
     estimate = estimate_log(log, settings.audit)
     discrepancy = None if settings.diagnosis is None else diagnose_estimate(estimate, settings.diagnosis).discrepancy
     return Recorded(
@@ -144,8 +129,9 @@ def _record(settings: BatchSettings, path: Path, topic: str, read_topic: str | N
 def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
     from friction_audit.drift.summarise import conditions_of, summarise_joints
 
-    log, interaction = estimate.log, estimate.interaction
-    source = log.source
+    log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
+    noticed = [(one.joint, one.message) for one in (*source.findings, *interaction.warnings)]
+    warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
     return Session(
         path=source.path,
         sha256=source.sha256,
@@ -155,29 +141,13 @@ def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
         duration_s=log.duration_s,
         conditions=conditions_of(log, interaction),
         joints=summarise_joints(log, interaction, estimate.cycles, estimate.friction, discrepancy),
-        warnings=_warnings(estimate),
+        warnings=tuple(dict.fromkeys(warnings)),
         damaged=any(finding.damaged for finding in source.findings),
     )
 
 
-def _warnings(estimate: Estimate) -> tuple[str, ...]:
-    """Return what was noticed about the log and its torque, one sentence each; joints keep their own reasons."""
-    findings = [(one.joint, one.message) for one in estimate.log.source.findings]
-    cautions = [(one.joint, one.message) for one in estimate.interaction.warnings]
-    said = [message if joint is None else f"joint {joint}: {message}" for joint, message in findings + cautions]
-    return tuple(dict.fromkeys(said))
-
-
-def _hash(path: Path) -> str:
-    """Return the hash of a log that could not be used, or nothing where it cannot even be read."""
-    try:
-        return sha256_of(path)
-    except OSError:
-        return ""
-
-
 def _renamed(worked: Worked, here: str, name: str) -> Worked:
-    """Call the log what the user calls it; messages stand beside its name, and need not begin with it."""
+    """Call the log what the user calls it: names that only the worker knows help nowhere else."""
 
     def said(text: str) -> str:
         return as_text(text.replace(here, name))
