@@ -11,8 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.rivals import Rival
-from friction_audit.compensation.settings import ModelFile, ReplaySettings
+from friction_audit.compensation.settings import ModelFile, ReplaySettings, Rival
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_model
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, simulate_bench

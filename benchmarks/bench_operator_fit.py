@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from friction_audit.compensation.counterfactual import recording_of
 from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
-from friction_audit.compensation.port import port_of
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
@@ -60,7 +60,7 @@ def _person(seed: int, duration_s: float) -> tuple[tuple[float, ...], FittedOper
     )
     log = simulate_bench(replace(BENCH, operator=hand, duration_s=duration_s), seed).log
     interaction = estimate_log(log, AuditSettings()).interaction
-    return true, fit_operator(port_of(interaction, 0), interaction.q[:, 0])
+    return true, fit_operator(recording_of(interaction, 0), interaction.q[:, 0])
 
 
 if __name__ == "__main__":

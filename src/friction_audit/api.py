@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.rivals import Rival
-from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, energy_compensator
+from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival, energy_compensator
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError

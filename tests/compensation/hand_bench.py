@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.kernels import FIND, step, trace
+from friction_audit.compensation.controller import FIND, step, trace
 from friction_audit.compensation.records import TRACE, Record, fresh_memory, pack
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.kernels import FIND, step
+from friction_audit.compensation.controller import FIND, step
 from friction_audit.compensation.records import Record, fresh_memory, pack
 from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors

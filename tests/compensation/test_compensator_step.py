@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator, FixedCompensation
-from friction_audit.compensation.kernels import step, trace
+from friction_audit.compensation.controller import step, trace
 from friction_audit.compensation.records import GAP, MEMORY, NOT_MOVED, SCALED, TOO_ALIKE, TRACE, fresh_memory, pack
 from friction_audit.compensation.replay import run
 from friction_audit.errors import UsageError

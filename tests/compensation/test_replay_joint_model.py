@@ -11,7 +11,7 @@ from friction_audit.compensation.compensators import JointModelCompensation
 from friction_audit.compensation.feed_forward import UNABLE, feed_of, friction_terms, refusal, straighten, tell_friction
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
-from friction_audit.compensation.rivals import Rival
+from friction_audit.compensation.settings import Rival
 from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
 from friction_audit.compensation.tabled_loop import MovedJoint, modelled_joint
 from friction_audit.dynamics.motion import Motion

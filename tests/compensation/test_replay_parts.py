@@ -5,7 +5,7 @@ import pytest
 
 from friction_audit.compensation.friction_step import find_step
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.limits import Limits, limits_of
+from friction_audit.compensation.settings import Limits, limits_of
 from friction_audit.compensation.measures import dissipation_removed, first_right, first_updated, share_left
 from friction_audit.compensation.records import ESTIMATED, TOO_FEW
 from friction_audit.compensation.result import ReplayHistory, Signals, net_energy_j

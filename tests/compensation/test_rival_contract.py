@@ -24,7 +24,7 @@ from friction_audit.compensation.compensators import (
     guards,
     kind_of,
 )
-from friction_audit.compensation.kernels import FIND, step, trace
+from friction_audit.compensation.controller import FIND, step, trace
 from friction_audit.compensation.records import MEMORY, SETTINGS, TRACE, fresh_memory
 from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError

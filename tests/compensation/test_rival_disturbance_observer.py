@@ -11,7 +11,7 @@ from numpy.testing import assert_allclose
 
 from friction_audit.compensation.compensators.disturbance_observer import DisturbanceObserver, stability_limit
 from friction_audit.compensation.hand_cycles import diverged
-from friction_audit.compensation.kernels import FIND, step
+from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import JointParameters

@@ -51,7 +51,7 @@ def command(
         files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
     with voice.stages(3 + (len(choices.REPLAY_FIGURES) if folder else 0) + len(export)) as told:
-        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactuals"):
+        with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
             recorded = chain.read(log, reading, told)
         _check_model(settings.joint_model, recorded)
         found = _replay(chain.estimate(recorded, audit, told), settings, told)

@@ -12,8 +12,7 @@ from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
     from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
-    from friction_audit.compensation.rivals import Rival
-    from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
+    from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival
 
 REPLAY = "Replay"
 
@@ -161,7 +160,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
 
 
 def _rival(options: ReplayOptions) -> "Rival | None":
-    from friction_audit.compensation.rivals import Rival
+    from friction_audit.compensation.settings import Rival
 
     if options.compensator == "energy":
         return None

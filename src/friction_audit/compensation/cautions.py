@@ -1,4 +1,4 @@
-"""What the user must know about a replay."""
+"""Warnings about a replay."""
 
 from collections.abc import Iterator
 from math import isnan
@@ -6,24 +6,17 @@ from math import isnan
 import numpy as np
 
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED
-from friction_audit.compensation.limits import PANDAS
 from friction_audit.compensation.result import JointReplay
+from friction_audit.compensation.settings import PANDAS
 from friction_audit.friction.history import JointFriction
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 
-FAR_BELOW = 0.25
-"""Share of the published friction of its kind that no healthy joint falls below."""
-
+FAR_BELOW = 0.25  # share of the published friction of its kind that no healthy joint falls below
+# Mean friction torque over the rms torque below which no joint with a gear is; one moved fast by hand has 0.3.
 NEXT_TO_NOTHING = 0.03
-"""Mean friction torque over the rms torque below which no joint with a gear is; one moved fast by hand has 0.3."""
-
-GONE = 0.1
-"""Friction in the later half of a log over that of its beginning: joints that warm up keep half of it."""
-
-UNCOMPENSATED = 2
-"""Cycles before the compensator of the paper has an estimate."""
-
+GONE = 0.1  # friction in the later half of a log over that of its beginning: joints that warm up keep half of it
+UNCOMPENSATED = 2  # cycles before the compensator of the paper has an estimate
 FEWEST_CYCLES = 4
 
 

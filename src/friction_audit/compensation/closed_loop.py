@@ -1,4 +1,8 @@
-"""A tick of the controller within a replay, whatever moves the joint; compiled."""
+"""A compensator tick by tick: along the recorded motion, or in closed loop with a joint that moves otherwise; compiled.
+
+The joint of the closed loop is one of two: a body, whose friction follows from the velocity, or tables of what its
+terms take along the recording (``dynamics.stick_slip`` has both, and moves them).
+"""
 
 import math
 from typing import NamedTuple
@@ -7,26 +11,61 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators.law import JOINT_MODEL
-from friction_audit.compensation.feed_forward import Feed, tell_friction
-from friction_audit.compensation.kernels import step
-from friction_audit.compensation.port import Course
+from friction_audit.compensation.controller import step
+from friction_audit.compensation.feed_forward import Feed, feed_friction
 from friction_audit.compensation.records import Record
 from friction_audit.compensation.tally import close_row, count_energy, count_tick
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.stick_slip import LONGEST_STEP_S, advance, forces
+from friction_audit.dynamics.stick_slip import Body, Step, advance, advance_body, body_forces
+from friction_audit.dynamics.torque_tables import Tables, bristle_damping, bristle_nm, taken
 from friction_audit.joint_log import Float
 
 
+class Recorded(NamedTuple):
+    """One joint's recording, n samples.
+
+    Attributes:
+        t: Time. [s]
+        dq: Velocity. [rad/s]
+        torque: Interaction torque F_m. [N m]
+        logged: Torque of a compensator that was active, shape (n,), or empty. [N m]
+    """
+
+    t: Float
+    dq: Float
+    torque: Float
+    logged: Float
+
+    @property
+    def total(self) -> Float:
+        """Torque S = F_m + u that drove the inner side, shape (n,). [N m]"""
+        return self.torque + self.logged if len(self.logged) else self.torque
+
+
+class Torques(NamedTuple):
+    """Torques of a replay, n samples each; a torque at sample i is the one in force at t[i].
+
+    Attributes:
+        interaction: Torque of the person. [N m]
+        compensation: Torque of the compensator's law. [N m]
+        passivity: Torque of its passivity controller. [N m]
+    """
+
+    interaction: Float
+    compensation: Float
+    passivity: Float
+
+
 class Control(NamedTuple):
-    """What runs beside a joint, and where it is written down.
+    """The compensator of a joint, and where its run is written.
 
     Attributes:
         settings: Record of the compensator.
         memory: Its memory; changed.
         tally: Record of TALLY; changed.
-        feed: What a compensator with a joint's model is told.
+        feed: Friction that a compensator with a joint's model feeds forward.
         cuts: Per sample FIND, or 1 where a cycle ends and 0 elsewhere, shape (n,); one entry stands for all.
-        course: Receives the torques.
+        torques: Receives the torques.
         rows: Receives a row per cycle, shape (most, COLUMNS).
     """
 
@@ -35,57 +74,34 @@ class Control(NamedTuple):
     tally: Record
     feed: Feed
     cuts: NDArray[np.int64]
-    course: Course
+    torques: Torques
     rows: Float
 
 
-@compiled()
-def tick(  # noqa: PLR0913
-    settings: Record,
-    memory: Record,
-    tally: Record,
-    i: int,
-    dt: float,
-    v: float,
-    interaction: float,
-    cut: int,
-    rows: Float,
-) -> bool:
-    """Run the compensator on sample i and count what it does; return False once the loop has diverged.
+class Joint(NamedTuple):
+    """Joint and operator, as a body or as tables; the other one is empty.
 
-    Args:
-        settings: Record of the compensator.
-        memory: Its memory; changed.
-        tally: Record of TALLY; changed.
-        i: Sample.
-        dt: Time since the sample before. [s]
-        v: Velocity. [rad/s]
-        interaction: Torque at the sensor. [N m]
-        cut: FIND, or 1 where a cycle ends and 0 elsewhere.
-        rows: Receives a row per cycle, shape (most, COLUMNS).
+    Attributes:
+        tabled: Whether it is tables.
+        body: Joint and operator, one element of ``stick_slip.BODY``.
+        tables: What both take but for the operator's spring, and the inertia of both.
+        own_kg_m2: Inertia of the joint alone, behind the sensor. [kg m^2]
+        inertia_kg_m2: Inertia of the operator. [kg m^2]
+        damping_nms_per_rad: Damping of the operator, in the tables too. [N m s/rad]
+        stiffness_nm_per_rad: Stiffness of the operator, against position zero. [N m/rad]
+        longest_s: Longest step. [s]
+        bent: State of the bristles at the first sample and at every new start, shape (r, 1 + m).
     """
-    u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
-    coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
-    step(settings, memory, v, interaction, dt, cut)
-    if memory.unstable == 1:
-        return False
-    count_tick(tally, settings, memory, u, dt, i)
-    if memory.cycle > cycle:
-        close_row(tally, memory, coulomb, viscous, acted, i, rows)
-    return True
 
-
-@compiled()
-def write_down(course: Course, i: int, interaction: float, memory: Record) -> None:
-    """Write down the torques in force at sample i."""
-    course.interaction[i] = interaction
-    course.compensation[i], course.passivity[i] = memory.compensation_nm, memory.passivity_nm
-
-
-@compiled()
-def interval(t: Float, i: int) -> float:
-    """Return the time since the sample before, 0 at the first one. [s]"""
-    return t[i] - t[i - 1] if i > 0 else 0.0
+    tabled: bool
+    body: Body
+    tables: Tables
+    own_kg_m2: float
+    inertia_kg_m2: float
+    damping_nms_per_rad: float
+    stiffness_nm_per_rad: float
+    longest_s: float
+    bent: Float
 
 
 class Drive(NamedTuple):
@@ -109,7 +125,61 @@ class Drive(NamedTuple):
 
 
 @compiled()
-def run_closed_loop(control: Control, body: Record, inertia_kg_m2: float, drive: Drive, motion: Float) -> int:
+def tick(control: Control, i: int, dt: float, q: float, v: float, interaction: float) -> bool:
+    """Run the compensator on sample i and count what it does; return False once the loop has diverged."""
+    settings, memory, tally, feed, cuts, _, rows = control
+    if settings.kind == JOINT_MODEL:
+        feed_friction(memory, feed, q, v, i)
+    u, cycle, acted = memory.u_nm, memory.cycle, memory.acted
+    coulomb, viscous = memory.coulomb_nm, memory.viscous_nms_per_rad
+    step(settings, memory, v, interaction, dt, cuts[i] if len(cuts) > 1 else cuts[0])
+    if memory.unstable == 1:
+        return False
+    count_tick(tally, settings, memory, u, i)
+    if memory.cycle > cycle:
+        close_row(tally, memory, coulomb, viscous, acted, i, rows)
+    return True
+
+
+@compiled()
+def write_torques(control: Control, i: int, interaction: float) -> None:
+    """Write down the torques in force at sample i."""
+    torques, memory = control.torques, control.memory
+    torques.interaction[i] = interaction
+    torques.compensation[i], torques.passivity[i] = memory.compensation_nm, memory.passivity_nm
+
+
+@compiled()
+def run_same_motion(control: Control, recorded: Recorded, q: Float) -> int:
+    """Run a compensator along a recording; return the number of samples, fewer than n once it has diverged.
+
+    The total torque S = F_m + u that drives the inner side in the recording stays. A compensator that gives u' instead
+    leaves F' = S - u' to the person, which is what the compensator then measures.
+
+    Args:
+        control: The compensator and what it is written into.
+        recorded: The recording.
+        q: Position, shape (n,), or empty where the compensator has no use for it. [rad]
+    """
+    t, dq, torque, logged = recorded
+    before = needed_before = 0.0
+    for i in range(len(t)):
+        dt = t[i] - t[i - 1] if i > 0 else 0.0
+        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
+        needed = total - control.memory.u_nm
+        write_torques(control, i, needed)
+        if i > 0:
+            moved = 0.5 * (dq[i - 1] + dq[i]) * dt
+            friction, exchange = 0.5 * (before + total) * moved, 0.5 * (needed_before + needed) * moved
+            count_energy(control.tally, control.settings, friction, exchange, moved, dt)
+        if not tick(control, i, dt, q[i] if len(q) > 0 else 0.0, dq[i], needed):
+            return i
+        before, needed_before = total, needed
+    return len(t)
+
+
+@compiled()
+def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Float) -> int:
     """Move the joint and run its compensator at the stamps of a log; return the samples, fewer than n if it diverges.
 
     Where the joint starts again from the recording, its kinetic energy is put back to that of the recording: neither
@@ -117,63 +187,32 @@ def run_closed_loop(control: Control, body: Record, inertia_kg_m2: float, drive:
 
     Args:
         control: The compensator and what it is written into.
-        body: Joint and operator, one element of ``model.body.BODY``.
-        inertia_kg_m2: Of the joint alone, behind the sensor. [kg m^2]
+        joint: Joint and operator.
         drive: What drives it.
-        motion: Receives the velocity, shape (n,). [rad/s]
+        velocity: Receives the velocity, shape (n,). [rad/s]
     """
-    settings, memory, tally, feed, cuts, course, rows = control
-    t, push = drive.t, drive.push
-    q, v = drive.q[0], drive.dq[0]
-    sign = direction(v)
+    t, push, memory = drive.t, drive.push, control.memory
+    q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
+    sign = np.sign(v)
     for i in range(len(t)):
-        acceleration, friction = forces(q, v, sign, push[i], memory.u_nm, body)
-        interaction = inertia_kg_m2 * acceleration + friction + body.offset_nm - memory.u_nm + drive.lacking[i]
-        write_down(course, i, interaction, memory)
-        motion[i] = v
+        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
+        write_torques(control, i, interaction)
+        velocity[i] = v
         again = drive.restart[i] and i > 0
         if again:
-            put_back(memory, 0.5 * inertia_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
-        if settings.kind == JOINT_MODEL:
-            tell_friction(memory, feed, q, v, i)
-        cut = cuts[i] if len(cuts) > 1 else cuts[0]
-        if not tick(settings, memory, tally, i, interval(t, i), v, interaction, cut, rows):
+            put_back(memory, 0.5 * joint.own_kg_m2 * (v * v - drive.dq[i] * drive.dq[i]))
+        if not tick(control, i, t[i] - t[i - 1] if i > 0 else 0.0, q, v, interaction):
             return i
         if again:
-            q, v = drive.q[i], drive.dq[i]
-            sign = begin_again(memory, q, v)
+            q, v, starts = drive.q[i], drive.dq[i], starts + 1
+            sign, bent[:] = np.sign(v), joint.bent[starts]
+            memory.q_rad, memory.dq = q, v
         if i + 1 < len(t):
-            before, span, u = q, t[i + 1] - t[i], memory.u_nm
-            q, v, sign, taken = move(q, v, sign, span, push[i], push[i + 1], u, body)
-            count_energy(tally, settings, taken, taken - u * (q - before), q - before, span)
+            before, u = q, memory.u_nm
+            span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
+            q, v, sign, lost = move(q, v, sign, span, u, bent, joint)
+            count_energy(control.tally, control.settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
-
-
-@compiled()
-def move(
-    q: float, v: float, sign: float, span: float, push0: float, push1: float, u: float, body: Record
-) -> tuple[float, float, float, float]:
-    """Move the joint on from one stamp to the next, in pieces; arguments and result as in ``model.forward.advance``."""
-    pieces = max(1, int(np.ceil(span / LONGEST_STEP_S - 1e-6)))
-    h, rise, taken = span / pieces, (push1 - push0) / pieces, 0.0
-    for k in range(pieces):
-        start = push0 + k * rise
-        q, v, sign, lost = advance(q, v, sign, h, start, start + rise, u, body)
-        taken += lost
-    return q, v, sign, taken
-
-
-@compiled()
-def direction(v: float) -> float:
-    """Return in which direction a joint slides; 0 at rest."""
-    return 0.0 if v == 0.0 else math.copysign(1.0, v)
-
-
-@compiled()
-def begin_again(memory: Record, q: float, v: float) -> float:
-    """Begin the compensator's next interval where the joint starts again from the recording; return its direction."""
-    memory.q_rad, memory.dq = q, v
-    return direction(v)
 
 
 @compiled()
@@ -183,3 +222,57 @@ def put_back(memory: Record, surplus_j: float) -> None:
     memory.energy_j -= surplus_j
     if memory.active == 1:
         memory.active_energy_j -= surplus_j
+
+
+@compiled()
+def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: Joint) -> float:
+    """Return what the sensor feels of the push at a sample: that, less what the operator's impedance takes. [N m]"""
+    if not joint.tabled:
+        acceleration, friction = body_forces(q, v, sign, push, u, joint.body)
+        return float(joint.own_kg_m2 * acceleration + friction + joint.body.offset_nm - u)
+    spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
+    if sign != 0.0:
+        torque = taken(0 if sign > 0.0 else 1, q, abs(v), float(i), joint.tables)
+        torque += bristle_nm(bent, 0.0, joint.tables) + bristle_damping(bent, sign, joint.tables) * v
+        acceleration = (push + u - spring - torque) / joint.tables.inertia_kg_m2
+    return float(push - joint.inertia_kg_m2 * acceleration - joint.damping_nms_per_rad * v - spring)
+
+
+@compiled()
+def move(
+    q: float, v: float, sign: float, span: Step, u: float, bent: Float, joint: Joint
+) -> tuple[float, float, float, float]:
+    """Move the joint on from one sample to the next; return position, velocity, direction, what friction took [J]."""
+    pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
+    h, lost = span.h / pieces, 0.0
+    if not joint.tabled:
+        rise = (span.drive1 - span.drive0) / pieces
+        for k in range(pieces):
+            push = span.drive0 + k * rise
+            q, v, sign, friction_j = advance_body(q, v, sign, Step(h, push, push + rise, 0.0, 0.0), u, joint.body)
+            lost += friction_j
+        return q, v, sign, lost
+    rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
+    for k in range(pieces):
+        before, held, push = q, bent.copy(), span.drive0 + u + k * rise
+        begin, end = span.begin + k / pieces, span.begin + (k + 1.0) / pieces
+        # The operator's spring is read where the joint will be if it goes on: right to the order of the step.
+        near, far = joint.stiffness_nm_per_rad * q, joint.stiffness_nm_per_rad * (q + h * v)
+        q, v, sign = advance(q, v, sign, Step(h, push - near, push + rise - far, begin, end), bent, joint.tables)
+        lost += dissipated(0.5 * (before + q), q - before, h, 0.5 * (begin + end), 0.5 * (held + bent), joint)
+    return q, v, sign, lost
+
+
+@compiled()
+def dissipated(q: float, moved: float, h: float, moment: float, bent: Float, joint: Joint) -> float:
+    """Return what friction takes in a step with tables: what turns with the direction, and the bristles. [J]
+
+    What acts the same way in both directions, as gravity does, gives back what it takes.
+    """
+    if moved == 0.0:
+        return 0.0
+    speed, tables = abs(moved) / h, joint.tables
+    both = taken(0, q, speed, moment, tables) - taken(1, q, speed, moment, tables)
+    level = 0.5 * both - joint.damping_nms_per_rad * speed
+    damping = bristle_damping(bent, math.copysign(1.0, moved), tables)
+    return float(level * abs(moved) + (bristle_nm(bent, 0.0, tables) + damping * moved / h) * moved)

@@ -1,8 +1,4 @@
-"""Tables of a joint, continued in a straight line beyond the fastest speed of the recording they were made from.
-
-A compensated joint moves faster than the recorded one did. The last slope of the table over speed is taken out of it
-and kept as a torque in proportion to the speed: what is left is level at its end, as tables are continued.
-"""
+"""Friction of a joint's model fed forward by a compensator, and which terms of a model can run in its loop."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
@@ -12,27 +8,34 @@ import numpy as np
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.move import bend_on, drag, held_torque, taken
-from friction_audit.dynamics.torque_tables import Tables, tabulate
+from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, tabulate, taken
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
-
-def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
-    """Return tables that are right at any speed, with a damper beside what they hold.
-
-    Args:
-        tables: What a joint takes.
-        damping_nms_per_rad: Of the damper. [N m s/rad]
-    """
-    speeds = np.asarray(tables.speed_step * np.arange(tables.speed.shape[1]), np.float64)
-    slope = (tables.speed[:, -1] - tables.speed[:, -2]) / tables.speed_step
-    damped = slope + damping_nms_per_rad * np.array([1.0, -1.0])
-    return tables._replace(
-        speed=tables.speed - slope[:, None] * speeds,
-        place_per_speed=tables.place_per_speed + damped[:, None],
-    )
+PAST = "it follows from the past of the motion, and the loop knows speed, place and moment only"
+TWO_SIDES = "the person is on one side of it and the compensator on the other, and the loop has one side only"
+ARM = "it follows from the other joints, and a replay moves one joint alone"
+UNABLE: Mapping[str, str] = {  # why a term cannot run in the loop
+    "stiction": PAST,
+    "frictional_lag": PAST,
+    "load_dependent_friction": "it needs the load on the gear, which a replay does not predict",
+    "time_delay": "a joint does not move otherwise because its torque is read late, and the loop reads it on time",
+    "joint_elasticity": TWO_SIDES,
+    "backlash": TWO_SIDES,
+    "torque_crosstalk": ARM,
+    "inertial_coupling": ARM,
+}
+# Terms that belong to friction though the work of the term alone may be given back.
+OF_FRICTION = (
+    "asymmetric_coulomb",
+    "asymmetric_viscous",
+    "presliding",
+    "stiction",
+    "frictional_lag",
+    "load_dependent_friction",
+)
+NO_MODEL = "the model file has no model of it; give one, or leave --joint-model away"
 
 
 class Feed(NamedTuple):
@@ -47,8 +50,23 @@ class Feed(NamedTuple):
     bent: Float
 
 
+def straighten(tables: Tables, *, damping_nms_per_rad: float = 0.0) -> Tables:
+    """Return tables that are right at any speed, with a damper added.
+
+    A compensated joint moves faster than the recorded one. The last slope of the table over speed is taken out of it
+    and kept as a torque in proportion to the speed: what is left is level at its end, as tables are continued.
+    """
+    speeds = np.asarray(tables.speed_step * np.arange(tables.speed.shape[1]), np.float64)
+    slope = (tables.speed[:, -1] - tables.speed[:, -2]) / tables.speed_step
+    damped = slope + damping_nms_per_rad * np.array([1.0, -1.0])
+    return tables._replace(
+        speed=tables.speed - slope[:, None] * speeds,
+        place_per_speed=tables.place_per_speed + damped[:, None],
+    )
+
+
 def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
-    """Return what a compensator with these terms is told, before its first tick.
+    """Return the feed-forward of terms of friction, before the first tick.
 
     Args:
         terms: Terms of friction that can run in the loop.
@@ -67,48 +85,19 @@ def feed_of(terms: Sequence[FittedTerm], motion: Motion) -> Feed:
 
 
 def no_feed() -> Feed:
-    """Return what a compensator is told that has no use for it."""
-    still = Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2))
-    return feed_of((), still)
+    """Return the feed of a compensator that has no use for it."""
+    return feed_of((), Motion(t=np.arange(2.0), q=np.zeros(2), dq=np.zeros(2), ddq=np.zeros(2)))
 
 
 @compiled()
-def tell_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> None:
-    """Tell a compensator what friction takes at sample i; nothing later than that is read."""
+def feed_friction(memory: Record, feed: Feed, q: float, v: float, i: int) -> None:
+    """Give a compensator what friction takes at sample i; nothing later than that is read."""
     if memory.ticks > 0:
         bend_on(feed.bent, q - memory.q_rad, feed.tables)
     memory.q_rad = q
     sign = 1.0 if v >= 0.0 else -1.0
     memory.modelled_nm = sign * taken(0 if v >= 0.0 else 1, q, abs(v), float(i), feed.tables)
-    memory.bristle_nm = held_torque(feed.bent, 0.0, feed.tables) + drag(feed.bent, sign, feed.tables) * v
-
-
-PAST = "it follows from the past of the motion, and the loop knows speed, place and moment only"
-TWO_SIDES = "the person is on one side of it and the compensator on the other, and the loop has one side only"
-ARM = "it follows from the other joints, and a replay moves one joint alone"
-UNABLE: Mapping[str, str] = {
-    "stiction": PAST,
-    "frictional_lag": PAST,
-    "load_dependent_friction": "it needs the load on the gear, which a replay does not predict",
-    "time_delay": "a joint does not move otherwise because its torque is read late, and the loop reads it on time",
-    "joint_elasticity": TWO_SIDES,
-    "backlash": TWO_SIDES,
-    "torque_crosstalk": ARM,
-    "inertial_coupling": ARM,
-}
-"""Why a term cannot run in the loop, by its name."""
-
-NO_MODEL = "the model file has no model of it; give one, or leave --joint-model away"
-
-OF_FRICTION = (
-    "asymmetric_coulomb",
-    "asymmetric_viscous",
-    "presliding",
-    "stiction",
-    "frictional_lag",
-    "load_dependent_friction",
-)
-"""Terms that belong to friction though what they take alone may be given back."""
+    memory.bristle_nm = bristle_nm(feed.bent, 0.0, feed.tables) + bristle_damping(feed.bent, sign, feed.tables) * v
 
 
 def friction_terms(model: JointModel) -> tuple[FittedTerm, ...]:
@@ -118,21 +107,24 @@ def friction_terms(model: JointModel) -> tuple[FittedTerm, ...]:
 
 def refusal(terms: Iterable[FittedTerm]) -> str:
     """Say which of the terms cannot run in a compensator's loop, and why; empty if all can."""
-    reasons = [(term.name, _why_not(term)) for term in terms]
-    told = "; ".join(f"{name}: {reason}" for name, reason in reasons if reason)
-    return f"its model cannot run in a compensator's loop: {told}; take it out of the file" if told else ""
+    reasons = []
+    for term in terms:
+        values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))
+        reason = UNABLE.get(term.name, "")
+        if values.get("gravity_error_source", 0.0) != 0.0:
+            reason = "it needs the model of the arm, and a replay moves one joint alone"
+        if values.get("warm_up_per_k", 0.0) != 0.0:
+            reason = "it needs the temperature, which a replay does not read"
+        if reason:
+            reasons.append(f"{term.name}: {reason}")
+    return _cannot_run(reasons)
 
 
 def past_refusal(terms: Iterable[FittedTerm]) -> str:
-    """Say that the torque of terms is not had from tables; empty without terms."""
-    told = "; ".join(f"{term.name}: along this recording, {PAST}" for term in terms)
-    return f"its model cannot run in a compensator's loop: {told}; take it out of the file" if told else ""
+    """Say that the torque of terms does not follow from tables; empty without terms."""
+    return _cannot_run([f"{term.name}: along this recording, {PAST}" for term in terms])
 
 
-def _why_not(term: FittedTerm) -> str:
-    values = dict(zip((parameter.name for parameter in term.effect.parameters), term.values, strict=True))
-    if term.name == "gravity_error" and values["gravity_error_source"] != 0.0:
-        return "it needs the model of the arm, and a replay moves one joint alone"
-    if term.name == "warm_up" and values["warm_up_per_k"] != 0.0:
-        return "it needs the temperature, which a replay does not read"
-    return UNABLE.get(term.name, "")
+def _cannot_run(reasons: Sequence[str]) -> str:
+    said = "; ".join(reasons)
+    return f"its model cannot run in a compensator's loop: {said}; take it out of the file" if said else ""

@@ -1,11 +1,11 @@
-"""When a compensation is right, and how soon it gets there."""
+"""What a replay comes to: energies, torques, when the compensation is right, and how it gets over a friction step."""
 
 import numpy as np
+from numpy.typing import NDArray
 
-from friction_audit.compensation.counterfactuals import Scene
-from friction_audit.compensation.port import Port
+from friction_audit.compensation.closed_loop import Recorded
 from friction_audit.compensation.records import ESTIMATED, Record
-from friction_audit.compensation.result import Numbers, Passivity, ReplayHistory, Signals
+from friction_audit.compensation.result import Numbers, Passivity, Recovery, ReplayHistory, Signals
 from friction_audit.compensation.tally import (
     ACTED,
     COULOMB_APPLIED,
@@ -20,45 +20,16 @@ from friction_audit.compensation.tally import (
     VISCOUS_APPLIED,
     VISCOUS_ESTIMATED,
 )
-from friction_audit.joint_log import Float, read_only
+from friction_audit.joint_log import Float
 
-RIGHT = 0.1
-"""Share of the dissipation up to which what is left to the person, or given out, counts as right."""
+RIGHT = 0.1  # share of the dissipation up to which what is left to the person, or given out, counts as right
+IN_A_ROW = 3  # so many cycles must be right, one after the other: a single one may be so by chance
+UPDATES = 2  # from this update of the coefficients on, the compensator is past its beginning
 
-IN_A_ROW = 3
-"""So many cycles must be right, one after the other: a single one may be so by chance."""
-
-UPDATES = 2
-"""From this update of the coefficients on, the compensator is past its beginning."""
-
-
-def share_left(history: ReplayHistory) -> Float:
-    """Return what each cycle left to the person or gave out, over what friction took in it, shape (m,)."""
-    usable = history.friction_j > 0.0
-    return np.where(usable, np.abs(history.net_energy_j) / np.where(usable, history.friction_j, 1.0), np.inf)
-
-
-def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
-    """Return the share of the dissipation that compensation removed from a cycle on (0-based); NaN without cycles."""
-    friction = float(history.friction_j[first:].sum())
-    if not len(history.friction_j[first:]) or friction <= 0.0:
-        return float("nan")
-    return 1.0 - float(np.abs(history.net_energy_j[first:]).sum()) / friction
-
-
-def first_updated(history: ReplayHistory) -> int:
-    """Return the first cycle (0-based) that began with coefficients updated twice; their number if there is none."""
-    updates = np.flatnonzero(history.status == ESTIMATED)
-    return int(updates[UPDATES - 1]) + 1 if len(updates) >= UPDATES else len(history.status)
-
-
-def first_right(history: ReplayHistory, first: int = 0) -> int | None:
-    """Return the first cycle (0-based), not before ``first``, from which on IN_A_ROW are right; None if never."""
-    right = share_left(history)[first:] <= RIGHT
-    if len(right) < IN_A_ROW:
-        return None
-    runs = np.convolve(right, np.ones(IN_A_ROW), "valid") == IN_A_ROW
-    return first + int(np.argmax(runs)) if runs.any() else None
+LEAST_CHANGE = 0.25  # a step of friction changes it by so much of what it was
+SURE = 50.0  # F ratio of two laws over one: logs without a step reach 10 at most, although the split is the best one
+AT_ONCE = 0.7  # so much of it happens from one cycle to the next: warming up is no step
+TOO_ALIKE = 1e-6  # squared sine between the columns below which they are one
 
 
 def read_history(rows: Float, t: Float) -> ReplayHistory:
@@ -83,29 +54,54 @@ def read_history(rows: Float, t: Float) -> ReplayHistory:
     )
 
 
-def measure(port: Port, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
+def dissipation_removed(history: ReplayHistory, first: int = 0) -> float:
+    """Return the share of the dissipation that compensation removed from a cycle on (0-based); NaN without cycles."""
+    friction = float(history.friction_j[first:].sum())
+    if friction <= 0.0:
+        return float("nan")
+    return 1.0 - float(np.abs(history.net_energy_j[first:]).sum()) / friction
+
+
+def first_updated(history: ReplayHistory) -> int:
+    """Return the first cycle (0-based) that began with coefficients updated twice; their number if there is none."""
+    updates = np.flatnonzero(history.status == ESTIMATED)
+    return int(updates[UPDATES - 1]) + 1 if len(updates) >= UPDATES else len(history.status)
+
+
+def first_right(history: ReplayHistory, first: int = 0) -> int | None:
+    """Return the first cycle (0-based), not before ``first``, from which on IN_A_ROW are right; None if never."""
+    usable = history.friction_j > 0.0
+    share_left = np.where(usable, np.abs(history.net_energy_j) / np.where(usable, history.friction_j, 1.0), np.inf)
+    right = share_left[first:] <= RIGHT
+    if len(right) < IN_A_ROW:
+        return None
+    runs = np.convolve(right, np.ones(IN_A_ROW), "valid") == IN_A_ROW
+    return first + int(np.argmax(runs)) if runs.any() else None
+
+
+def sum_up(t: Float, dq: Float, torque: Float) -> tuple[float, float, float]:
+    """Return work [J], root mean square over the time [N m] and largest magnitude [N m] of a torque, shape (n,)."""
+    dt = np.diff(t)
+    work = 0.25 * np.sum((torque[:-1] + torque[1:]) * (dq[:-1] + dq[1:]) * dt)
+    mean_square = np.trapezoid(torque**2, t) / (t[-1] - t[0])
+    return float(work), float(np.sqrt(mean_square)), float(np.max(np.abs(torque)))
+
+
+def measure(recorded: Recorded, without: Signals, replayed: Signals, history: ReplayHistory, tally: Record) -> Numbers:
     """Return what a replay comes to.
 
     Args:
-        port: The recording.
+        recorded: The recording.
         without: The joint without a compensator.
         replayed: The joint with it, fewer samples if it diverged.
         history: Per cycle.
         tally: What was counted.
     """
-    from friction_audit.compensation.tally import largest_sum, sum_up
-
     samples = len(replayed.t)
-    recorded, before, after = (
-        sum_up(*map(read_only, columns))
-        for columns in (
-            (port.t, port.dq, port.torque),
-            (without.t, without.dq, without.interaction_nm),
-            (replayed.t, replayed.dq, replayed.interaction_nm),
-        )
-    )
+    before = sum_up(without.t, without.dq, without.interaction_nm)
+    after = sum_up(replayed.t, replayed.dq, replayed.interaction_nm)
     return Numbers(
-        energy_recorded_j=recorded[0],
+        energy_recorded_j=sum_up(recorded.t, recorded.dq, recorded.torque)[0],
         energy_without_j=before[0],
         energy_with_j=after[0],
         dissipation_removed=dissipation_removed(history),
@@ -114,11 +110,11 @@ def measure(port: Port, without: Signals, replayed: Signals, history: ReplayHist
         peak_torque_with_nm=after[2],
         rms_torque_without_nm=before[1],
         rms_torque_with_nm=after[1],
-        peak_compensation_nm=largest_sum(replayed.compensation_nm, replayed.passivity_nm),
+        peak_compensation_nm=float(np.max(np.abs(replayed.compensation_nm + replayed.passivity_nm))),
         peak_rate_nm_s=float(tally["fastest_nm_s"]),
         limited_fraction=float(tally["limited"]) / samples,
         cycles_to_converge=first_right(history),
-        diverged_s=float(port.t[samples]) if samples < len(port.t) else float("nan"),
+        diverged_s=float(recorded.t[samples]) if samples < len(recorded.t) else float("nan"),
     )
 
 
@@ -141,11 +137,74 @@ def measure_passivity(history: ReplayHistory, tally: Record, t: Float) -> Passiv
     )
 
 
-def model_error(scene: Scene, port: Port, without: Signals) -> float:
-    """Return how far the simulated joint's motion without a compensator is from the recorded one, over this.
+def model_error(recorded: Recorded, without: Signals) -> float:
+    """Return how far the simulated joint's velocity without a compensator is from the recorded one, over this.
 
-    NaN where nothing is simulated, or a compensator was active in the recording: then it moves otherwise.
+    NaN where a compensator was active in the recording, or the simulation diverged: then it moves otherwise.
     """
-    if scene.joint is None or len(port.logged) or len(without.t) < len(port.t):
+    if len(recorded.logged) or len(without.t) < len(recorded.t):
         return float("nan")
-    return float(np.sqrt(np.sum((without.dq - port.dq) ** 2) / max(np.sum(port.dq**2), np.finfo(float).tiny)))
+    square = max(np.sum(recorded.dq**2), np.finfo(float).tiny)
+    return float(np.sqrt(np.sum((without.dq - recorded.dq) ** 2) / square))
+
+
+def find_recovery(history: ReplayHistory) -> Recovery | None:
+    """Find the largest step of friction in a log and how the compensator got over it; None without one."""
+    found = find_step(history.path_rad, history.square_speed_rad2_s, history.friction_j)
+    if found is None:
+        return None
+    row, change = found
+    right = first_right(history, row)
+    return Recovery(
+        step_s=float(history.start_s[row]),
+        change=change,
+        cycles=None if right is None else right - row,
+        seconds=float("nan") if right is None else float(history.start_s[right] - history.start_s[row]),
+    )
+
+
+def find_step(path: Float, square: Float, friction: Float) -> tuple[int, float] | None:
+    """Return the first cycle after a step of friction, and friction after over before; None without a step.
+
+    Before and after it, Coulomb and viscous friction of their own describe the cycles: the split where they do so best.
+
+    Args:
+        path: Path of each cycle, shape (m,). [rad]
+        square: Integral of its squared velocity, shape (m,). [rad^2/s]
+        friction: What friction took in it, shape (m,). [J]
+    """
+    cycles = len(path)
+    if cycles < 2 * IN_A_ROW or not path.min() > 0.0 or not friction.any():
+        return None
+    rows = np.stack([np.ones(cycles), square / path, friction / path], axis=1)
+    whole = np.cumsum(rows[:, :, None] * rows[:, None, :], axis=0)
+    splits: NDArray[np.int64] = np.arange(IN_A_ROW, cycles - IN_A_ROW + 1)
+    before, after = whole[splits - 1], whole[-1] - whole[splits - 1]
+    left = _fit(before)[1] + _fit(after)[1]
+    best = int(np.argmin(left))
+    row = int(splits[best])
+    one = float(_fit(whole[-1:])[1][0])
+    ratio = (one - left[best]) / 2.0 / max(left[best] / max(cycles - 4, 1), np.finfo(float).eps * one)
+    law, later = _fit(before[best : best + 1])[0][0], _fit(after[best : best + 1])[0][0]
+    columns = rows[:, :2]
+    change = float((columns @ later).sum() / (columns @ law).sum())
+    level = np.divide(rows[:, 2], columns @ law, out=np.ones(cycles), where=columns @ law != 0.0)
+    near = float(np.median(level[row : row + IN_A_ROW]) - np.median(level[row - IN_A_ROW : row]))
+    step = change - 1.0
+    sudden = near * step > 0.0 and abs(near) > AT_ONCE * abs(step)
+    return (row, change) if ratio > SURE and change > 0.0 and abs(step) > LEAST_CHANGE and sudden else None
+
+
+def _fit(moments: Float) -> tuple[Float, Float]:
+    """Fit the mean friction torque of cycles by a constant and a multiple of their mean speed.
+
+    From sums of the products of one, speed and torque, shape (s, 3, 3): coefficients (s, 2) and squares left over (s,).
+    """
+    count, speed, square = moments[:, 0, 0], moments[:, 0, 1], moments[:, 1, 1]
+    torque, both, energy = moments[:, 0, 2], moments[:, 1, 2], moments[:, 2, 2]
+    determinant = count * square - speed * speed
+    apart = determinant > TOO_ALIKE * count * square
+    safe = np.where(apart, determinant, 1.0)
+    constant = np.where(apart, (torque * square - both * speed) / safe, torque / count)
+    slope = np.where(apart, (count * both - speed * torque) / safe, 0.0)
+    return np.stack([constant, slope], axis=1), np.maximum(energy - constant * torque - slope * both, 0.0)

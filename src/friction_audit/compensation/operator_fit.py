@@ -6,14 +6,13 @@ from math import isfinite
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.compensation.port import Port
+from friction_audit.compensation.closed_loop import Recorded
 from friction_audit.compensation.settings import OperatorImpedance
 from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.friction.history import Coefficient, JointFriction
 from friction_audit.joint_log import Float, median_step
 
-LEAST_INERTIA_KG_M2 = 1e-3
-"""No motor with its gear has less; what seems to have was recorded without its inertia. [kg m^2]"""
+LEAST_INERTIA_KG_M2 = 1e-3  # no motor with its gear has less; what seems to was recorded without its inertia
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -49,8 +48,10 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
         return "too few moving samples or strokes to fit inertia and friction; record more strokes back and forth"
     joint = FittedJoint(inertia=found.inertia, coulomb=found.coulomb, viscous=found.viscous)
     if not (found.inertia.low > 0.0 and found.inertia.value > LEAST_INERTIA_KG_M2):
+        one = found.inertia
+        value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
         return (
-            f"its inertia is not determined ({_text(found.inertia)} kg m^2), and without it nobody knows how it would "
+            f"its inertia is not determined ({value} kg m^2), and without it nobody knows how it would "
             "have moved; record brisker strokes with quick reversals, or use --assume same-motion"
         )
     pushing = [name for name, one in (("Coulomb", joint.coulomb), ("viscous", joint.viscous)) if not one.high > 0.0]
@@ -59,27 +60,18 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
     return joint
 
 
-def _text(found: Coefficient) -> str:
-    return f"{found.value:.3g}, 95 % {found.low:.3g} to {found.high:.3g}" if isfinite(found.value) else "no value"
-
-
-BAND_HZ = (3.0, 15.0)
-"""Above what a person intends, below where sensors tell noise only."""
+BAND_HZ = (3.0, 15.0)  # above what a person intends, below where sensors show noise only
 ORDER = 2
-BEFORE_S, AFTER_S = 0.1, 0.25
-"""Window around a reversal."""
-DEFINITE_RAD_S = 0.05
-"""Speed at which the direction is certain."""
-LONGEST_TURN_S = 0.12
-"""A reversal that takes longer is a pause."""
+BEFORE_S, AFTER_S = 0.1, 0.25  # window around a reversal
+DEFINITE_RAD_S = 0.05  # speed at which the direction is certain
+LONGEST_TURN_S = 0.12  # a reversal that takes longer is a pause
 FEWEST_REVERSALS = 20
-WIDEST = 0.3
-"""What the reversals alone leave open of a number, over its value, beyond which it is not determined."""
+WIDEST = 0.3  # relative half-width of the interval from the reversals alone, beyond which a number is not determined
+# Error of inertia, damping and stiffness over their values that 95 % of persons stay below whose log has no noise, by
+# what they intend above the lower end of the band: 47 simulated persons, none of whom is in ``bench_operator_fit``.
 INTENTION = (0.06, 0.07, 0.21)
-"""Error of inertia, damping and stiffness over their values that 95 % of persons stay below whose log has no noise, by
-what they intend above the lower end of the band: 47 simulated persons, none of whom is in ``bench_operator_fit``."""
+# The rate must be above the band by this, and above twice the 20 Hz that reversals are found below.
 LEAST_PERIODS = 2.75
-"""The rate must be above the band by this, and above twice the 20 Hz that reversals are found below."""
 NORMAL_95 = 1.96
 TYPICAL = "an adult's arm, at a joint half a metre from the hand: --operator 0.3,9,60 (0.1 to 0.6, 3 to 15, 20 to 150)"
 
@@ -108,21 +100,23 @@ def given_operator(given: OperatorImpedance) -> FittedOperator:
     return FittedOperator(inertia=inertia, damping=damping, stiffness=stiffness)
 
 
-def fit_operator(port: Port, q: Float) -> FittedOperator | str:
+def fit_operator(recorded: Recorded, q: Float) -> FittedOperator | str:
     """Fit the person's impedance at one joint.
 
     Args:
-        port: The recording.
+        recorded: The recording.
         q: Position, shape (n,). [rad]
 
     Returns:
-        The impedance, or why this log does not tell.
+        The impedance, or why this log does not determine it.
     """
-    step = median_step(port.t)
+    from scipy.signal import butter, sosfiltfilt
+
+    step = median_step(recorded.t)
     if step * LEAST_PERIODS * BAND_HZ[1] > 1.0:
         return f"{1.0 / step:.3g} samples per second are too few to see the person's arm give way; give {TYPICAL}"
-    t = np.arange(port.t[0], port.t[-1], step)
-    dq = np.interp(t, port.t, port.dq)
+    t = np.arange(recorded.t[0], recorded.t[-1], step)
+    dq = np.interp(t, recorded.t, recorded.dq)
     turns, direction = _reversals(dq, step)
     before, after = int(BEFORE_S / step), int(AFTER_S / step)
     inside = (turns >= before) & (turns + after <= len(t))
@@ -133,9 +127,10 @@ def fit_operator(port: Port, q: Float) -> FittedOperator | str:
             f"{FEWEST_REVERSALS} are needed; record strokes back and forth without pauses, or give {TYPICAL}"
         )
     rows = turns[:, None] + np.arange(-before, after)
-    torque, place = (np.interp(t, port.t, one) for one in (port.torque, q))
+    torque, place = (np.interp(t, recorded.t, one) for one in (recorded.torque, q))
+    band = butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos")
     signals = (np.gradient(dq, step), dq, place, -torque)
-    windows = np.stack([_band(signal, step)[rows] * direction[:, None] for signal in signals], axis=2)
+    windows = np.stack([sosfiltfilt(band, signal)[rows] * direction[:, None] for signal in signals], axis=2)
     return _solve(windows)
 
 
@@ -151,22 +146,19 @@ def _reversals(dq: Float, step: float) -> tuple[NDArray[np.int64], Float]:
     return definite[turned + 1][quick], direction[turned + 1][quick]
 
 
-def _band(signal: Float, step: float) -> Float:
-    from scipy.signal import butter, sosfiltfilt
-
-    return np.asarray(sosfiltfilt(butter(ORDER, BAND_HZ, "band", fs=1.0 / step, output="sos"), signal))
-
-
 def _solve(windows: Float) -> FittedOperator | str:
-    """Solve for inertia, damping and stiffness.
+    """Solve for inertia, damping and stiffness, with a jackknife over the reversals.
 
-    Args:
-        windows: Acceleration, velocity, position and minus the torque around r reversals, shape (r, w, 4).
+    ``windows`` are acceleration, velocity, position and minus the torque around r reversals, shape (r, w, 4).
     """
     count = len(windows)
     total = windows.sum(axis=0)
-    value = _least_squares(total / count)
-    others = np.array([_least_squares((total - one) / (count - 1)) for one in windows])
+
+    def solve(mean: Float) -> Float:
+        return np.asarray(np.linalg.lstsq(mean[:, :3], mean[:, 3], rcond=None)[0])
+
+    value = solve(total / count)
+    others = np.array([solve((total - one) / (count - 1)) for one in windows])
     spread = (count - 1) / count * ((others - others.mean(axis=0)) ** 2).sum(axis=0)
     unsure = NORMAL_95 * np.sqrt(spread)
     half = np.hypot(unsure, np.array(INTENTION) * value)
@@ -183,7 +175,3 @@ def _solve(windows: Float) -> FittedOperator | str:
             f"or give {TYPICAL}"
         )
     return FittedOperator(inertia=found[0], damping=found[1], stiffness=found[2], reversals=count)
-
-
-def _least_squares(mean: Float) -> Float:
-    return np.asarray(np.linalg.lstsq(mean[:, :3], mean[:, 3], rcond=None)[0])

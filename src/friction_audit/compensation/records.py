@@ -14,25 +14,24 @@ from friction_audit.compensation.compensators import (
     Compensator,
     EnergyCompensator,
     FixedCompensation,
-    Guard,
+    guard_of,
     kind_of,
 )
 from friction_audit.compensation.compensators.energy import LONGEST_WINDOW, MODELS
+from friction_audit.compensation.compensators.law import Guard
 from friction_audit.errors import UsageError
 
-Record: TypeAlias = Any
-"""One element of an array of SETTINGS or MEMORY."""
+Record: TypeAlias = Any  # one element of an array of SETTINGS or MEMORY
 
-VISCOUS, COULOMB, COMBINED = range(len(MODELS))
-"""Values of ``model``."""
+VISCOUS, COULOMB, COMBINED = range(len(MODELS))  # values of ``model``
 
+# Values of ``status``: what came of the last cycle. From NOT_MOVED on, it gave no estimate of its own. SCALED: too like
+# those before it to separate the coefficients; both were scaled to the friction in them.
 NO_CYCLE, ESTIMATED, TOO_FEW, NOT_MOVED, GAP, TOO_ALIKE, SCALED = range(7)
-"""Values of ``status``: what came of the last cycle. From NOT_MOVED on, it was refused, as giving no estimate of
-its own. SCALED: too like those before it to tell the coefficients apart; both were scaled to the friction in them."""
 
-NET, PATH, SQUARE = range(3)
-"""Columns of ``rows``: net energy [J], path [rad] and integral of the squared velocity [rad^2/s] of a cycle."""
+NET, PATH, SQUARE = range(3)  # columns of ``rows``: net energy [J], path [rad], integral of dq^2 [rad^2/s] of a cycle
 
+# Settings of every compensator, and one group for each kind that has more.
 SETTINGS = np.dtype(
     [
         ("kind", "i8"),
@@ -65,8 +64,8 @@ SETTINGS = np.dtype(
         *((kind.name, kind.group) for kind in COMPENSATORS if kind.group is not None),
     ]
 )
-"""What every compensator is told, and one group for each kind that is told more."""
 
+# Fields of MEMORY that ``controller.trace`` writes, in this order.
 TRACE = (
     "u_nm",
     "compensation_nm",
@@ -88,16 +87,15 @@ TRACE = (
     "unstable",
     "observed_friction_nm",
 )
-"""What ``kernels.trace`` writes, in this order: fields of MEMORY."""
 
 MEMORY = np.dtype(
     [
         ("ticks", "i8"),
-        ("cycle", "i8"),
-        ("acted", "i8"),
+        ("cycle", "i8"),  # cycles completed
+        ("acted", "i8"),  # 1 if the passivity controller has acted in the present cycle
         ("released", "i8"),
         ("status", "i8"),
-        ("refused", "i8"),
+        ("refused", "i8"),  # cycles that gave no estimate for another reason than their number
         ("count", "i8"),
         ("active", "i8"),
         ("dq", "f8"),
@@ -114,40 +112,28 @@ MEMORY = np.dtype(
         ("damping_nms_per_rad", "f8"),
         ("coulomb_nm", "f8"),
         ("viscous_nms_per_rad", "f8"),
-        ("estimated_coulomb_nm", "f8"),
+        ("estimated_coulomb_nm", "f8"),  # NaN before there is one; may be negative
         ("estimated_viscous_nms_per_rad", "f8"),
-        ("usable_coulomb_nm", "f8"),
+        ("usable_coulomb_nm", "f8"),  # 0 before there is one; never negative
         ("usable_viscous_nms_per_rad", "f8"),
-        ("energy_j", "f8"),
-        ("observed_energy_j", "f8"),
-        ("active_energy_j", "f8"),
-        ("dissipated_j", "f8"),
-        ("unserved_j", "f8"),
+        ("energy_j", "f8"),  # E_m (2)
+        ("observed_energy_j", "f8"),  # the ledger of (21)
+        ("active_energy_j", "f8"),  # E_m since the compensator first acted
+        ("dissipated_j", "f8"),  # by the passivity controller
+        ("unserved_j", "f8"),  # deficit that the command of this tick leaves to the next
         ("bristle_rad", "f8"),
         ("observed_friction_nm", "f8"),
         ("filtered_interaction_nm", "f8"),
-        ("q_rad", "f8"),
+        ("q_rad", "f8"),  # place of the tick for which the next two hold, friction by a joint's model
         ("modelled_nm", "f8"),
         ("bristle_nm", "f8"),
-        ("unstable", "i8"),
-        ("unstable_tick", "i8"),
+        ("unstable", "i8"),  # 1 once the loop has diverged: the torque is then 0 for good, and nothing is added up
+        ("unstable_tick", "i8"),  # -1 before
         ("reversals", "i8"),
         ("last_change_nm", "f8"),
         ("rows", "f8", (LONGEST_WINDOW, 3)),
     ]
 )
-"""What a compensator knows; the quantities worth tracing:
-
-``energy_j``: E_m (2). ``observed_energy_j``: the ledger of (21). ``active_energy_j``: E_m since the compensator first
-acted, without the reserve that friction built up before. ``dissipated_j``: taken by the passivity controller.
-``unserved_j``: deficit that the command of this tick leaves to the next. ``cycle``: cycles completed. ``acted``: 1 if
-the passivity controller has acted in the present cycle. ``status``, ``refused``: what came of the last cycle, and how
-many gave no estimate for another reason than their number. Estimates are NaN until there is one and may be negative;
-those in use (``usable_coulomb_nm``, ``usable_viscous_nms_per_rad``) are 0 until then and never below.
-``observed_friction_nm``: of a disturbance observer. ``modelled_nm``, ``bristle_nm``: what friction takes by a joint's
-model, told before the tick at ``q_rad``. ``unstable``: 1 once the loop has diverged, from ``unstable_tick``
-(-1 before) on; the torque is then 0 for good, and nothing is added up any more.
-"""
 
 
 def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.void]:
@@ -167,39 +153,27 @@ def pack(compensators: Sequence[Compensator | None], rate: float) -> NDArray[np.
         raise UsageError(f"compensator: rate {rate:g} Hz: expected a number above zero")
     records = np.zeros(len(compensators), SETTINGS)
     for record, compensator in zip(records, compensators, strict=True):
-        energy = compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
-        for name, value in _observer(energy).items():
+        # Estimation and ledger run with a compensator of any kind.
+        values = _of_energy(
+            compensator if isinstance(compensator, EnergyCompensator) else EnergyCompensator(passivity=False)
+        )
+        kind = kind_of(compensator)
+        values |= {"kind": kind.code, "period_s": 1.0 / rate}
+        if isinstance(compensator, FixedCompensation):
+            values |= {
+                name: getattr(compensator, name) for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s")
+            }
+        if kind.group is not None:
+            for name in kind.group.names or ():
+                record[kind.name][name] = getattr(compensator, name)
+            guard = guard_of(compensator)
+            values |= {item.name: getattr(guard, item.name) for item in fields(Guard)}
+        for name, value in values.items():
             record[name] = value
-        record["period_s"] = 1.0 / rate
-        _pack_law(record, compensator)
     return records
 
 
-def _pack_law(record: Record, compensator: Compensator | None) -> None:
-    kind = kind_of(compensator)
-    record["kind"] = kind.code
-    if isinstance(compensator, FixedCompensation):
-        for name in ("coulomb_nm", "viscous_nms_per_rad", "dead_band_rad_s"):
-            record[name] = getattr(compensator, name)
-    if kind.group is not None:
-        for name in kind.group.names or ():
-            record[kind.name][name] = getattr(compensator, name)
-        guard = getattr(compensator, "guard", Guard())
-        for item in fields(guard):
-            record[item.name] = getattr(guard, item.name)
-
-
-def fresh_memory(joints: int) -> NDArray[np.void]:
-    """Return the memory of compensators that have seen nothing yet, records of MEMORY, shape (joints,)."""
-    memory = np.zeros(joints, MEMORY)
-    memory["estimated_coulomb_nm"] = nan
-    memory["estimated_viscous_nms_per_rad"] = nan
-    memory["unstable_tick"] = -1
-    return memory
-
-
-def _observer(compensator: EnergyCompensator) -> dict[str, float]:
-    """Return what estimation, ledger and limits need; they run beside a compensator of any kind."""
+def _of_energy(compensator: EnergyCompensator) -> dict[str, float]:
     crossing = compensator.zero_crossings
     forced = compensator.forced or Coefficients(coulomb_nm=nan, viscous_nms_per_rad=nan)
     same = {name: getattr(compensator, name) for name in SETTINGS.names or () if hasattr(compensator, name)}
@@ -213,3 +187,12 @@ def _observer(compensator: EnergyCompensator) -> dict[str, float]:
         "rest_rad_s": 0.0 if crossing else compensator.dead_band_rad_s,
         "corner_rad_s": inf if crossing else 2.0 * np.pi * compensator.cutoff_hz,
     }
+
+
+def fresh_memory(joints: int) -> NDArray[np.void]:
+    """Return the memory of compensators before their first tick, records of MEMORY, shape (joints,)."""
+    memory = np.zeros(joints, MEMORY)
+    memory["estimated_coulomb_nm"] = nan
+    memory["estimated_viscous_nms_per_rad"] = nan
+    memory["unstable_tick"] = -1
+    return memory

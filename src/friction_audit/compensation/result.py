@@ -6,16 +6,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compensation.compensators import Coefficients, Compensator, EnergyCompensator
-from friction_audit.compensation.limits import Counterfactual, Limits
 from friction_audit.compensation.operator_fit import FittedJoint, FittedOperator
 from friction_audit.compensation.records import ESTIMATED, GAP, NOT_MOVED, TOO_ALIKE
+from friction_audit.compensation.settings import Counterfactual, Limits
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.preprocessing.interaction import Caution
 
+# Names of the values of ``status`` in ``records``: what came of a cycle.
 STATUSES = ("no_cycle", "estimated", "too_few", "not_moved", "gap", "too_alike", "scaled")
-"""Names of the values of ``status`` in ``records``: what came of a cycle."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -44,14 +44,9 @@ class Signals:
 
     @property
     def net_energy_j(self) -> Float:
-        """Net energy that the person has put in so far (2), trapezoids on the real stamps. [J]"""
-        return net_energy_j(self.t, self.dq, self.interaction_nm)
-
-
-def net_energy_j(t: Float, dq: Float, torque: Float) -> Float:
-    """Return the integral of a torque over the motion from the first sample on, shape (n,). [J]"""
-    power = 0.25 * (torque[1:] + torque[:-1]) * (dq[1:] + dq[:-1])
-    return np.concatenate([[0.0], np.cumsum(power * np.diff(t))])
+        """Net energy that the person has put in so far (2), trapezoids on the real stamps, shape (n,). [J]"""
+        power = 0.25 * (self.interaction_nm[1:] + self.interaction_nm[:-1]) * (self.dq[1:] + self.dq[:-1])
+        return np.concatenate([[0.0], np.cumsum(power * np.diff(self.t))])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

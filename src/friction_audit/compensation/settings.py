@@ -1,6 +1,7 @@
-"""How a log is replayed."""
+"""How a log is replayed: what is assumed of the person, which compensator runs, within which limits."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from math import inf
 from typing import Any
 
 from friction_audit.compensation.compensators import (
@@ -9,14 +10,112 @@ from friction_audit.compensation.compensators import (
     EnergyCompensator,
     TorqueRegulation,
 )
-from friction_audit.compensation.limits import ASSUMPTIONS, SAME_MOTION, SAME_OPERATOR, Limits
-from friction_audit.compensation.rivals import FEED_BACK, MODEL, Rival
 from friction_audit.effects.joint_model import ArmModel, JointModel
 from friction_audit.errors import UsageError
 
 DEFAULT_MODEL = "combined"
+# Twice the paper's: on a Panda's sensors, the difference of two cycles is noise as often as friction.
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
-"""Twice the paper's: on a Panda's sensors, what two cycles tell apart is noise as often as friction."""
+
+FEED_BACK = ("disturbance-observer", "torque-regulation")  # without a loop over the motion their result means nothing
+MODEL = "model"  # applies the friction of a model file
+RIVALS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
+
+PANDAS = ("panda", "fr3")  # robots with the limits below (manufacturer's data), as ``Source.robot`` names them
+PANDA_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
+PANDA_TORQUE_RATE_NM_S = 1000.0
+
+FITTED, MODELLED = "the joint fitted to this log", "the joint of the model file"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Counterfactual:
+    """What is assumed of the person who would have met another joint than the recorded one.
+
+    Attributes:
+        name: As on the command line.
+        title: In a few words, for figures and tables.
+        assumes: One sentence for every output.
+    """
+
+    name: str
+    title: str
+    assumes: str
+
+
+SAME_MOTION = Counterfactual(
+    name="same-motion",
+    title="same motion",
+    assumes="assumes that the joint would have moved exactly as recorded and the person had pushed as much less (or "
+    "more) as the compensator gives; nothing feeds back on the motion, so it cannot show instability",
+)
+SAME_TORQUE = Counterfactual(
+    name="same-torque",
+    title="same torque",
+    assumes="assumes that the person would have pushed exactly as recorded, whatever the joint does; "
+    f"{FITTED} moves under that torque, cycle by cycle from the recorded start",
+)
+SAME_OPERATOR = Counterfactual(
+    name="same-operator",
+    title="same operator",
+    assumes="assumes that the person is a linear impedance with the same intention as in the recording; "
+    f"{FITTED} and that impedance move together in closed loop",
+)
+COUNTERFACTUALS = {one.name: one for one in (SAME_MOTION, SAME_TORQUE, SAME_OPERATOR)}
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Limits:
+    """Limits of what a compensator may command on one joint.
+
+    Attributes:
+        torque_nm: Largest torque; infinite without a limit. [N m]
+        rate_nm_s: Fastest change of it. [N m/s]
+
+    Raises:
+        UsageError: If a limit is not above zero.
+    """
+
+    torque_nm: float = inf
+    rate_nm_s: float = inf
+
+    def __post_init__(self) -> None:
+        for name, value in (("torque", self.torque_nm), ("torque rate", self.rate_nm_s)):
+            if not value > 0:
+                raise UsageError(f"replay: limit of the {name} {value:g}: expected a number above zero")
+
+
+def limits_of(robot: str, joint: int) -> Limits:
+    """Return the limits of a joint, given by its number for people; none for an unknown arm."""
+    if robot not in PANDAS or not 1 <= joint <= len(PANDA_TORQUE_NM):
+        return Limits()
+    return Limits(torque_nm=PANDA_TORQUE_NM[joint - 1], rate_nm_s=PANDA_TORQUE_RATE_NM_S)
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Rival:
+    """Another compensator than the paper's, tuned from the log.
+
+    Attributes:
+        name: One of RIVALS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as published
+            for a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction.
+            ``"model"``: the friction of a model file instead of the log's.
+        observer_gain_per_s: Of the disturbance observer. [1/s]
+        motor_inertia_kg_m2: As the compensator assumes it, or None for the inertia fitted to the log. [kg m^2]
+        desired_inertia_kg_m2: Of the torque regulation, or None for half the motor's. [kg m^2]
+
+    Raises:
+        UsageError: If the name is unknown.
+    """
+
+    name: str
+    observer_gain_per_s: float = 20.0
+    motor_inertia_kg_m2: float | None = None
+    desired_inertia_kg_m2: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.name not in RIVALS:
+            raise UsageError(f"--compensator {self.name}: expected energy or one of {', '.join(RIVALS)}")
 
 
 def energy_compensator(model: str = DEFAULT_MODEL, window: int | None = None, **kept: Any) -> EnergyCompensator:  # noqa: ANN401
@@ -48,9 +147,8 @@ class OperatorImpedance:
     stiffness_nm_per_rad: float
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         numbers = (self.inertia_kg_m2, self.damping_nms_per_rad, self.stiffness_nm_per_rad)
-        if not all(0 <= number < float("inf") for number in numbers) or not any(numbers):
+        if not all(0 <= number < inf for number in numbers) or not any(numbers):
             raise UsageError(
                 f"--operator {','.join(f'{number:g}' for number in numbers)}: expected inertia [kg m^2], damping "
                 "[N m s/rad] and stiffness [N m/rad] of zero or more, at least one of them above"
@@ -110,34 +208,36 @@ class ReplaySettings:
     max_torque_rate_nm_s: float | None = None
 
     def __post_init__(self) -> None:
-        """Check names and contradictions."""
-        if self.assume not in ASSUMPTIONS:
-            raise UsageError(f"--assume {self.assume}: expected one of {', '.join(ASSUMPTIONS)}")
+        if self.assume not in COUNTERFACTUALS:
+            raise UsageError(f"--assume {self.assume}: expected one of {', '.join(COUNTERFACTUALS)}")
         if self.operator is not None and self.assume != SAME_OPERATOR.name:
             raise UsageError(
                 f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
             )
-        self._check_model()
         self.limits(Limits())
-        feeds_back = self.rival is not None and self.rival.name in FEED_BACK
-        feeds_back = feeds_back or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation)
-        if self.assume == SAME_MOTION.name and feeds_back:
+        name = "" if self.rival is None else self.rival.name
+        if name == MODEL and self.joint_model is None:
+            raise UsageError(
+                f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"
+            )
+        if self.assume != SAME_MOTION.name:
+            return
+        if self.joint_model is not None and name != MODEL:
+            raise UsageError(
+                f"--joint-model {self.joint_model.path}: not used with --assume {self.assume} unless by --compensator "
+                f"{MODEL}; leave it away, or ask for either, or for --assume same-torque or same-operator"
+            )
+        if name in FEED_BACK or isinstance(self.compensator, DisturbanceObserver | TorqueRegulation):
             raise UsageError(
                 "this compensator feeds the motion back, which --assume same-motion holds fixed; expected "
                 "--assume same-torque or same-operator"
             )
 
-    def _check_model(self) -> None:
-        applied = self.rival is not None and self.rival.name == MODEL
-        if applied and self.joint_model is None:
-            raise UsageError(
-                f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"
-            )
-        if self.joint_model is not None and self.assume == SAME_MOTION.name and not applied:
-            raise UsageError(
-                f"--joint-model {self.joint_model.path}: not used with --assume {self.assume} unless by --compensator "
-                f"{MODEL}; leave it away, or ask for either, or for --assume same-torque or same-operator"
-            )
+    @property
+    def counterfactual(self) -> Counterfactual:
+        """The assumption, as the joint that moves has it."""
+        one = COUNTERFACTUALS[self.assume]
+        return one if self.joint_model is None else replace(one, assumes=one.assumes.replace(FITTED, MODELLED))
 
     def limits(self, own: Limits) -> Limits:
         """Return the limits in force, where the arm has its own."""

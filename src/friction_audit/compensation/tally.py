@@ -1,42 +1,10 @@
-"""Work, mean square and peak of a torque along a motion, in one pass and without working memory; compiled."""
-
-import math
+"""What is counted while a compensator runs: energies of the cycles, and how passive the joint stayed; compiled."""
 
 import numpy as np
 
-from friction_audit.compensation.port import Port
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-
-
-@compiled()
-def sum_up(t: Float, dq: Float, torque: Float) -> tuple[float, float, float]:
-    """Return work [J], root mean square over the time [N m] and largest magnitude [N m] of a torque.
-
-    Args:
-        t: Time, shape (n,), n at least 2. [s]
-        dq: Velocity, shape (n,). [rad/s]
-        torque: Shape (n,). [N m]
-    """
-    work = square = 0.0
-    peak = abs(torque[0])
-    for i in range(1, len(t)):
-        dt = t[i] - t[i - 1]
-        work += 0.25 * (torque[i - 1] + torque[i]) * (dq[i - 1] + dq[i]) * dt
-        square += 0.5 * (torque[i - 1] * torque[i - 1] + torque[i] * torque[i]) * dt
-        peak = max(peak, abs(torque[i]))
-    return work, math.sqrt(square / (t[-1] - t[0])), peak
-
-
-@compiled()
-def largest_sum(first: Float, second: Float) -> float:
-    """Return the largest magnitude of the sum of two signals, shape (n,)."""
-    peak = 0.0
-    for i in range(len(first)):
-        peak = max(peak, abs(first[i] + second[i]))
-    return peak
-
 
 (
     STOP,
@@ -50,56 +18,44 @@ def largest_sum(first: Float, second: Float) -> float:
     VISCOUS_ESTIMATED,
     ACTED,
     STATUS,
-) = range(11)
-"""Columns of a row per cycle; the estimates are those that the cycle's end made known."""
+) = range(11)  # columns of a row per cycle; the estimates are those made at the cycle's end
 COLUMNS = 11
 
 TALLY = np.dtype(
     [
         ("cycles", "i8"),
-        ("friction_j", "f8"),
-        ("net_j", "f8"),
+        ("friction_j", "f8"),  # what friction took
+        ("net_j", "f8"),  # that less what the compensator gave, the rest being the person's
         ("path_rad", "f8"),
         ("square_rad2_s", "f8"),
-        ("cycle_friction_j", "f8"),
+        ("cycle_friction_j", "f8"),  # the four sums at the start of the cycle
         ("cycle_net_j", "f8"),
         ("cycle_path_rad", "f8"),
         ("cycle_square_rad2_s", "f8"),
-        ("sample_j", "f8"),
-        ("lowest_j", "f8"),
-        ("lowest_active_j", "f8"),
+        ("sample_j", "f8"),  # largest energy exchanged in a sample of the recording
+        ("lowest_j", "f8"),  # of the ledger from the start
+        ("lowest_active_j", "f8"),  # of the ledger since the compensator became active
         ("violations", "i8"),
         ("active_violations", "i8"),
-        ("activation", "i8"),
-        ("reserve_j", "f8"),
-        ("active_friction_j", "f8"),
+        ("activation", "i8"),  # sample at which it became active, -1 before
+        ("reserve_j", "f8"),  # the ledger then
+        ("active_friction_j", "f8"),  # what friction took since
         ("acting_s", "f8"),
-        ("active_s", "f8"),
-        ("limited", "i8"),
+        ("limited", "i8"),  # samples at a limit of torque or rate
         ("fastest_nm_s", "f8"),
         ("unserved_j", "f8"),
         ("injected_j", "f8"),
-        ("hidden", "i8"),
+        ("hidden", "i8"),  # 1 once the reserve from before hides over-compensation from the ledger
         ("diverged", "i8"),
     ]
 )
-"""``friction_j``: what friction took. ``net_j``: that less what the compensator gave, the rest being the person's.
-``sample_j``: largest energy exchanged in a sample of the recording. ``lowest_j``, ``lowest_active_j``: of the ledger
-from the start and since the compensator became active. ``activation``: sample of that, -1 before; ``reserve_j``: the
-ledger then. ``active_friction_j``: what friction took since. ``limited``: samples at a limit of torque or rate.
-``hidden``: 1 once the joint has given out GIVEN_OUT of what friction took since the compensator became active, and the
-reserve from before it kept the ledger from showing it. ``diverged``: 1 if the loop ran away.
-"""
 
-GIVEN_OUT = 0.05
-"""Share of the dissipation that a joint gives out before it counts as over-compensated."""
-
+GIVEN_OUT = 0.05  # share of the dissipation that a joint gives out before it counts as over-compensated
+# Energies of a sample that the ledger may be below zero: one goes by until the deficit is measured, and one until the
+# damping is felt.
 SAMPLES = 2.0
-"""Energies of a sample that the ledger may be below zero: one goes by until the deficit is measured, and one until the
-damping is felt."""
-
-BEYOND_NOISE = 0.01
-"""Share of the reserve that it must have given out as well: just after activation any noise is a large share."""
+BEYOND_NOISE = 0.01  # share of the reserve that it must have given out as well: just after activation all is noise
+NEARLY = 1.0 - 1e-9
 
 
 def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
@@ -107,17 +63,6 @@ def fresh_tally() -> np.ndarray[tuple[int], np.dtype[np.void]]:
     tally = np.zeros(1, TALLY)
     tally["activation"] = -1
     return tally
-
-
-@compiled()
-def largest_sample(port: Port) -> float:
-    """Return the largest energy that the total torque exchanges in a sample of a recording. [J]"""
-    t, dq, torque, logged = port
-    largest = 0.0
-    for i in range(1, len(t)):
-        total = torque[i] + logged[i] if len(logged) > 0 else torque[i]
-        largest = max(largest, abs(total * dq[i]) * (t[i] - t[i - 1]))
-    return largest
 
 
 @compiled()
@@ -142,7 +87,7 @@ def count_energy(tally: Record, settings: Record, friction_j: float, net_j: floa
 
 
 @compiled()
-def count_tick(tally: Record, settings: Record, memory: Record, u_before: float, dt: float, i: int) -> None:
+def count_tick(tally: Record, settings: Record, memory: Record, u_before: float, i: int) -> None:
     """Look at ledger, controller and limits after the compensator's tick i."""
     ledger = memory.observed_energy_j
     tally.lowest_j = min(tally.lowest_j, ledger)
@@ -151,7 +96,6 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     if memory.active == 1:
         if tally.activation < 0:
             tally.activation, tally.reserve_j = i, ledger
-        tally.active_s += dt
         tally.lowest_active_j = min(tally.lowest_active_j, memory.active_energy_j)
         if memory.active_energy_j < -SAMPLES * tally.sample_j:
             tally.active_violations += 1
@@ -167,9 +111,6 @@ def count_tick(tally: Record, settings: Record, memory: Record, u_before: float,
     at_rate = change >= settings.max_torque_rate_nm_s * settings.period_s * NEARLY
     if at_rate or abs(memory.u_nm) >= settings.max_torque_nm * NEARLY:
         tally.limited += 1
-
-
-NEARLY = 1.0 - 1e-9
 
 
 @compiled()

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.grown_model import grow_model
 from friction_audit.diagnosis.result import JointDiscrepancy, SimulationGap
-from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.forward import simulate_along
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, Provenance
 from friction_audit.effects.transmission import FAR_SHARE

@@ -1,11 +1,11 @@
-"""Bristles: friction that builds up with the path since a reversal, whatever the formula.
+"""Bristles: friction that builds up with the path since a reversal, for any formula.
 
-What a term says of a reversal from steady sliding is one curve: the torque against the path since then. There are two
-pictures of what happens after a shorter stroke. In Dahl's, the slope depends on the torque and the direction alone:
-from any torque bristles go on along the curve, or along its mirror image. In the other, bristles are springs in
-parallel that slip one after the other (Maxwell slip) and remember every reversal until a larger loop closes; a curve
-that rises ever more slowly is had by as many straight pieces as there are springs. A damping in proportion to the rate
-of the torque is asked of the term too.
+What a term gives after a reversal from steady sliding is one curve: the torque against the path since then. There are
+two models of what happens after a shorter stroke. In Dahl's, the slope depends on the torque and the direction alone:
+from any torque bristles go on along the curve, or along its mirror image. In the Maxwell-slip model, bristles are
+springs in parallel that slip one after the other and remember every reversal until a larger loop closes; a curve that
+rises ever more slowly is as many straight pieces as there are springs. A damping in proportion to the rate of the
+torque is found too.
 
 References:
     P. R. Dahl, A solid friction model, The Aerospace Corporation, TOR-0158(3107-18)-1, 1968.
@@ -16,27 +16,21 @@ References:
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.joint_log import Float, read_only
 
-PATH_RAD = 0.4
-"""Length of the stroke before and after the reversal: no bristle bends further."""
-STEP_RAD = 1e-5
-POINTS = 400
-"""Of a curve, at even steps of the torque, and as many of the path."""
+PATH_RAD, STEP_RAD = 0.4, 1e-5  # stroke before and after the reversal, longer than any bristle bends, and its grid
+POINTS = 400  # of a curve, at even steps of the torque, and as many of the path
 SPRINGS = 24
-LEAST_SHARE = 1e-6
-"""A spring that bears less of the torque is none."""
-SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1
-"""Speeds at which a term is asked; what it takes more at the other is its damping."""
+LEAST_SHARE = 1e-6  # a spring that bears less of the torque is left out
+SLOW_RAD_S, FAST_RAD_S = 1e-3, 0.1  # speeds at which a term is asked; the difference is its damping
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Bristles:
-    """Bristles by their curve of k points, in Dahl's picture, or as m springs; neither, no bristles.
+    """Bristles by their curve of k points, as Dahl has it, or as m springs.
 
     Attributes:
         path: Path since a reversal to backwards, rising from 0, shape (k,). [rad]
@@ -58,11 +52,11 @@ class Bristles:
         return len(self.path) + len(self.reach) > 0
 
     def states_along(self, q: Float) -> Float:
-        """State along a motion that begins with none: torque of the curve, deflections, shape (n, 1 + m)."""
+        """State along a motion that begins unbent: torque of the curve, deflections of springs, shape (n, 1 + m)."""
         return np.asarray(_follow(read_only(q), self.path, self.torque, self.reach))
 
     def along(self, q: Float) -> Float:
-        """Torque along a motion that begins with none, without damping, shape (n,). [N m]"""
+        """Torque along a motion that begins unbent, without damping, shape (n,). [N m]"""
         states = self.states_along(q)
         return np.asarray(states[:, 0] + states[:, 1:] @ self.stiffness)
 
@@ -75,10 +69,10 @@ def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
 
     Returns:
         Dry friction that the term adds to that of the joint, below zero where bristles take its place [N m]; the
-        bristles in Dahl's picture; the same as springs.
+        bristles as one curve; the same as springs.
     """
     before, slow = _reversal(term, SLOW_RAD_S)
-    # At the reversal the direction jumps at once, the bristles do not; the first sample behind it is a step further.
+    # At the reversal the direction jumps at once, the bristles do not; the first sample after it is a step further.
     dry = -0.5 * (2.0 * slow[0] - slow[1] - before)
     curve = np.minimum.accumulate(np.append(before - dry, slow + dry))
     path = np.asarray(STEP_RAD * np.arange(len(curve)), np.float64)
@@ -86,10 +80,14 @@ def bristles_of(term: Term) -> tuple[float, Bristles, Bristles]:
     more = _reversal(term, FAST_RAD_S)[1] - slow
     square = float(rate[1:] @ rate[1:])
     damping = float(rate[1:] @ more[1:]) / square / (FAST_RAD_S - SLOW_RAD_S) if square > 0.0 else 0.0
-    chosen = _thin(curve)
-    dahl = replace(NO_BRISTLES, path=path[chosen], torque=curve[chosen], damping_s=max(damping, 0.0))
+    damped = replace(NO_BRISTLES, damping_s=max(damping, 0.0))
+    # Points of the curve at even steps of its height and of the logarithm of its path.
+    last = len(curve) - 1
+    heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS)).clip(max=last)
+    chosen = np.unique(np.concatenate([[0], heights, np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
     stiffness, reach = _springs(path, curve)
-    return float(dry), dahl, replace(NO_BRISTLES, stiffness=stiffness, reach=reach, damping_s=max(damping, 0.0))
+    dahl = replace(damped, path=path[chosen], torque=curve[chosen])
+    return float(dry), dahl, replace(damped, stiffness=stiffness, reach=reach)
 
 
 def _springs(path: Float, curve: Float) -> tuple[Float, Float]:
@@ -103,15 +101,8 @@ def _springs(path: Float, curve: Float) -> tuple[Float, Float]:
     return np.asarray(stiffness[bears]), np.asarray(reach[bears])
 
 
-def _thin(curve: Float) -> NDArray[np.int64]:
-    """Choose points of a falling curve at even steps of its height and of the logarithm of its path."""
-    last = len(curve) - 1
-    heights = np.searchsorted(-curve, -np.linspace(curve[0], curve[-1], POINTS))
-    return np.unique(np.concatenate([[0], heights.clip(max=last), np.rint(np.geomspace(1, last, POINTS)).astype(int)]))
-
-
 def _reversal(term: Term, speed: float) -> tuple[float, Float]:
-    """Torque just before the reversal of a long stroke, and at every step behind it. [N m]"""
+    """Torque just before the reversal of a long stroke, and at every step after it. [N m]"""
     steps = round(PATH_RAD / STEP_RAD)
     there = STEP_RAD * np.arange(steps + 1)
     q = np.concatenate([there, there[-2::-1]])
@@ -119,43 +110,33 @@ def _reversal(term: Term, speed: float) -> tuple[float, Float]:
     dq = np.where(np.arange(len(q)) <= steps, speed, -speed)
     t = np.asarray(np.arange(len(q)) * (STEP_RAD / speed), np.float64)
     torque = term.torque(Motion(t=t, q=q, dq=dq, ddq=still, rest=still))
-    # A rate is smeared over the reversal; the torque of steady sliding holds there too.
+    # A derivative is smeared over the reversal; the torque of steady sliding holds at the sample before.
     return float(torque[steps - 2]), torque[steps + 1 :]
 
 
 @compiled()
-def on_path(value: float, table: Float, result: Float) -> float:
-    """Interpolate linearly in a rising table; level beyond its ends."""
-    if value <= table[0]:
-        return float(result[0])
-    last = len(table) - 1
-    if value >= table[last]:
-        return float(result[last])
-    low = np.searchsorted(table, value) - 1
-    share = (value - table[low]) / (table[low + 1] - table[low])
-    return float(result[low] + share * (result[low + 1] - result[low]))
-
-
-@compiled()
 def bend(held: float, way: float, path: Float, torque: Float) -> float:
-    """Return the torque of bristles in Dahl's picture after a piece of the way. [N m]
-
-    Args:
-        held: Torque before. [N m]
-        way: Signed. [rad]
-        path: Of the curve, shape (k,). [rad]
-        torque: Of the curve, shape (k,). [N m]
-    """
+    """Return the torque of bristles of a curve, shape (k,), after a signed displacement. [N m]"""
     if len(path) == 0 or way == 0.0:
         return held
     sign = -1.0 if way > 0.0 else 1.0
-    place = _place(sign * held, path, torque)
-    return sign * on_path(place + abs(way), path, torque)
+    low, high = _around(sign * held, torque)
+    drop = torque[low] - torque[high]
+    share = min(1.0, max(0.0, (torque[low] - sign * held) / drop)) if drop > 0.0 else 1.0
+    on = path[low] + share * (path[high] - path[low]) + abs(way)
+    last = len(path) - 1
+    if on <= path[0]:
+        return sign * torque[0]
+    if on >= path[last]:
+        return sign * torque[last]
+    low = np.searchsorted(path, on) - 1
+    share = (on - path[low]) / (path[low + 1] - path[low])
+    return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))
 
 
 @compiled()
 def slope(held: float, sign: float, path: Float, torque: Float) -> float:
-    """Return the stiffness of bristles in Dahl's picture that bend on in a direction. [N m/rad]"""
+    """Return the stiffness of bristles of a curve that bend on in a direction. [N m/rad]"""
     if len(path) == 0:
         return 0.0
     low, high = _around(-sign * held, torque)
@@ -164,7 +145,7 @@ def slope(held: float, sign: float, path: Float, torque: Float) -> float:
 
 @compiled()
 def stretch(deflection: float, way: float, reach: float) -> float:
-    """Return the deflection of a spring after a piece of the way, all of which it cannot follow. [rad]"""
+    """Return the deflection of a spring after a displacement, beyond whose reach it slips. [rad]"""
     return min(reach, max(-reach, deflection + way))
 
 
@@ -179,15 +160,6 @@ def _around(value: float, torque: Float) -> tuple[int, int]:
         else:
             high = middle
     return low, high
-
-
-@compiled()
-def _place(value: float, path: Float, torque: Float) -> float:
-    """Return the path at which a falling curve has a torque."""
-    low, high = _around(value, torque)
-    drop = torque[low] - torque[high]
-    share = min(1.0, max(0.0, (torque[low] - value) / drop)) if drop > 0.0 else 1.0
-    return float(path[low] + share * (path[high] - path[low]))
 
 
 @compiled()

@@ -1,24 +1,28 @@
-"""A joint's model as the record of numbers that the compiled step reads by name."""
+"""One joint moved forward in time with stick and slip, compiled.
 
-from dataclasses import dataclass
-from typing import Any, TypeAlias
+The friction of the joint has one of two forms, and each has its rule for a step. A ``Body`` has Coulomb, viscous and
+constant torque as numbers and other friction sampled over the speed: the trapezoidal rule, solved exactly, whose energy
+balance closes to rounding. ``Tables`` hold torque over speed, position and time, and bristles: the midpoint rule. Both
+are of second order, stops and break-aways included: where the velocity passes zero the joint stops inside the step,
+friction holds it until the torque exceeds it, and that instant is found too.
+"""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
 from friction_audit.dynamics.motion import Model, Motion, Term
+from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, taken
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
-Record: TypeAlias = Any
-"""One element of an array of BODY."""
+EVENTS = 8  # stops and break-aways that are resolved in one step
+BODY_STEP_S = 2e-4  # longest step of a body
 
-EXCESS_POINTS = 4097
-EXCESS_TOP_RAD_S = 4.0
-"""Speed up to which a law of friction is sampled; beyond, it is continued level."""
-
-PLAIN = ("coulomb", "viscous", "offset")
-"""Terms that the step has as numbers; others of the velocity alone are sampled."""
+CURVE_POINTS, CURVE_TOP_RAD_S = 4097, 4.0  # sampling of friction over the speed; level beyond its end
 
 BODY = np.dtype(
     [
@@ -30,20 +34,35 @@ BODY = np.dtype(
         ("offset_nm", "f8"),
         ("has_excess", "i8"),
         ("excess_step_rad_s", "f8"),
-        ("excess_nm", "f8", (2, EXCESS_POINTS)),  # friction above Coulomb's by speed, forwards and backwards
+        ("excess_nm", "f8", (2, CURVE_POINTS)),  # friction above Coulomb friction over the speed, forwards, backwards
     ],
     align=True,
 )
-"""What moves, and what acts on it."""
+Body: TypeAlias = Any  # one element of an array of BODY
+
+
+class Step(NamedTuple):
+    """A step in time, under a torque that is linear in it.
+
+    Attributes:
+        h: Its length. [s]
+        drive0: Torque at its start. [N m]
+        drive1: Torque at its end. [N m]
+        begin: Its start, counted in samples of the recording that tables were made from.
+        end: Its end, likewise.
+    """
+
+    h: float
+    drive0: float
+    drive1: float
+    begin: float
+    end: float
 
 
 def make_body(
     model: Model, *, mass_kg_m2: float = 0.0, damping_nms_per_rad: float = 0.0, stiffness_nm_per_rad: float = 0.0
-) -> Record:
-    """Return the body of a joint, held by an operator where an impedance is given.
-
-    Coulomb, viscous and constant torque enter as numbers; all other terms that follow from the velocity alone are
-    sampled together, by direction, so that a joint at rest is held by their limit at speed zero.
+) -> Body:
+    """Return a joint whose friction follows from the velocity, held by the impedance of an operator.
 
     Raises:
         AnalysisError: If a term follows from more than the velocity, the inertia is not above zero, or friction would
@@ -63,156 +82,32 @@ def make_body(
     body = np.zeros(1, dtype=BODY)[0]
     body["mass_kg_m2"] = model.inertia_kg_m2 + mass_kg_m2
     body["damping_nms_per_rad"], body["stiffness_nm_per_rad"] = damping_nms_per_rad, stiffness_nm_per_rad
+    sampled = []
     for term in model.terms:
-        if term.name in PLAIN:
+        if term.name in ("coulomb", "viscous", "offset"):
             body[term.effect.coefficients[0].name] = term.values[0]
-    sampled = [term for term in model.terms if term.name not in PLAIN]
+        else:
+            sampled.append(term)
     if sampled:
-        body["has_excess"], body["excess_step_rad_s"] = 1, EXCESS_TOP_RAD_S / (EXCESS_POINTS - 1)
-        body["excess_nm"] = np.array([_sample(sampled, 1.0), _sample(sampled, -1.0)])
+        body["has_excess"], body["excess_step_rad_s"] = 1, CURVE_TOP_RAD_S / (CURVE_POINTS - 1)
+        body["excess_nm"] = [_curve(sampled, 1.0), _curve(sampled, -1.0)]
         if np.min(body["coulomb_nm"] + body["excess_nm"]) < 0.0:
             names = ", ".join(term.name for term in sampled)
             raise AnalysisError(f"the model's friction pushes at some speed: {names} outweigh Coulomb friction")
     return body
 
 
-def _sample(terms: list[Term], sign: float) -> Float:
-    """Return the terms' torque against the motion, by speed in one direction, the limit at zero included."""
-    speed = np.linspace(0.0, EXCESS_TOP_RAD_S, EXCESS_POINTS)
-    speed[0] = 1e-12
-    still = np.zeros(EXCESS_POINTS)
+def _curve(terms: Sequence[Term], sign: float) -> Float:
+    speed = np.linspace(0.0, CURVE_TOP_RAD_S, CURVE_POINTS)
+    speed[0] = 1e-12  # the limit at zero speed is what holds a joint at rest
+    still = np.zeros(CURVE_POINTS)
     motion = Motion(t=still, q=still, dq=sign * speed, ddq=still)
     return np.asarray(sign * np.sum([term.torque(motion) for term in terms], axis=0))
 
 
-LONGEST_STEP_S = 2e-4
-EVENTS = 8
-ROOT_ITERATIONS = 6
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Operator:
-    """Impedance of the person who holds the joint; its push is part of the drive.
-
-    With push = F_m + m ddq + b dq + k q taken from a recording, (m + B) ddq' = push - b dq' - k q' + u' - tau_f'.
-
-    Attributes:
-        inertia_kg_m2: Inertia m.
-        damping_nms_per_rad: Damping b.
-        stiffness_nm_per_rad: Stiffness k, against position zero.
-    """
-
-    inertia_kg_m2: float = 0.0
-    damping_nms_per_rad: float = 0.0
-    stiffness_nm_per_rad: float = 0.0
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class ForwardMotion:
-    """Motion that a model gives, shape (n,) each.
-
-    Attributes:
-        q: Position. [rad]
-        dq: Velocity; exactly 0 where friction holds the joint. [rad/s]
-        ddq: Acceleration. [rad/s^2]
-        friction: Friction torque; at rest whatever holds the joint. [N m]
-        dissipated: Energy that friction has taken so far. [J]
-    """
-
-    q: Float
-    dq: Float
-    ddq: Float
-    friction: Float
-    dissipated: Float
-
-
-def simulate(
-    model: Model, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, operator: Operator | None = None
-) -> ForwardMotion:
-    """Simulate one joint under a sampled torque.
-
-    Args:
-        model: The joint; terms must follow from the velocity alone.
-        t: Times of the samples, rising, at any distance, shape (n,). [s]
-        drive: Torque F_m + u on the inner side, or the push of an operator; linear between samples, shape (n,). [N m]
-        q: Position at the start. [rad]
-        dq: Velocity at the start. [rad/s]
-        operator: Impedance that holds the joint; None if the drive is all there is.
-
-    Raises:
-        AnalysisError: If the model cannot be simulated, or times or drive are no finite numbers in order.
-    """
-    if len(t) != len(drive) or not (np.isfinite(t).all() and np.isfinite(drive).all() and (np.diff(t) > 0.0).all()):
-        raise AnalysisError("forward simulation: times and drive must be finite, as many, and times must rise")
-    held = operator or Operator()
-    body = make_body(
-        model,
-        mass_kg_m2=held.inertia_kg_m2,
-        damping_nms_per_rad=held.damping_nms_per_rad,
-        stiffness_nm_per_rad=held.stiffness_nm_per_rad,
-    )
-    rows = run(np.ascontiguousarray(t), np.ascontiguousarray(drive), q, dq, body)
-    return ForwardMotion(q=rows[0], dq=rows[1], ddq=rows[2], friction=rows[3], dissipated=rows[4])
-
-
 @compiled()
-def level(v: float, sign: float, body: Record) -> float:
-    """Return friction without its viscous part at a speed, in a direction. [N m]"""
-    if body.has_excess == 0:
-        return float(body.coulomb_nm)
-    curve = body.excess_nm[0 if sign > 0.0 else 1]
-    place = min(abs(v) / body.excess_step_rad_s, len(curve) - 1.0)
-    low = min(int(place), len(curve) - 2)
-    return float(body.coulomb_nm + curve[low] + (place - low) * (curve[low + 1] - curve[low]))
-
-
-@compiled()
-def slide(
-    q: float, v: float, h: float, drive0: float, drive1: float, steady: float, body: Record
-) -> tuple[float, float]:
-    """Slide for h under a drive and a steady torque: one step of the trapezoidal rule, solved exactly."""
-    loss = body.damping_nms_per_rad + body.viscous_nms_per_rad
-    stiffness = body.stiffness_nm_per_rad
-    force = drive0 - stiffness * q - loss * v + steady
-    predicted = drive1 - stiffness * (q + 0.5 * h * v) + steady
-    v_next = (body.mass_kg_m2 * v + 0.5 * h * (force + predicted)) / (
-        body.mass_kg_m2 + 0.5 * h * (0.5 * h * stiffness + loss)
-    )
-    return q + 0.5 * h * (v + v_next), v_next
-
-
-@compiled()
-def find_stop(
-    q: float, v: float, v_end: float, h: float, drive0: float, drive1: float, steady: float, body: Record
-) -> tuple[float, float]:
-    """Find the share of h after which the velocity is zero, by regula falsi; return it and the position."""
-    low, v_low, high, v_high = 0.0, v, 1.0, v_end
-    share, place = 0.0, q
-    for _ in range(ROOT_ITERATIONS):
-        share = low + (high - low) * v_low / (v_low - v_high)
-        place, speed = slide(q, v, share * h, drive0, drive0 + share * (drive1 - drive0), steady, body)
-        if speed == 0.0:
-            break
-        if (speed > 0.0) == (v > 0.0):
-            low, v_low = share, speed
-        else:
-            high, v_high = share, speed
-    return share, place
-
-
-@compiled()
-def break_away(start: float, end: float, body: Record) -> tuple[float, float]:
-    """Find when friction no longer holds a joint at rest.
-
-    Args:
-        start: Torque on the joint at the start of the step. [N m]
-        end: Torque at its end. [N m]
-        body: The joint.
-
-    Returns:
-        Share of the step after which it moves, and the direction; 1 and 0 where it is held throughout.
-    """
-    forwards, backwards = level(0.0, 1.0, body), -level(0.0, -1.0, body)
+def break_away(start: float, end: float, forwards: float, backwards: float) -> tuple[float, float]:
+    """Return the share of a step after which a held joint moves, and the direction; 1 and 0 where it does not move."""
     if start > forwards:
         return 0.0, 1.0
     if start < backwards:
@@ -225,51 +120,103 @@ def break_away(start: float, end: float, body: Record) -> tuple[float, float]:
 
 
 @compiled()
-def advance(
-    q: float, v: float, sign: float, h: float, drive0: float, drive1: float, u: float, body: Record
+def rest_of(step: Step, share: float) -> Step:
+    """Return what is left of a step after a share of it."""
+    return Step(
+        (1.0 - share) * step.h,
+        step.drive0 + share * (step.drive1 - step.drive0),
+        step.drive1,
+        step.begin + share * (step.end - step.begin),
+        step.end,
+    )
+
+
+@compiled()
+def level(v: float, sign: float, body: Body) -> float:
+    """Return the friction of a body without its viscous part. [N m]"""
+    if body.has_excess == 0:
+        return float(body.coulomb_nm)
+    curve = body.excess_nm[0 if sign > 0.0 else 1]
+    place = min(abs(v) / body.excess_step_rad_s, len(curve) - 1.0)
+    low = min(int(place), len(curve) - 2)
+    return float(body.coulomb_nm + curve[low] + (place - low) * (curve[low + 1] - curve[low]))
+
+
+@compiled()
+def slide_body(q: float, v: float, step: Step, steady: float, body: Body) -> tuple[float, float]:
+    """Return position and velocity after sliding through a step under a further steady torque."""
+    h, loss, stiffness = step.h, body.damping_nms_per_rad + body.viscous_nms_per_rad, body.stiffness_nm_per_rad
+    force = step.drive0 - stiffness * q - loss * v + steady
+    predicted = step.drive1 - stiffness * (q + 0.5 * h * v) + steady
+    v_next = (body.mass_kg_m2 * v + 0.5 * h * (force + predicted)) / (
+        body.mass_kg_m2 + 0.5 * h * (0.5 * h * stiffness + loss)
+    )
+    return q + 0.5 * h * (v + v_next), v_next
+
+
+@compiled()
+def find_stop(q: float, v: float, v_end: float, step: Step, steady: float, body: Body) -> tuple[float, float]:
+    """Return the share of a step after which the velocity is zero, by regula falsi, and the position there."""
+    low, v_low, high, v_high = 0.0, v, 1.0, v_end
+    share, place = 0.0, q
+    for _ in range(6):
+        share = low + (high - low) * v_low / (v_low - v_high)
+        end = step.drive0 + share * (step.drive1 - step.drive0)
+        place, speed = slide_body(q, v, Step(share * step.h, step.drive0, end, 0.0, 0.0), steady, body)
+        if speed == 0.0:
+            break
+        if (speed > 0.0) == (v > 0.0):
+            low, v_low = share, speed
+        else:
+            high, v_high = share, speed
+    return share, place
+
+
+@compiled()
+def advance_body(
+    q: float, v: float, sign: float, step: Step, u: float, body: Body
 ) -> tuple[float, float, float, float]:
-    """Move one joint on by a step with stick and slip.
+    """Move a body on by a step.
 
     Args:
         q: Position. [rad]
         v: Velocity. [rad/s]
         sign: Direction in which it slides; 0 if friction holds it.
-        h: Step. [s]
-        drive0: External torque at the start of the step. [N m]
-        drive1: External torque at its end, linear between. [N m]
+        step: The step.
         u: Torque held over the step. [N m]
-        body: One element of BODY.
+        body: The joint.
 
     Returns:
-        Position, velocity and direction at the end, and what friction has taken in the step. [J]
+        Position, velocity and direction at the end, and what friction has taken. [J]
     """
     taken = 0.0
     steady = u - body.offset_nm
     for _ in range(EVENTS):
         if sign == 0.0:
             pull = steady - body.stiffness_nm_per_rad * q
-            share, sign = break_away(drive0 + pull, drive1 + pull, body)
+            forwards, backwards = level(0.0, 1.0, body), -level(0.0, -1.0, body)
+            share, sign = break_away(step.drive0 + pull, step.drive1 + pull, forwards, backwards)
             if sign == 0.0:
                 return q, 0.0, 0.0, taken
-            h, drive0 = (1.0 - share) * h, drive0 + share * (drive1 - drive0)
+            step = rest_of(step, share)
         friction = level(v, sign, body)
-        q_next, v_next = slide(q, v, h, drive0, drive1, steady - friction * sign, body)
+        q_next, v_next = slide_body(q, v, step, steady - friction * sign, body)
         if body.has_excess == 1:
             friction = level(0.5 * (v + v_next) if v_next * sign > 0.0 else 0.5 * v, sign, body)
-            q_next, v_next = slide(q, v, h, drive0, drive1, steady - friction * sign, body)
+            q_next, v_next = slide_body(q, v, step, steady - friction * sign, body)
         if v_next * sign >= 0.0:
             lost = friction + 0.5 * body.viscous_nms_per_rad * abs(v + v_next)
             return q_next, v_next, sign, taken + lost * abs(q_next - q)
-        share, q_stop = find_stop(q, v, v_next, h, drive0, drive1, steady - friction * sign, body)
+        share, q_stop = find_stop(q, v, v_next, step, steady - friction * sign, body)
         taken += (friction + 0.5 * body.viscous_nms_per_rad * abs(v)) * abs(q_stop - q)
         q, v, sign = q_stop, 0.0, 0.0
-        h, drive0 = (1.0 - share) * h, drive0 + share * (drive1 - drive0)
+        step = rest_of(step, share)
     return q, 0.0, 0.0, taken
 
 
 @compiled()
-def forces(q: float, v: float, sign: float, drive: float, u: float, body: Record) -> tuple[float, float]:
-    """Return acceleration [rad/s^2] and friction torque [N m] at one instant."""
+def body_forces(q: float, v: float, sign: float, drive: float, u: float, body: Body) -> tuple[float, float]:
+    """Return acceleration [rad/s^2] and friction torque [N m] of a body at one instant."""
     drive = drive + u - body.offset_nm - body.stiffness_nm_per_rad * q - body.damping_nms_per_rad * v
     if sign == 0.0:
         return 0.0, drive
@@ -278,18 +225,91 @@ def forces(q: float, v: float, sign: float, drive: float, u: float, body: Record
 
 
 @compiled()
-def run(t: Float, drive: Float, q: float, v: float, body: Record) -> Float:
-    """Return rows q, dq, ddq, friction and dissipated energy, shape (5, n); see ``simulate``."""
-    out = np.zeros((5, len(t)))
-    sign, taken = float(np.sign(v)), 0.0
-    for i in range(len(t)):
-        if i > 0:
-            steps = max(1, int(np.ceil((t[i] - t[i - 1]) / LONGEST_STEP_S - 1e-6)))
-            h, rise = (t[i] - t[i - 1]) / steps, (drive[i] - drive[i - 1]) / steps
+def slide(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> float:
+    """Return the velocity of a joint with tables after sliding through a step in one direction."""
+    way = 0 if sign > 0.0 else 1
+    damping = bristle_damping(bent, sign, tables)
+    torque = taken(way, q, abs(v), step.begin, tables) + bristle_nm(bent, 0.0, tables) + damping * v
+    middle = v + 0.5 * step.h * (step.drive0 - torque) / tables.inertia_kg_m2
+    speed, ahead = max(0.0, middle * sign), 0.5 * step.h * v
+    moment, drive = 0.5 * (step.begin + step.end), 0.5 * (step.drive0 + step.drive1)
+    torque = taken(way, q + ahead, speed, moment, tables) + bristle_nm(bent, ahead, tables) + damping * speed * sign
+    return v + step.h * (drive - torque) / tables.inertia_kg_m2
+
+
+@compiled()
+def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Tables) -> tuple[float, float, float]:
+    """Move a joint with tables on by a step; return position, velocity and direction at the end.
+
+    Args:
+        q: Position. [rad]
+        v: Velocity. [rad/s]
+        sign: Direction in which it slides; 0 if friction holds it.
+        step: The step.
+        bent: State of the bristles, shape (1 + m,); changed.
+        tables: What the joint takes.
+    """
+    for _ in range(EVENTS):
+        if sign == 0.0:
+            held = bristle_nm(bent, 0.0, tables)
+            forwards, backwards = taken(0, q, 0.0, step.begin, tables), taken(1, q, 0.0, step.begin, tables)
+            if forwards < backwards:
+                # Bristles bear all the friction: nothing dry is left that could hold the joint.
+                forwards = backwards = 0.5 * (forwards + backwards)
+            share, sign = break_away(step.drive0 - held, step.drive1 - held, forwards, backwards)
+            if sign == 0.0:
+                return q, 0.0, 0.0
+            step = rest_of(step, share)
+        after = slide(q, v, sign, step, bent, tables)
+        if after * sign >= 0.0:
+            way = 0.5 * step.h * (v + after)
+            bend_on(bent, way, tables)
+            return q + way, after, sign
+        share = v / (v - after)
+        way = 0.5 * share * step.h * v
+        bend_on(bent, way, tables)
+        q, v, sign = q + way, 0.0, 0.0
+        step = rest_of(step, share)
+    return q, 0.0, 0.0
+
+
+@compiled()
+def run_pieces(
+    step_s: float,
+    steps: int,
+    drive: Float,
+    q: Float,
+    dq: Float,
+    pieces: NDArray[np.int64],
+    bent: Float,
+    tables: Tables,
+) -> Float:
+    """Move a joint with tables through pieces of a recording, each from the recorded start.
+
+    Args:
+        step_s: Spacing of the samples. [s]
+        steps: Steps per sample.
+        drive: Torque at the samples, linear between, shape (n,). [N m]
+        q: Recorded position, shape (n,). [rad]
+        dq: Recorded velocity, shape (n,). [rad/s]
+        pieces: First and last sample of each piece, shape (p, 2).
+        bent: State of the bristles along the recording, shape (n, 1 + m).
+        tables: What the joint takes.
+
+    Returns:
+        Position and velocity, NaN outside of the pieces, shape (2, n).
+    """
+    out = np.full((2, len(drive)), np.nan)
+    for p in range(len(pieces)):
+        first, last = pieces[p]
+        place, v, now = q[first], dq[first], bent[first].copy()
+        sign = np.sign(v)
+        out[0, first], out[1, first] = place, v
+        for i in range(first, last):
+            rise = (drive[i + 1] - drive[i]) / steps
             for k in range(steps):
-                start = drive[i - 1] + k * rise
-                q, v, sign, lost = advance(q, v, sign, h, start, start + rise, 0.0, body)
-                taken += lost
-        out[0, i], out[1, i], out[4, i] = q, v, taken
-        out[2, i], out[3, i] = forces(q, v, sign, drive[i], 0.0, body)
+                push = drive[i] + k * rise
+                step = Step(step_s / steps, push, push + rise, i + k / steps, i + (k + 1.0) / steps)
+                place, v, sign = advance(place, v, sign, step, now, tables)
+            out[0, i + 1], out[1, i + 1] = place, v
     return out

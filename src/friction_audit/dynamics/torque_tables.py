@@ -1,35 +1,33 @@
 """Tables of what the terms of a joint take along a recording, as the compiled forward simulation reads them.
 
 A term says what torque a motion takes; a simulation asks at every step what is taken here, now, at this speed. The
-terms are therefore asked for motions that vary one thing at a time, and the answers are kept as tables over speed, over
-place or over time, for each direction. Where a table, read along the recorded motion, does not give what the term gives
+terms are therefore asked for motions that vary one quantity at a time, and the answers are kept as tables over speed,
+position or time, for each direction. Where a table, read along the recorded motion, does not give what the term gives
 there, the term follows from more than the instant: it is left to the caller.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bristles_of
+from friction_audit.compiled import compiled
+from friction_audit.dynamics.bristles import NO_BRISTLES, Bristles, bend, bristles_of, slope, stretch
 from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.joint_log import Float
 
-CRAWL_RAD_S = 1e-9
-"""Speed that stands for the limit at rest."""
-HEADROOM = 1.5
-"""Speeds are tabulated up to so many times the largest of the recording."""
-MARGIN = 0.25
-"""Places are tabulated so much of the recorded range beyond its ends."""
-LEAST_MARGIN_RAD = 0.05
-TOLERANCE = 0.02
-"""Largest error of tables along the recording, as a share of the term's torque."""
-BRISTLE_TOLERANCE = 0.05
-"""The same of bristles, whose path the samples of a recording do not show between them."""
+CRAWL_RAD_S = 1e-9  # stands for the limit at zero speed
+HEADROOM = 1.5  # speeds are tabulated up to this multiple of the largest one of the recording
+MARGIN, LEAST_MARGIN_RAD = 0.25, 0.05  # positions beyond the recorded range, as a share of it and at least
+TOLERANCE = 0.02  # largest rms error of tables along the recording, as a share of the term's torque
+BRISTLE_TOLERANCE = 0.05  # the same of bristles, whose path between samples is not known
 ROUNDING_NM = 1e-6
-SLOW = 1e-3
-"""Below this share of the largest speed a recorded motion has no certain direction."""
+SLOW = 1e-3  # below this share of the largest speed a recorded motion has no certain direction
+
+LONGEST_STEP_S = 5e-4
+SHARE_OF_SWING = 0.2  # longest step over 1 / the angular frequency at which the joint swings on its stiffest torque
+MOST_STEPS = 200  # per sample of the recording
 
 
 class Tables(NamedTuple):
@@ -41,9 +39,9 @@ class Tables(NamedTuple):
         inertia_kg_m2: Inertia.
         speed_step: Spacing of the table over speed, which begins at rest. [rad/s]
         speed: Torque over speed, shape (2, n). [N m]
-        place_start: First place of the tables over it. [rad]
+        place_start: First position of the tables over it. [rad]
         place_step: Their spacing. [rad]
-        place: Torque over place, shape (2, n). [N m]
+        place: Torque over position, shape (2, n). [N m]
         place_per_speed: Shape (2, n). [N m s/rad]
         time: Torque at the stamps of the recording, shape (2, n). [N m]
         time_per_speed: Shape (2, n). [N m s/rad]
@@ -92,10 +90,12 @@ def tabulate(inertia_kg_m2: float, terms: Iterable[Term], motion: Motion) -> tup
     Returns:
         The tables, and the terms that no table holds; second bristles are among them.
     """
-    tables, past = _empty(motion)._replace(inertia_kg_m2=inertia_kg_m2), []
+    empty = _empty(motion)
+    tables, past = empty._replace(inertia_kg_m2=inertia_kg_m2), []
     for term in terms:
-        forms = BRISTLE_FORMS if term.effect.forward == "bristle" else FORMS
-        share = next((share for form in forms if _holds(share := form(term, motion), term, motion)), None)
+        # The fewer a recorded quantity is needed for, the better: speed, then position, then time.
+        forms = _bristle_forms(term, empty) if term.effect.forward == "bristle" else _forms(term, motion, empty)
+        share = next((share for share in forms if _holds(share, term, motion)), None)
         if share is None or (share.bristles.some and tables.bristles.some):
             past.append(term)
         else:
@@ -114,47 +114,37 @@ def _empty(motion: Motion) -> Tables:
     low, high = float(motion.q.min()), float(motion.q.max())
     margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
     still = np.zeros((2, n))
-    return Tables(
-        inertia_kg_m2=0.0,
-        speed_step=top / (n - 1),
-        speed=still,
-        place_start=low - margin,
-        place_step=(high - low + 2.0 * margin) / (n - 1),
-        place=still,
-        place_per_speed=still,
-        time=still,
-        time_per_speed=still,
-        bristle_path=NO_BRISTLES.path,
-        bristle_torque=NO_BRISTLES.torque,
-        spring_stiffness=NO_BRISTLES.stiffness,
-        spring_reach=NO_BRISTLES.reach,
-        bristle_damping_s=NO_BRISTLES.damping_s,
-    )
+    steps = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
+    torques = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), still)
+    return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, **_as_fields(NO_BRISTLES))
+
+
+def _as_fields(bristles: Bristles) -> dict[str, Float | float]:
+    return {
+        "bristle_path": bristles.path,
+        "bristle_torque": bristles.torque,
+        "spring_stiffness": bristles.stiffness,
+        "spring_reach": bristles.reach,
+        "bristle_damping_s": bristles.damping_s,
+    }
+
+
+ADDED = ("inertia_kg_m2", "speed", "place", "place_per_speed", "time", "time_per_speed", "bristle_damping_s")
+APPENDED = ("bristle_path", "bristle_torque", "spring_stiffness", "spring_reach")
 
 
 def _add(one: Tables, other: Tables) -> Tables:
-    return one._replace(
-        inertia_kg_m2=one.inertia_kg_m2 + other.inertia_kg_m2,
-        speed=one.speed + other.speed,
-        place=one.place + other.place,
-        place_per_speed=one.place_per_speed + other.place_per_speed,
-        time=one.time + other.time,
-        time_per_speed=one.time_per_speed + other.time_per_speed,
-        bristle_path=np.append(one.bristle_path, other.bristle_path),
-        bristle_torque=np.append(one.bristle_torque, other.bristle_torque),
-        spring_stiffness=np.append(one.spring_stiffness, other.spring_stiffness),
-        spring_reach=np.append(one.spring_reach, other.spring_reach),
-        bristle_damping_s=one.bristle_damping_s + other.bristle_damping_s,
-    )
+    added = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
+    return one._replace(**added, **{name: np.append(getattr(one, name), getattr(other, name)) for name in APPENDED})
 
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
-    """Whether the tables of a term give its torque along the recording, wherever the direction is certain."""
+    """Whether the tables of a term give its torque along the recording, where the direction is certain."""
     sure = certain(motion) != 0.0
     torque = term.torque(motion)
     error = (torque - read_along(share, motion))[sure]
     allowed = BRISTLE_TOLERANCE if term.effect.forward == "bristle" else TOLERANCE
-    return bool(_rms(error) <= allowed * _rms(torque[sure]) + ROUNDING_NM)
+    return bool(rms(error) <= allowed * rms(torque[sure]) + ROUNDING_NM)
 
 
 def read_along(tables: Tables, motion: Motion) -> Float:
@@ -175,8 +165,7 @@ def read_along(tables: Tables, motion: Motion) -> Float:
 
 
 def _read(table: Float, at: Float) -> Float:
-    """Read a table at steps from its first entry; most are zero, and need no reading."""
-    if not table.any():
+    if not table.any():  # as most are
         return table
     first = np.clip(at.astype(np.int64), 0, len(table) - 2)
     low, high = table[first], table[first + 1]
@@ -184,81 +173,100 @@ def _read(table: Float, at: Float) -> Float:
         return np.asarray(low + np.clip(at - first, 0.0, 1.0) * (high - low))
 
 
-def _rms(signal: Float) -> float:
+def rms(signal: Float) -> float:
+    """Return the root of the mean square of a signal, 0 of none."""
     return float(np.sqrt(np.mean(signal**2))) if len(signal) else 0.0
 
 
-def _asked(term: Term, motion: Motion) -> Float:
-    """A term's torque for a motion that nobody made; nonsense, if the term needs the past, is found out later."""
-    with np.errstate(all="ignore"):
-        return term.torque(motion)
+def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
+    """Yield a term over speed, over position and over time, with the inertia that it adds.
 
-
-def _speed_form(term: Term, motion: Motion) -> Tables:
-    """Torque over speed at one place, and the inertia that the term adds."""
-    empty = _empty(motion)
-    speeds = np.asarray(empty.speed_step * np.arange(len(motion.t)), np.float64)
-    speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
-    still = replace(motion, q=np.full(len(speeds), float(np.median(motion.q))), ddq=np.zeros(len(speeds)))
-    table = np.stack([_asked(term, replace(still, dq=sign * speeds)) for sign in (1.0, -1.0)])
-    return empty._replace(inertia_kg_m2=_inertia(term, motion), speed=table)
-
-
-def _place_form(term: Term, motion: Motion) -> Tables:
-    """Torque over place, with a share in proportion to the speed."""
-    empty = _empty(motion)
-    places = np.asarray(empty.place_start + empty.place_step * np.arange(len(motion.t)), np.float64)
-    level, slope = _affine(term, replace(motion, q=places), empty)
-    return empty._replace(inertia_kg_m2=_inertia(term, motion), place=level, place_per_speed=slope)
-
-
-def _time_form(term: Term, motion: Motion) -> Tables:
-    """Torque over time with all else as recorded, with a share in proportion to the speed."""
-    empty = _empty(motion)
-    level, slope = _affine(term, motion, empty)
-    return empty._replace(inertia_kg_m2=_inertia(term, motion), time=level, time_per_speed=slope)
-
-
-def _dahl_form(term: Term, motion: Motion) -> Tables:
-    """Bristles in Dahl's picture, and the dry friction whose place they take."""
-    dry, dahl, _ = bristles_of(term)
-    return _with_bristles(dry, dahl, motion)
-
-
-def _spring_form(term: Term, motion: Motion) -> Tables:
-    """Bristles as springs, and the dry friction whose place they take."""
-    dry, _, springs = bristles_of(term)
-    return _with_bristles(dry, springs, motion)
-
-
-def _with_bristles(dry: float, found: Bristles, motion: Motion) -> Tables:
-    return _empty(motion)._replace(
-        speed=np.repeat(np.array([[dry], [-dry]]), len(motion.t), axis=1),
-        bristle_path=found.path,
-        bristle_torque=found.torque,
-        spring_stiffness=found.stiffness,
-        spring_reach=found.reach,
-        bristle_damping_s=found.damping_s,
-    )
-
-
-FORMS: tuple[Callable[[Term, Motion], Tables], ...] = (_speed_form, _place_form, _time_form)
-"""In the order in which they are tried: the fewer a recorded quantity is needed for, the better."""
-
-BRISTLE_FORMS = (_dahl_form, _spring_form)
-
-
-def _affine(term: Term, motion: Motion, empty: Tables) -> tuple[Float, Float]:
-    """Torque in the limit at rest, and its slope in the speed, by direction, shape (2, n) each."""
+    Position and time have a share in proportion to the speed. A term that needs the past answers with nonsense, which
+    ``_holds`` finds out.
+    """
     n = len(motion.t)
-    fast = 0.5 * empty.speed_step * (n - 1)
-    still = np.zeros(n)
-    ways = (1.0, -1.0)
-    level = np.stack([_asked(term, replace(motion, dq=np.full(n, w * CRAWL_RAD_S), ddq=still)) for w in ways])
-    moving = np.stack([_asked(term, replace(motion, dq=np.full(n, w * fast), ddq=still)) for w in ways])
-    return level, (moving - level) / fast
+    still, top = np.zeros(n), empty.speed_step * (n - 1)
+
+    def ask(ways: float | Float, motion: Motion) -> Float:
+        with np.errstate(all="ignore"):
+            return np.stack([term.torque(replace(motion, dq=sign * ways + still)) for sign in (1.0, -1.0)])
+
+    def affine(motion: Motion) -> tuple[Float, Float]:
+        level, moving = ask(CRAWL_RAD_S, motion), ask(0.5 * top, motion)
+        return level, (moving - level) / (0.5 * top)
+
+    with np.errstate(all="ignore"):
+        more = term.torque(replace(motion, ddq=motion.ddq + 1.0))
+    empty = empty._replace(inertia_kg_m2=float(np.mean(more - term.torque(motion))))
+    speeds = np.asarray(empty.speed_step * np.arange(n), np.float64)
+    speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
+    unmoved = replace(motion, ddq=still)
+    yield empty._replace(speed=ask(speeds, replace(unmoved, q=np.full(n, float(np.median(motion.q))))))
+    level, per_speed = affine(replace(unmoved, q=empty.place_start + empty.place_step * np.arange(n)))
+    yield empty._replace(place=level, place_per_speed=per_speed)
+    level, per_speed = affine(unmoved)
+    yield empty._replace(time=level, time_per_speed=per_speed)
 
 
-def _inertia(term: Term, motion: Motion) -> float:
-    """Inertia that a term adds: what it takes for one more rad/s^2, on average."""
-    return float(np.mean(_asked(term, replace(motion, ddq=motion.ddq + 1.0)) - term.torque(motion)))
+def _bristle_forms(term: Term, empty: Tables) -> Iterable[Tables]:
+    """Yield bristles as one curve and as springs, with the dry friction whose place they take."""
+    dry, dahl, springs = bristles_of(term)
+    speed = np.broadcast_to(np.array([[dry], [-dry]]), empty.speed.shape)
+    for found in (dahl, springs):
+        yield empty._replace(speed=speed, **_as_fields(found))
+
+
+@compiled()
+def read(table: Float, place: float) -> float:
+    """Read a table between its entries; level beyond its ends."""
+    place = min(max(place, 0.0), len(table) - 1.0)
+    low = min(int(place), len(table) - 2)
+    return float(table[low] + (place - low) * (table[low + 1] - table[low]))
+
+
+@compiled()
+def taken(way: int, q: float, speed: float, moment: float, tables: Tables) -> float:
+    """Return what a joint takes without its bristles, forwards (0) or backwards (1), at a sample of the recording."""
+    place = (q - tables.place_start) / tables.place_step
+    per_speed = read(tables.place_per_speed[way], place) + read(tables.time_per_speed[way], moment)
+    torque = read(tables.speed[way], speed / tables.speed_step) + read(tables.place[way], place)
+    return torque + read(tables.time[way], moment) + per_speed * speed
+
+
+@compiled()
+def bristle_nm(bent: Float, way: float, tables: Tables) -> float:
+    """Return the torque of the bristles a displacement ahead, without damping. [N m]"""
+    torque = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        torque += tables.spring_stiffness[k] * stretch(bent[1 + k], way, tables.spring_reach[k])
+    return torque
+
+
+@compiled()
+def bend_on(bent: Float, way: float, tables: Tables) -> None:
+    """Let the bristles follow a displacement, in place."""
+    bent[0] = bend(bent[0], way, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        bent[1 + k] = stretch(bent[1 + k], way, tables.spring_reach[k])
+
+
+@compiled()
+def bristle_damping(bent: Float, sign: float, tables: Tables) -> float:
+    """Return the damping of the bristles that bend on in a direction. [N m s/rad]"""
+    if tables.bristle_damping_s == 0.0:
+        return 0.0
+    stiffness = slope(bent[0], sign, tables.bristle_path, tables.bristle_torque)
+    for k in range(len(tables.spring_reach)):
+        if bent[1 + k] * sign < tables.spring_reach[k]:
+            stiffness += tables.spring_stiffness[k]
+    return float(tables.bristle_damping_s * stiffness)
+
+
+def steps_per_sample(step_s: float, tables: Tables) -> int:
+    """Return how many steps a sample of the recording takes, so that no spring is too stiff for them."""
+    drops = -np.diff(tables.bristle_torque) / np.diff(tables.bristle_path)
+    stiffness = np.max(drops, initial=np.sum(tables.spring_stiffness))
+    steepest = np.max(np.abs(np.diff(tables.place)) / tables.place_step, initial=0.0)
+    swing = np.sqrt((stiffness + steepest) / tables.inertia_kg_m2)
+    longest = min(LONGEST_STEP_S, SHARE_OF_SWING / max(swing, 1e-9))
+    return max(1, min(MOST_STEPS, int(np.ceil(step_s / longest - 1e-6))))

@@ -1,11 +1,14 @@
-"""Torque of a spring that is softest without torque: its stiffness grows evenly with the twist, from half to whole.
+"""Transmissions: a spring, a damper and a gap in a row, between the measured side of a joint and its far side.
 
-Strain-wave gears are soft at first (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996); makers state
-three stiffnesses that grow with the torque, and no gear knows the corners between them. With s = K e of the twist e,
+A spring is softest without torque: its stiffness grows evenly with the twist, from half to whole. Strain-wave gears are
+soft at first (T. D. Tuttle, W. P. Seering, IEEE Trans. Robot. Autom. 12, 1996); makers state three stiffnesses that
+grow with the torque. With s = K e of the twist e,
 
     T = s (1/2 + |s| / (4 b))  up to |s| = b,  beyond  T = s - sgn(s) b / 4
 
 so that the stiffness is K from the torque 3/4 b on, which is the one that the model states.
+
+Here the measured side moves as recorded, and many far sides are followed at once; ``two_mass`` moves both sides.
 """
 
 from collections.abc import Iterator, Sequence
@@ -19,8 +22,50 @@ from friction_audit.dynamics.motion import Motion
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float, read_only
 
-NOTHING_NM = 1e-12
-"""A spring that stiffens up to this is straight, whatever its curve is."""
+NOTHING_NM = 1e-12  # a spring that stiffens up to this is straight
+PHASE = 0.6  # largest phase of the ringing per step [rad]: its frequency is right to phase^2 / 24
+MOST_STEPS = 100
+# Faster ringing is followed as if it were this fast, with more inertia after a spring and softer flanks in a gap: no
+# diagnosis looks above 40 Hz, where both look the same.
+HIGHEST_HZ = 150.0
+LANES = 16  # transmissions that are followed side by side: so many fill the registers of a processor
+MANY_SAMPLES = 4096  # so many, spread evenly, determine inertia and friction
+Lanes = tuple[float, ...]  # numba compiles a loop for each length of a tuple
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FarSide:
+    """What the transmission drives.
+
+    Attributes:
+        inertia_kg_m2: Inertia B. [kg m^2]
+        coulomb_nm: Coulomb friction mu_c. [N m]
+        viscous_nms_per_rad: Viscous friction mu_v. [N m s/rad]
+    """
+
+    inertia_kg_m2: float
+    coulomb_nm: float
+    viscous_nms_per_rad: float
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Transmission:
+    """A spring, a damper and a gap in a row.
+
+    Attributes:
+        stiffness_nm_per_rad: Stiffness K. [N m/rad]
+        damping_ratio: Damping ratio of the far side on the spring.
+        gap_rad: Full width of the gap. [rad]
+        soft_nm: Torque up to which the spring stiffens. [N m]
+        far_share: Part of the inertia that is on the far side, where all friction is; the rest, as a rotor's, moves
+            with the measured side.
+    """
+
+    stiffness_nm_per_rad: float
+    damping_ratio: float
+    gap_rad: float = 0.0
+    soft_nm: float = 0.0
+    far_share: float = 1.0
 
 
 def bend_of(soft_nm: float) -> tuple[float, float]:
@@ -43,56 +88,6 @@ def straightened(torque: float, bend: float) -> float:
     if size >= 0.75 * bend:
         return copysign(size + 0.25 * bend, torque) if size > 0.0 else 0.0
     return 4.0 * torque / (1.0 + sqrt(1.0 + 4.0 * size / bend))
-
-
-PHASE = 0.6
-"""Most phase of the ringing per step of the integration: its frequency is right to phase^2 / 24, slower motion to far
-less. [rad]"""
-MOST_STEPS = 100
-HIGHEST_HZ = 150.0
-"""Ringing that is followed. Nobody looks above 40 Hz; there, what rings faster looks as if it rang so fast: behind a
-spring with more inertia, behind flanks that give way more."""
-LANES = 16
-"""Transmissions that are followed side by side: so many fill the registers of a processor."""
-Lanes = tuple[float, ...]
-"""As many zeros as there are lanes: numba compiles a loop for each length of a tuple."""
-MANY_SAMPLES = 4096
-"""So many, spread evenly, tell inertia and friction."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class FarSide:
-    """What the transmission drives.
-
-    Attributes:
-        inertia_kg_m2: Inertia B. [kg m^2]
-        coulomb_nm: Coulomb friction mu_c. [N m]
-        viscous_nms_per_rad: Viscous friction mu_v. [N m s/rad]
-    """
-
-    inertia_kg_m2: float
-    coulomb_nm: float
-    viscous_nms_per_rad: float
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Transmission:
-    """A spring, a damper and a play in a row.
-
-    Attributes:
-        stiffness_nm_per_rad: Stiffness K. [N m/rad]
-        damping_ratio: Damping ratio of the far side on the spring.
-        gap_rad: Full width of the play. [rad]
-        soft_nm: Torque up to which the spring stiffens, half as stiff without any (``spring_law``). [N m]
-        far_share: Part of the inertia that is behind it; the rest is on the measured side, as a rotor's, and moves with
-            it. All friction is behind it.
-    """
-
-    stiffness_nm_per_rad: float
-    damping_ratio: float
-    gap_rad: float = 0.0
-    soft_nm: float = 0.0
-    far_share: float = 1.0
 
 
 def far_side(motion: Motion) -> FarSide:
@@ -119,7 +114,7 @@ def simple_torque(motion: Motion) -> Float:
     """Return the torque of inertia, Coulomb and viscous friction.
 
     Raises:
-        AnalysisError: If nobody has computed it.
+        AnalysisError: If the motion does not have it.
     """
     if motion.rest is None:
         raise AnalysisError(
@@ -129,9 +124,9 @@ def simple_torque(motion: Motion) -> Float:
 
 
 def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usual_nm: float) -> float:
-    """Return the stiffness of a play's flanks, on which an inertia rings at a frequency, as far as it can be followed.
+    """Return the stiffness of the flanks of a gap, on which an inertia rings at a frequency.
 
-    Flanks that gave way to the usual torque by more than the play would be a spring, and that has its own name.
+    Flanks that gave way to the usual torque by more than the gap would be a spring, which is another effect.
     """
     return max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap_rad)
 
@@ -149,24 +144,18 @@ def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transm
     """
     there = [place for place, own in enumerate(far) if own.inertia_kg_m2 != 0.0]
     yield from ((place, np.zeros(len(motion.t))) for place in sorted({*range(len(far))} - {*there}))
-    parts = [part_of(far[place], links[place].far_share) for place in there]
-    heavy = [slow_enough(part, links[place].stiffness_nm_per_rad) for part, place in zip(parts, there, strict=True)]
+    heavy = []
+    for place in there:
+        part = part_of(far[place], links[place].far_share)
+        least = links[place].stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2
+        heavy.append(replace(part, inertia_kg_m2=max(part.inertia_kg_m2, least)))
     last, rigid = None, np.zeros(0)  # neighbours often have the same
     for k, torque in _all_transmitted(motion, heavy, [links[place] for place in there]):
         if heavy[k] != last:
-            last, rigid = heavy[k], rigid_torque(motion, heavy[k])
+            last = heavy[k]
+            friction = last.coulomb_nm * motion.direction + last.viscous_nms_per_rad * motion.dq
+            rigid = np.asarray(last.inertia_kg_m2 * motion.ddq + friction)
         yield there[k], np.subtract(torque, rigid, out=torque)
-
-
-def rigid_torque(motion: Motion, far: FarSide) -> Float:
-    """Return the torque that moves a far side which moves as the measured one, shape (n,). [N m]"""
-    friction = far.coulomb_nm * motion.direction + far.viscous_nms_per_rad * motion.dq
-    return np.asarray(far.inertia_kg_m2 * motion.ddq + friction)
-
-
-def slow_enough(far: FarSide, stiffness_nm_per_rad: float) -> FarSide:
-    """Return the far side, so heavy that its ringing can be followed."""
-    return replace(far, inertia_kg_m2=max(far.inertia_kg_m2, stiffness_nm_per_rad / (2.0 * pi * HIGHEST_HZ) ** 2))
 
 
 def transmitted(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
@@ -188,40 +177,31 @@ def _all_transmitted(
 ) -> Iterator[tuple[int, Float]]:
     """Yield the same for pairs of a far side and a transmission, by place in any order."""
     step = float(motion.t[1] - motion.t[0])
-    load = np.zeros(len(motion.t)) if motion.load is None else motion.load
-    q, dq, load = map(read_only, (motion.q, motion.dq, load))
+    q, dq, load = map(read_only, (motion.q, motion.dq, np.zeros(len(motion.t)) if motion.load is None else motion.load))
     rates = [sqrt(link.stiffness_nm_per_rad / own.inertia_kg_m2) for own, link in zip(far, links, strict=True)]
-    paces = [2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS) for rate in rates]
-    for steps, places in _side_by_side(list(zip(paces, (link.gap_rad > 0.0 for link in links), strict=True))):
-        behind = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in places]
-        between = [
-            (
-                links[k].stiffness_nm_per_rad,
-                2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
-                0.5 * links[k].gap_rad,
-                *bend_of(links[k].soft_nm),
-            )
-            for k in places
-        ]
-        play = links[places[0]].gap_rad > 0.0
-        far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
-        lanes = (0.0,) * len(places)
-        torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, play, lanes)
-        yield from ((k, torque[lane]) for lane, k in enumerate(dict.fromkeys(places)))
-
-
-def _side_by_side(kinds: Sequence[tuple[int, bool]]) -> Iterator[tuple[int, list[int]]]:
-    """Yield the steps, and the places of transmissions that take as many and are of one kind, one or LANES of them.
-
-    The last one stands in for those that are lacking.
-    """
-    alike: dict[tuple[int, bool], list[int]] = {}
-    for place, kind in enumerate(kinds):
-        alike.setdefault(kind, []).append(place)
-    for (steps, _), places in alike.items():
-        for first in range(0, len(places), LANES):
-            some = places[first : first + LANES]
-            yield steps, some + some[-1:] * (LANES - len(some) if len(some) > 1 else 0)
+    alike: dict[tuple[int, bool], list[int]] = {}  # those that take as many steps and are of one kind
+    for place, (rate, link) in enumerate(zip(rates, links, strict=True)):
+        steps = 2 * min(max(ceil(0.5 * step * rate / PHASE), 1), MOST_STEPS)
+        alike.setdefault((steps, link.gap_rad > 0.0), []).append(place)
+    for (steps, gap), those in alike.items():
+        for first in range(0, len(those), LANES):
+            places = those[first : first + LANES]
+            # One or LANES side by side; the last one stands in for those that are lacking.
+            filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
+            behind = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in filled]
+            between = [
+                (
+                    links[k].stiffness_nm_per_rad,
+                    2.0 * links[k].damping_ratio * far[k].inertia_kg_m2 * rates[k],
+                    0.5 * links[k].gap_rad,
+                    *bend_of(links[k].soft_nm),
+                )
+                for k in filled
+            ]
+            far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
+            lanes = (0.0,) * len(filled)
+            torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
+            yield from ((k, torque[lane]) for lane, k in enumerate(places))
 
 
 def between_samples(step: float, steps: int) -> Float:
@@ -243,10 +223,10 @@ def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[fl
 def _follow(  # noqa: PLR0913
     q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool, lanes: Lanes
 ) -> Float:
-    """Integrate far sides (3, m) behind transmissions (5, m), side by side, so that a processor takes several at once.
+    """Integrate far sides (3, m) after transmissions (5, m), as many as lanes; return their torques, shape (m, n).
 
-    Returns the torque of each, shape (m, n): all that follows takes them one by one. The measured side moves along the
-    cubic through its samples and their slopes. There are as many as lanes, a number that the compiler is told.
+    They are side by side so that a processor takes several at once. The measured side moves along the cubic through
+    its samples and their slopes.
     """
     steps, many = len(between), len(lanes)
     h = step / steps
@@ -259,13 +239,8 @@ def _follow(  # noqa: PLR0913
     # About the last sample and about the next one, from half a sample before to half a sample after.
     last, next_one = 13, 14
     for j in range(many):
-        stiffness[j], damping[j], half[j], bend[j], curve[j] = (
-            links[0, j],
-            links[1, j],
-            links[2, j],
-            links[3, j],
-            links[4, j],
-        )
+        stiffness[j], damping[j], half[j] = links[0, j], links[1, j], links[2, j]
+        bend[j], curve[j] = links[3, j], links[4, j]
         keep[j], gain[j], held[j] = _pace(far[:, j], damping[j], h)
         keep_apart[j], gain_apart[j], held_apart[j] = _pace(far[:, j], 0.0, h)
         theta[j], omega[j] = q[0] - twisted(load[0], stiffness[j], half[j], bend[j]), dq[0]
@@ -305,16 +280,16 @@ def _follow(  # noqa: PLR0913
         for j in range(many):
             torque[j, k] = table[last, j] / steps
             table[last, j], table[next_one, j] = table[next_one, j], 0.0
-    _end(torque, table[last] / steps)
+    _double_ends(torque, table[last], steps)
     return torque
 
 
 @compiled()
-def _end(torque: Float, last: Float) -> None:
-    """Double both ends, which have half a sample each; one by one, for whole columns take seconds to compile."""
+def _double_ends(torque: Float, last: Float, steps: int) -> None:
+    """Both ends have half a sample each; one by one, for whole columns take seconds to compile."""
     for j in range(len(last)):
         torque[j, 0] *= 2.0
-        torque[j, -1] = 2.0 * last[j]
+        torque[j, -1] = 2.0 * (last[j] / steps)
 
 
 @compiled()

@@ -1,11 +1,11 @@
-"""A joint of two masses, a spring or a play between them, moved forward under a measured torque, compiled.
+"""A joint of two masses, a spring or a gap between them, moved forward under a measured torque, compiled.
 
     B_n ddq     = F + L - T
     B_f ddtheta = T - L - what the terms take,    T = K e + D de/dt,    e = dead zone of (q - theta)
 
 ``F`` is the measured torque and ``L`` the load on the gear, which is not in it. The far side moves as a joint of one
-mass does (``move``), stick, slip, bristles and all; the near side has inertia alone. Drift, kick and drift, with the
-damper's torque at the mean of both speeds: of second order, and stable however much it damps.
+mass does (``stick_slip``); the near side has inertia alone. Drift, kick and drift, with the damper's torque at the mean
+of both speeds: of second order, and stable for any damping.
 
 M. W. Spong, Modeling and control of elastic joint robots, J. Dyn. Syst. Meas. Control 109 (1987) 310, eq. (2);
 M. Nordin, P.-O. Gutman, Controlling mechanical systems with backlash, Automatica 38 (2002) 1633.
@@ -18,8 +18,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.move import MOST_STEPS, SHARE_OF_SWING, Step, advance, steps_per_sample
-from friction_audit.dynamics.torque_tables import Tables
+from friction_audit.dynamics.stick_slip import Step, advance
+from friction_audit.dynamics.torque_tables import MOST_STEPS, SHARE_OF_SWING, Tables, steps_per_sample
 from friction_audit.dynamics.transmission import Transmission, amid, bend_of, between_samples, pushed, twisted
 from friction_audit.joint_log import Float
 
@@ -31,9 +31,9 @@ class Link(NamedTuple):
         near_kg_m2: Inertia B_n of the measured side. [kg m^2]
         stiffness_nm_per_rad: Stiffness K. [N m/rad]
         damping_nms_per_rad: Damping D. [N m s/rad]
-        half_rad: Half of the width of the play. [rad]
-        bend_nm: Torque of a spring as stiff as it gets at the twist up to which this one stiffens. [N m]
-        curve_per_nm: How fast it does (``spring_law``). [1/(N m)]
+        half_rad: Half of the width of the gap. [rad]
+        bend_nm: Torque b of ``transmission``, up to which the spring stiffens. [N m]
+        curve_per_nm: 1 / (4 b), 0 for a straight spring. [1/(N m)]
     """
 
     near_kg_m2: float
@@ -47,26 +47,19 @@ class Link(NamedTuple):
 def link_of(transmission: Transmission, near_kg_m2: float, far_kg_m2: float) -> Link:
     """Return what a transmission is between two inertias; its damping ratio is that of the far one."""
     stiffness, (bend_nm, curve_per_nm) = transmission.stiffness_nm_per_rad, bend_of(transmission.soft_nm)
-    return Link(
-        near_kg_m2=near_kg_m2,
-        stiffness_nm_per_rad=stiffness,
-        damping_nms_per_rad=2.0 * transmission.damping_ratio * sqrt(stiffness * far_kg_m2),
-        half_rad=0.5 * transmission.gap_rad,
-        bend_nm=bend_nm,
-        curve_per_nm=curve_per_nm,
-    )
+    damping = 2.0 * transmission.damping_ratio * sqrt(stiffness * far_kg_m2)
+    return Link(near_kg_m2, stiffness, damping, 0.5 * transmission.gap_rad, bend_nm, curve_per_nm)
 
 
-def can_follow(link: Link, all_of_it: Tables, step_s: float) -> bool:
-    """Whether the near side has inertia enough for its ringing to be followed.
+def can_follow(link: Link, whole: Tables, step_s: float) -> bool:
+    """Whether the near side has inertia enough for its ringing to be followed; ``whole`` has that of both sides."""
+    far_kg_m2 = whole.inertia_kg_m2 - link.near_kg_m2
+    return link.near_kg_m2 > 0.0 and far_kg_m2 > 0.0 and _ringing_steps(link, far_kg_m2, step_s) <= MOST_STEPS
 
-    Args:
-        link: What is between the sides.
-        all_of_it: The joint, the inertia of both sides.
-        step_s: Spacing of the samples. [s]
-    """
-    far_kg_m2 = all_of_it.inertia_kg_m2 - link.near_kg_m2
-    return link.near_kg_m2 > 0.0 and far_kg_m2 > 0.0 and _steps(link, far_kg_m2, step_s) <= MOST_STEPS
+
+def _ringing_steps(link: Link, far_kg_m2: float, step_s: float) -> int:
+    ringing = sqrt(link.stiffness_nm_per_rad * (1.0 / link.near_kg_m2 + 1.0 / far_kg_m2))
+    return ceil(step_s * ringing / SHARE_OF_SWING)
 
 
 def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tables) -> Float:
@@ -78,7 +71,7 @@ def follow(q: Float, dq: Float, load: Float, step_s: float, link: Link, far: Tab
         load: Load on the gear. [N m]
         step_s: Spacing of the samples. [s]
         link: What is between the sides.
-        far: What the far side takes, its inertia among it.
+        far: What the far side takes, with its inertia.
     """
     ringing = ceil(step_s * sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2) / SHARE_OF_SWING)
     between = between_samples(step_s, min(max(ringing, steps_per_sample(step_s, far)), MOST_STEPS))
@@ -97,7 +90,7 @@ def move_two_sides(
 ) -> Float:
     """Move a joint through pieces of a recording, each from the recorded start.
 
-    Where the far side is at a start, and how its bristles are bent, is what the recorded motion before has made of it.
+    The state of the far side at a start follows from the recorded motion before.
 
     Args:
         drive: Measured torque, linear between samples, shape (n,). [N m]
@@ -106,25 +99,20 @@ def move_two_sides(
         step_s: Spacing of the samples. [s]
         pieces: First and last sample of each piece, shape (p, 2).
         link: What is between the sides.
-        far: What the far side takes, its inertia among it.
+        far: What the far side takes, with its inertia.
 
     Returns:
         Position and velocity of the near side, then of the far one, shape (4, n); outside of the pieces as recorded and
         as the far side follows that.
     """
-    torques = np.stack([drive, load])
-    steps = min(max(_steps(link, far.inertia_kg_m2, step_s), steps_per_sample(step_s, far)), MOST_STEPS)
+    ringing = _ringing_steps(link, far.inertia_kg_m2, step_s)
+    steps = min(max(ringing, steps_per_sample(step_s, far)), MOST_STEPS)
     states = follow(*near, load, step_s, link, far)
     out = np.stack([*near, states[:, 0], states[:, 1]])
     for first, last in pieces:
-        _release(torques, step_s, steps, (int(first), int(last)), states[first], link, far, out)
+        piece = (int(first), int(last))
+        _release(np.stack([drive, load]), step_s, steps, piece, states[first], link, far, out)
     return out
-
-
-def _steps(link: Link, far_kg_m2: float, step_s: float) -> int:
-    """How many steps a sample takes for the ringing of both sides on the link."""
-    ringing = sqrt(link.stiffness_nm_per_rad * (1.0 / link.near_kg_m2 + 1.0 / far_kg_m2))
-    return ceil(step_s * ringing / SHARE_OF_SWING)
 
 
 @compiled()
@@ -133,7 +121,7 @@ def _transmit(twist: float, closing: float, loss: float, link: Link) -> float:
     engaged = twist - min(max(twist, -link.half_rad), link.half_rad)
     torque = pushed(link.stiffness_nm_per_rad * engaged, link.bend_nm, link.curve_per_nm)
     torque += link.damping_nms_per_rad * closing / (1.0 + loss)
-    # Neither spring nor damper within the play and where flanks would pull.
+    # Neither spring nor damper within the gap and where flanks would pull.
     return 0.0 if link.half_rad > 0.0 and engaged * torque <= 0.0 else torque
 
 
@@ -172,7 +160,7 @@ def _release(
     far: Tables,
     out: Float,
 ) -> None:
-    """Let both sides go from the first sample of a piece to its last; changes ``out`` behind the first."""
+    """Let both sides go from the first sample of a piece to its last; changes ``out`` after the first."""
     h = step_s / steps
     drive, load = torques
     q, v, theta, omega, bent = out[0, piece[0]], out[1, piece[0]], state[0], state[1], state[2:].copy()

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, guards
+from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.compensation.records import TRACE, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
@@ -50,7 +50,7 @@ def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Comp
 
 def any_guards(compensator: AnyCompensator | None) -> bool:
     """Return True if a passivity controller acts in some joint."""
-    return any(map(guards, of_each_joint(compensator, _number(compensator))))
+    return any(guard_of(one).passivity for one in of_each_joint(compensator, _number(compensator)))
 
 
 def _number(compensator: AnyCompensator | None) -> int:

@@ -14,7 +14,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
 )
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
-from friction_audit.compensation.limits import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
+from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
 from friction_audit.simulation.settings import JointParameters
 
 PAPER, BEST, OTHER = "paper", "best", "other"

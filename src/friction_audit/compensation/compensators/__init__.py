@@ -1,4 +1,6 @@
-"""The compensators there are: one file each, with what it may be told and its compiled law."""
+"""The compensators there are: one file each, with its settings and its compiled law."""
+
+from types import NoneType
 
 from friction_audit.compensation.compensators import (
     disturbance_observer,
@@ -6,7 +8,6 @@ from friction_audit.compensation.compensators import (
     fixed,
     joint_model,
     lugre,
-    none,
     sigmoid,
     torque_regulation,
 )
@@ -14,7 +15,7 @@ from friction_audit.compensation.compensators.disturbance_observer import Distur
 from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
 from friction_audit.compensation.compensators.fixed import FixedCompensation
 from friction_audit.compensation.compensators.joint_model import JointModelCompensation
-from friction_audit.compensation.compensators.law import CompensatorKind, Guard
+from friction_audit.compensation.compensators.law import NONE, CompensatorKind, Guard
 from friction_audit.compensation.compensators.lugre import LugreCompensation
 from friction_audit.compensation.compensators.sigmoid import SigmoidCompensation
 from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation
@@ -23,7 +24,6 @@ __all__ = [
     "COMPENSATORS",
     "Coefficients",
     "Compensator",
-    "CompensatorKind",
     "DisturbanceObserver",
     "EnergyCompensator",
     "FixedCompensation",
@@ -33,12 +33,12 @@ __all__ = [
     "SigmoidCompensation",
     "TorqueRegulation",
     "guard_of",
-    "guards",
     "kind_of",
 ]
 
+# In the order of the documentation.
 COMPENSATORS: tuple[CompensatorKind, ...] = (
-    none.COMPENSATOR,
+    CompensatorKind(name="none", summary="no compensation", settings=NoneType, code=NONE),
     fixed.COMPENSATOR,
     energy.COMPENSATOR,
     sigmoid.COMPENSATOR,
@@ -47,8 +47,8 @@ COMPENSATORS: tuple[CompensatorKind, ...] = (
     torque_regulation.COMPENSATOR,
     joint_model.COMPENSATOR,
 )
-"""In the order of the documentation."""
 
+# What runs on one joint; None where nothing does.
 Compensator = (
     FixedCompensation
     | EnergyCompensator
@@ -58,7 +58,6 @@ Compensator = (
     | TorqueRegulation
     | JointModelCompensation
 )
-"""What runs on one joint; None where nothing does."""
 
 
 def kind_of(compensator: Compensator | None) -> CompensatorKind:
@@ -70,8 +69,3 @@ def guard_of(compensator: Compensator | None) -> Guard:
     """Return passivity controller and limits of a compensator; where it has none, those that do nothing."""
     guard = compensator if isinstance(compensator, Guard) else getattr(compensator, "guard", None)
     return guard or Guard()
-
-
-def guards(compensator: Compensator | None) -> bool:
-    """Return True if a passivity controller acts."""
-    return guard_of(compensator).passivity

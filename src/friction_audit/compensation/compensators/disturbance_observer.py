@@ -51,7 +51,6 @@ class DisturbanceObserver:
     guard: Guard = field(default_factory=Guard)
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         require_finite("disturbance observer", self, *(GROUP.names or ()))
         require_positive("disturbance observer", self, "observer_gain_per_s")
         require_not_negative("disturbance observer", self, "inertia_kg_m2", "dead_band_rad_s", "ramp_rad_s")

@@ -16,8 +16,7 @@ from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
 MODELS = ("viscous", "coulomb", "combined")
-LONGEST_WINDOW = 64
-"""Cycles the memory of a compensator holds."""
+LONGEST_WINDOW = 64  # cycles that the memory of a compensator holds
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,18 +41,18 @@ class EnergyCompensator(Guard):
     coefficient at standstill. With the ramp the Coulomb term stays at or below the friction it meets, so that what is
     left is still friction, and its slope, a negative damping, stays small against inertia over tick.
 
-    Attributes: Those of ``Guard``, its passivity controller acting unless told otherwise, and
+    Attributes: Those of ``Guard``, its passivity controller acting by default, and
         model: ``"viscous"`` (8), ``"coulomb"`` (14) or ``"combined"`` (20).
         window: Number k of cycles an estimate is made from; None for the fewest, 1 or, combined, 2.
         condition_limit: If the columns of (18), scaled to length one, have a larger condition number, the cycles are
-            too alike to tell the coefficients apart; they tell how much friction there is, and the previous
+            too alike to separate the coefficients; they show how much friction there is, and the previous
             coefficients are scaled to it. Where there are none, nothing is estimated.
         minimum_path_rad: A cycle in which the joint moved less gives no equation. [rad]
-        maximum_gap_s: A cycle with a longer hole between two ticks gives no equation. [s]
+        maximum_gap_s: A cycle with a longer gap between two ticks gives no equation. [s]
         factor: The estimate is multiplied by this before it is applied; above 1, over-compensation on purpose.
         dead_band_rad_s: Speed up to which the Coulomb term is silent and the joint counts as at rest. [rad/s]
         ramp_rad_s: Range of speed over which the Coulomb term then rises to all of it. [rad/s]
-        forced: Coefficients applied, whatever the estimate says, or None.
+        forced: Coefficients applied, instead of the estimate, or None.
         forced_from_cycle: First cycle in which they are applied; cycles count from 1.
         forced_until_acted: If True, the estimate takes over after the first cycle in which the passivity controller
             acted.
@@ -85,7 +84,6 @@ class EnergyCompensator(Guard):
     passivity: bool = True
 
     def __post_init__(self) -> None:
-        """Check names and ranges."""
         if self.model not in MODELS:
             raise UsageError(f"compensator: model {self.model}: expected one of {', '.join(MODELS)}")
         if not self.unknowns <= self.cycles_per_estimate <= LONGEST_WINDOW:

@@ -24,7 +24,6 @@ class FixedCompensation:
     dead_band_rad_s: float = 0.02
 
     def __post_init__(self) -> None:
-        """Check the dead-band."""
         if not self.dead_band_rad_s >= 0:
             raise UsageError(f"fixed compensation: dead_band_rad_s {self.dead_band_rad_s:g}: expected zero or more")
 

@@ -1,4 +1,4 @@
-"""The friction that a model of the joint foretells, applied as a feed-forward."""
+"""The friction that a model of the joint predicts, applied as a feed-forward."""
 
 from dataclasses import dataclass, field
 from typing import Any
@@ -19,9 +19,9 @@ from friction_audit.errors import UsageError
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointModelCompensation:
-    """A compensator that applies the terms of friction of a joint's model, whatever the log says.
+    """A compensator that applies the terms of friction of a joint's model instead of the log's friction.
 
-    It runs in a replay, which tells it at every tick what they take. As with the compensator of the paper, dry friction
+    It runs in a replay, which gives it at every tick what they take. As with the compensator of the paper, dry friction
     is silent up to ``dead_band_rad_s`` and rises over the next ``ramp_rad_s``; bristles, which have no sign function,
     are applied at any speed.
 
@@ -41,7 +41,6 @@ class JointModelCompensation:
     guard: Guard = field(default_factory=Guard)
 
     def __post_init__(self) -> None:
-        """Check that there is something to apply."""
         if not self.terms:
             raise UsageError("compensation by a joint's model: no term of friction; expected one at least")
         require_finite("compensation by a joint's model", self, *(GROUP.names or ()))

@@ -1,6 +1,7 @@
-"""Ranges of the numbers in a compensator's settings."""
+"""What the compensators share: ranges of their numbers, passivity controller and limits, the ramped sign function."""
 
 import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields
 from math import inf, isfinite
 from typing import Any
@@ -13,23 +14,23 @@ from friction_audit.errors import UsageError
 
 def require_not_negative(where: str, settings: object, *names: str) -> None:
     """Raise UsageError unless every named number is zero or more."""
-    for name in names:
-        if not getattr(settings, name) >= 0:
-            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected zero or more")
+    _require(where, settings, names, lambda value: value >= 0, "zero or more")
 
 
 def require_positive(where: str, settings: object, *names: str) -> None:
     """Raise UsageError unless every named number is above zero."""
-    for name in names:
-        if not getattr(settings, name) > 0:
-            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected a number above zero")
+    _require(where, settings, names, lambda value: value > 0, "a number above zero")
 
 
 def require_finite(where: str, settings: object, *names: str) -> None:
     """Raise UsageError unless every named number is finite."""
+    _require(where, settings, names, isfinite, "a finite number")
+
+
+def _require(where: str, settings: object, names: Iterable[str], holds: Callable[[float], bool], expected: str) -> None:
     for name in names:
-        if not isfinite(getattr(settings, name)):
-            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected a finite number")
+        if not holds(getattr(settings, name)):
+            raise UsageError(f"{where}: {name} {getattr(settings, name):g}: expected {expected}")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -61,14 +62,13 @@ class Guard:
     max_torque_rate_nm_s: float = inf
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         require_not_negative("compensator", self, "initial_energy_j")
         require_positive("compensator", self, "minimum_speed_rad_s", "max_damping_nms_per_rad")
         require_positive("compensator", self, "max_torque_nm", "max_torque_rate_nm_s")
 
 
+# Values of ``kind`` in the records.
 NONE, FIXED, ENERGY, SIGMOID, LUGRE, DISTURBANCE_OBSERVER, TORQUE_REGULATION, JOINT_MODEL = range(8)
-"""Values of ``kind`` in the records."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -78,7 +78,7 @@ class CompensatorKind:
     Attributes:
         name: As in options, tables and documentation; also the field of the records that holds its group.
         summary: One line.
-        settings: Frozen dataclass of what it may be told; NoneType where nothing runs.
+        settings: Frozen dataclass of its settings; NoneType where nothing runs.
         code: Value of ``kind`` in the records.
         group: Numbers that only its own law reads; None if it has none.
     """

@@ -51,7 +51,6 @@ class LugreCompensation:
     guard: Guard = field(default_factory=Guard)
 
     def __post_init__(self) -> None:
-        """Check ranges and that the joint does not slide more heavily than it sticks."""
         require_finite("LuGre compensation", self, *(GROUP.names or ()))
         require_positive("LuGre compensation", self, "coulomb_nm", "stribeck_rad_s", "stiffness_nm_per_rad")
         require_not_negative("LuGre compensation", self, "viscous_nms_per_rad", "damping_nms_per_rad")

@@ -48,7 +48,6 @@ class SigmoidCompensation:
     guard: Guard = field(default_factory=Guard)
 
     def __post_init__(self) -> None:
-        """Check that it aids the motion and nothing else."""
         require_finite("sigmoid compensation", self, "height_nm", "steepness_s_per_rad", "shift_rad_s")
         require_positive("sigmoid compensation", self, "height_nm", "steepness_s_per_rad")
 
@@ -69,6 +68,7 @@ class SigmoidCompensation:
         return replace(self, height_nm=factor * self.height_nm)
 
 
+# Of the seven joints, as published.
 PUBLISHED = (
     SigmoidCompensation(height_nm=0.54615, steepness_s_per_rad=5.1181, shift_rad_s=0.039533),
     SigmoidCompensation(height_nm=0.87224, steepness_s_per_rad=9.0657, shift_rad_s=0.025882),
@@ -78,10 +78,8 @@ PUBLISHED = (
     SigmoidCompensation(height_nm=0.30301, steepness_s_per_rad=17.133, shift_rad_s=-0.021047),
     SigmoidCompensation(height_nm=0.56489, steepness_s_per_rad=10.336, shift_rad_s=0.0035526),
 )
-"""Of the seven joints, as published."""
 
-TYPICAL_STEEPNESS_S_PER_RAD = 9.0657
-"""Median of the published ones."""
+TYPICAL_STEEPNESS_S_PER_RAD = 9.0657  # median of the published ones
 
 
 def fit_sigmoid(
@@ -94,7 +92,7 @@ def fit_sigmoid(
 ) -> SigmoidCompensation:
     """Return the sigmoid nearest to Coulomb and viscous friction over speeds up to a highest one, by least squares.
 
-    The steepness is told and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
+    The steepness is given and not fitted: Coulomb friction is a step, and the nearest sigmoid to a step is as steep as
     it may be, which at standstill turns noise of the velocity into torque.
 
     Args:

@@ -6,9 +6,10 @@ control of flexible joint robots, International Journal of Robotics Research 26(
 
 import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, NamedTuple
 
-from friction_audit.compensation.compensators.elastic_joint import ElasticJoint, largest_torque_gain
+import numpy as np
+
 from friction_audit.compensation.compensators.law import (
     TORQUE_REGULATION,
     CompensatorKind,
@@ -18,6 +19,7 @@ from friction_audit.compensation.compensators.law import (
     require_positive,
 )
 from friction_audit.compiled import compiled
+from friction_audit.joint_log import Float
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -43,7 +45,6 @@ class TorqueRegulation:
     guard: Guard = field(default_factory=Guard)
 
     def __post_init__(self) -> None:
-        """Check the ranges."""
         require_positive("torque regulation", self, *(GROUP.names or ()))
         require_finite("torque regulation", self, "inertia_kg_m2", "desired_inertia_kg_m2")
 
@@ -54,6 +55,49 @@ class TorqueRegulation:
 
 
 GROUP = numbers_of(TorqueRegulation)
+
+GAINS = np.geomspace(1e-3, 1e4, 701)  # the first that is unstable is found, and the limit then by bisection
+HALVINGS = 40
+ROUNDING = 1e-9  # a joint without damping rings for ever, at an eigenvalue of 1 but for rounding
+
+
+class ElasticJoint(NamedTuple):
+    """Motor and outer inertia with a spring and a damper between them."""
+
+    inertia_kg_m2: float
+    outer_inertia_kg_m2: float
+    stiffness_nm_per_rad: float
+    damping_nms_per_rad: float
+
+
+def largest_torque_gain(joint: ElasticJoint, share: float, period_s: float) -> float:
+    """Return the largest stable G of u = G y, with y the measured torque after a low-pass; inf if there is none.
+
+    Args:
+        joint: The joint, free and without friction.
+        share: Share of the way to the latest torque that the low-pass goes in a tick, 1 without filter.
+        period_s: Tick; u is held over it. [s]
+    """
+    from scipy.linalg import expm
+
+    inverse = 1.0 / joint.inertia_kg_m2 + 1.0 / joint.outer_inertia_kg_m2
+    spring, damper = -joint.stiffness_nm_per_rad * inverse, -joint.damping_nms_per_rad * inverse
+    rates = np.array([[0.0, 1.0, 0.0], [spring, damper, 1.0 / joint.inertia_kg_m2], [0.0, 0.0, 0.0]])
+    plant: Float = expm(rates * period_s)[:2]  # transition [2, 2] and input [2, 1] of twist and its rate over a tick
+    filtered = np.array([-share * joint.stiffness_nm_per_rad, -share * joint.damping_nms_per_rad, 1.0 - share])
+
+    def unstable(gain: float) -> bool:
+        loop = np.vstack([plant @ np.vstack([np.eye(2, 3), gain * filtered]), filtered])
+        return bool(np.abs(np.linalg.eigvals(loop)).max() > 1.0 + ROUNDING)
+
+    beyond = next((i for i, gain in enumerate(GAINS) if unstable(float(gain))), None)
+    if beyond is None:
+        return np.inf
+    low, high = (float(GAINS[beyond - 1]) if beyond > 0 else 0.0), float(GAINS[beyond])
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        low, high = (low, middle) if unstable(middle) else (middle, high)
+    return low
 
 
 def loop_gain(settings: TorqueRegulation, *, inertia_kg_m2: float, outer_inertia_kg_m2: float) -> float:
@@ -91,7 +135,7 @@ def stability_limit(
         outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
         period_s: Tick of the controller. [s]
         stiffness_nm_per_rad: Between motor and outer inertia, the sensor in series; infinite if rigid. [N m/rad]
-        damping_nms_per_rad: Beside it. [N m s/rad]
+        damping_nms_per_rad: Parallel to it. [N m s/rad]
     """
     share = -math.expm1(-2.0 * math.pi * settings.cutoff_hz * period_s)
     if math.isinf(stiffness_nm_per_rad):

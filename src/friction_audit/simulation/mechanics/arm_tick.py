@@ -2,8 +2,8 @@
 
 import math
 
-from friction_audit.compensation.hand_cycles import INITIATION_M_S, TERMINATION_M_S, end_cycle, hand_rests
-from friction_audit.compensation.kernels import FIND, trace
+from friction_audit.compensation.controller import FIND, trace
+from friction_audit.compensation.hand_cycles import INITIATION_M_S, TERMINATION_M_S, UNDER_WAY, hand_rests
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
@@ -86,7 +86,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
     for j in range(body.joints):
         if loop.memory[j].path_rad < loop.settings[j].minimum_path_rad:
             return 0
-    end_cycle(cycle)
+    cycle[UNDER_WAY] = 0.0
     return 1
 
 

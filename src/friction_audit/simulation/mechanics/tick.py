@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from friction_audit.compensation.kernels import FIND, trace
-from friction_audit.compensation.kernels import step as compensate
+from friction_audit.compensation.controller import FIND, trace
+from friction_audit.compensation.controller import step as compensate
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float

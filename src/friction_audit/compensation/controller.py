@@ -1,8 +1,8 @@
 """The compensator at one tick of the controller, compiled; other compiled loops call ``step``.
 
-The joint behind its torque sensor obeys B ddq = F_m + u - tau_f. Integrated over a cycle from rest to rest,
-sum F_m dq + sum u dq = sum tau_f dq: what human and compensator put in, friction took. The general form of (10), (13),
-(16) and (25) is therefore E_net = E_n - E_(n-1) + sum u dq with all of u, the damping of the passivity controller
+The joint on the motor side of its torque sensor obeys B ddq = F_m + u - tau_f. Integrated over a cycle from rest to
+rest, sum F_m dq + sum u dq = sum tau_f dq: what human and compensator put in, friction took. The general form of (10),
+(13), (16) and (25) is therefore E_net = E_n - E_(n-1) + sum u dq with all of u, the damping of the passivity controller
 included, whose work is negative.
 """
 
@@ -30,7 +30,6 @@ from friction_audit.compensation.compensators.law import (
     SIGMOID,
     TORQUE_REGULATION,
 )
-from friction_audit.compensation.hand_cycles import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, beyond
 from friction_audit.compensation.records import (
     COMBINED,
     ESTIMATED,
@@ -48,8 +47,12 @@ from friction_audit.compensation.records import (
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
-FIND = -1
-"""Value of ``cut``: the joint finds its cycles itself."""
+FIND = -1  # value of ``cut``: the joint finds its cycles itself
+
+SPEED_BOUND_RAD_S, TORQUE_BOUND_NM = 100.0, 1e4  # beyond all arms with torque sensors: the loop has diverged
+# So many ticks in a row a torque at its limit has turned back: the limits hold a loop that would grow without them.
+# Noise does that for three or four ticks, a hand for one.
+REVERSALS = 50
 
 
 @compiled()
@@ -62,11 +65,11 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
         dq: Velocity as measured. [rad/s]
         interaction_nm: Interaction torque F_m, measured while the torque of the previous call acted. [N m]
         dt: Time since the previous call; of no effect in the first. [s]
-        cut: FIND, or 1 if a cycle ends at this tick and 0 if not, as told from outside.
+        cut: FIND, or 1 if a cycle ends at this tick and 0 if not.
 
     Returns:
-        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged
-        (``divergence``), 0 for good.
+        Torque u of compensation and passivity controller, for the coming tick. [N m] Once the loop has diverged, 0 for
+        good.
     """
     if memory.unstable == 1 or beyond(dq, SPEED_BOUND_RAD_S) or beyond(interaction_nm, TORQUE_BOUND_NM):
         return float(give_up(memory))
@@ -80,12 +83,22 @@ def step(settings: Record, memory: Record, dq: float, interaction_nm: float, dt:
     if (found if cut == FIND else cut == 1) and memory.ticks > 1:
         close_cycle(settings, memory)
     choose(settings, memory)
-    observe(settings, memory)
+    # The ledger of (21). A sensor in a closed loop has already felt what the passivity controller dissipated; to add it
+    # once more would let the energy fall as far below zero as the controller has brought it up.
+    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
+    if settings.controller_in_interaction == 0:
+        memory.observed_energy_j += memory.dissipated_j
     u = command(settings, memory, dq)
     if beyond(u, TORQUE_BOUND_NM) or memory.reversals >= REVERSALS:
         memory.ticks -= 1
         return float(give_up(memory))
     return float(u)
+
+
+@compiled()
+def beyond(value: float, bound: float) -> bool:
+    """Return True if a value is not finite or larger than its bound."""
+    return not abs(value) <= bound
 
 
 @compiled()
@@ -113,25 +126,20 @@ def advance(settings: Record, memory: Record, dq: float, interaction_nm: float, 
 def add_up(settings: Record, memory: Record, dq: float, interaction_nm: float, dt: float) -> None:
     """Add the interval since the previous tick to the sums of the cycle and to the ledgers (2), (24).
 
-    Trapezoids; the torque u was held, so its work is u times the displacement.
+    Trapezoids; the torque u was held, so its work is u times the displacement. At rest, the noise of the velocity does
+    not add up to a path.
     """
     moved = 0.5 * (memory.dq + dq) * dt
     work = 0.5 * (memory.interaction_nm + interaction_nm) * moved
     memory.net_j += work + memory.u_nm * moved
-    memory.path_rad += 0.5 * (moving_speed(settings, memory.dq) + moving_speed(settings, dq)) * dt
+    before = abs(memory.dq) if abs(memory.dq) > settings.rest_rad_s else 0.0
+    memory.path_rad += 0.5 * (before + (abs(dq) if abs(dq) > settings.rest_rad_s else 0.0)) * dt
     memory.square_rad2_s += 0.5 * (memory.dq * memory.dq + dq * dq) * dt
     memory.longest_gap_s = max(memory.longest_gap_s, dt)
     memory.energy_j += work
     if memory.active == 1:
         memory.active_energy_j += work
     memory.dissipated_j -= memory.passivity_nm * moved
-
-
-@compiled()
-def moving_speed(settings: Record, dq: float) -> float:
-    """Return |dq|, or 0 at rest, where the noise of the velocity would add up to a path. [rad/s]"""
-    speed = abs(dq)
-    return speed if speed > settings.rest_rad_s else 0.0
 
 
 @compiled()
@@ -195,21 +203,6 @@ def estimate(settings: Record, memory: Record) -> int:
     """
     if memory.count < settings.window:
         return TOO_FEW
-    sums = products(settings, memory)
-    if settings.model == COMBINED:
-        return estimate_both(settings, memory, sums)
-    if settings.model == VISCOUS:
-        memory.estimated_viscous_nms_per_rad = sums.net_square / sums.square_square
-        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
-    else:
-        memory.estimated_coulomb_nm = sums.net_path / sums.path_path
-        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
-    return ESTIMATED
-
-
-@compiled()
-def products(settings: Record, memory: Record) -> Products:
-    """Return the sums of products over the last k cycles."""
     net_path = net_square = path_path = path_square = square_square = 0.0
     for i in range(settings.window):
         row = memory.rows[i]
@@ -218,7 +211,15 @@ def products(settings: Record, memory: Record) -> Products:
         path_path += row[PATH] * row[PATH]
         path_square += row[PATH] * row[SQUARE]
         square_square += row[SQUARE] * row[SQUARE]
-    return Products(net_path, net_square, path_path, path_square, square_square)
+    if settings.model == COMBINED:
+        return estimate_both(settings, memory, Products(net_path, net_square, path_path, path_square, square_square))
+    if settings.model == VISCOUS:
+        memory.estimated_viscous_nms_per_rad = net_square / square_square
+        memory.usable_viscous_nms_per_rad = max(0.0, memory.estimated_viscous_nms_per_rad)
+    else:
+        memory.estimated_coulomb_nm = net_path / path_path
+        memory.usable_coulomb_nm = max(0.0, memory.estimated_coulomb_nm)
+    return ESTIMATED
 
 
 @compiled()
@@ -247,9 +248,9 @@ def estimate_both(settings: Record, memory: Record, sums: Products) -> int:
 
 @compiled()
 def scale(memory: Record, sums: Products) -> int:
-    """Scale the coefficients in use to cycles that are too alike to tell them apart; return the status.
+    """Scale the coefficients in use to cycles that are too alike to separate them; return the status.
 
-    Such cycles still tell how much friction there is.
+    Such cycles still determine how much friction there is.
     """
     coulomb, viscous = memory.usable_coulomb_nm, memory.usable_viscous_nms_per_rad
     net_path, net_square, path_path, path_square, square_square = sums
@@ -299,18 +300,6 @@ def compensation(settings: Record, memory: Record, dq: float) -> float:  # noqa:
 
 
 @compiled()
-def observe(settings: Record, memory: Record) -> None:
-    """Bring the ledger of (21) up to this tick.
-
-    A sensor in a closed loop has already felt what the passivity controller dissipated; to add it once more would let
-    the energy fall as far below zero as the controller has brought it up.
-    """
-    memory.observed_energy_j = settings.initial_energy_j + memory.energy_j
-    if settings.controller_in_interaction == 0:
-        memory.observed_energy_j += memory.dissipated_j
-
-
-@compiled()
 def damping(settings: Record, memory: Record, dq: float) -> float:
     """Return the damping alpha that pays the deficit of the ledger within the coming tick (22), capped."""
     deficit = -memory.observed_energy_j
@@ -327,7 +316,10 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     high = min(settings.max_torque_nm, memory.u_nm + change)
     wanted = compensation(settings, memory, dq)
     aid = min(max(wanted, low), high)
-    count_reversals(memory, aid - memory.compensation_nm, aid != wanted)
+    # Ticks in a row at which the torque, at a limit, has turned back.
+    change = aid - memory.compensation_nm
+    memory.reversals = memory.reversals + 1 if aid != wanted and change * memory.last_change_nm < 0.0 else 0
+    memory.last_change_nm = change
     u = min(max(aid - damping(settings, memory, dq) * dq, low), high)
     memory.u_nm, memory.compensation_nm, memory.passivity_nm = u, aid, u - aid
     memory.damping_nms_per_rad = (aid - u) / dq if u != aid else 0.0
@@ -336,14 +328,6 @@ def command(settings: Record, memory: Record, dq: float) -> float:
     served = (aid - u) * dq * settings.period_s
     memory.unserved_j = max(0.0, -memory.observed_energy_j - served) if settings.passivity == 1 else 0.0
     return float(u)
-
-
-@compiled()
-def count_reversals(memory: Record, change_nm: float, limited: bool) -> None:
-    """Count the ticks in a row at which the torque, at a limit, has turned back."""
-    turned = change_nm * memory.last_change_nm < 0.0
-    memory.reversals = memory.reversals + 1 if limited and turned else 0
-    memory.last_change_nm = change_nm
 
 
 @compiled()

@@ -1,0 +1,269 @@
+"""A compensator in the recorded motion, or with a joint that moves otherwise: what moves it, and its run."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.closed_loop import (
+    Control,
+    Drive,
+    Joint,
+    Recorded,
+    Torques,
+    run_closed_loop,
+    run_same_motion,
+)
+from friction_audit.compensation.compensators import Coefficients, Compensator, JointModelCompensation
+from friction_audit.compensation.feed_forward import NO_MODEL, feed_of, no_feed, past_refusal, refusal, straighten
+from friction_audit.compensation.operator_fit import LEAST_INERTIA_KG_M2, FittedJoint, FittedOperator, fit_joint
+from friction_audit.compensation.records import Record, fresh_memory, pack
+from friction_audit.compensation.result import Signals
+from friction_audit.compensation.tally import COLUMNS, fresh_tally
+from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.stick_slip import BODY, BODY_STEP_S, make_body
+from friction_audit.dynamics.torque_tables import Tables, steps_per_sample, tabulate
+from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import JointFriction
+from friction_audit.joint_log import Float, median_step, read_only
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.velocity import filter_velocity
+
+CUTOFF_HZ = 20.0  # of the velocity, as in the torque regression
+SHORTEST_CYCLE = 4  # samples
+CONSTANT = ("offset", "torque_bias")  # terms of a constant torque
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class MovedJoint:
+    """A joint that can be simulated in a compensator's loop.
+
+    Attributes:
+        model: Its model.
+        fitted: The fit to the log that the model is; None where it is of a file.
+        tables: What its terms take along the recording; None where they follow from the velocity alone.
+    """
+
+    model: JointModel
+    fitted: FittedJoint | None = None
+    tables: Tables | None = None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Scene:
+    """One joint's recording, and what moves otherwise than recorded; None in the recorded motion.
+
+    Attributes:
+        recorded: The recording.
+        cuts: Per sample FIND, or where cycles end, shape (n,) or (1,).
+        motion: The recording as a model reads it; None where no model does.
+        joint: The joint that moves otherwise, or None.
+        operator: The person's impedance, or None.
+        lacking: Torque that its model lacks, shape (n,) or empty. [N m]
+        restart: Where the joint starts again from the recording, shape (n,) or empty.
+    """
+
+    recorded: Recorded
+    cuts: NDArray[np.int64]
+    motion: Motion | None = None
+    joint: MovedJoint | None = None
+    operator: FittedOperator | None = None
+    lacking: Float
+    restart: NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Run:
+    """What came out.
+
+    Attributes:
+        signals: Up to where it diverged, if it did.
+        rows: A row per cycle, shape (m, COLUMNS).
+        tally: Record of TALLY.
+        last: Coefficients applied at the end, after the last whole cycle.
+    """
+
+    signals: Signals
+    rows: Float
+    tally: Record
+    last: Coefficients
+
+
+def recording_of(interaction: Interaction, column: int) -> Recorded:
+    """Return the recording of a joint (0-based), column after column in memory."""
+    logged = np.empty(0) if interaction.compensation is None else interaction.compensation[:, column]
+    return Recorded(*map(read_only, (interaction.t, interaction.dq[:, column], interaction.torque[:, column], logged)))
+
+
+def recorded_motion(interaction: Interaction, column: int) -> Motion:
+    """Return the motion of a joint (0-based), its velocity filtered without phase shift."""
+    t, dq = interaction.t, interaction.dq[:, column]
+    smooth = filter_velocity(dq, rate_hz=1.0 / median_step(t), cutoff_hz=CUTOFF_HZ)
+    return Motion(t=t, q=np.ascontiguousarray(interaction.q[:, column]), dq=smooth, ddq=np.gradient(smooth, t))
+
+
+def fitted_joint(friction: JointFriction) -> MovedJoint | str:
+    """Return the joint that the log shows, or why it cannot be simulated."""
+    fitted = fit_joint(friction)
+    return fitted if isinstance(fitted, str) else MovedJoint(model=fitted.model, fitted=fitted)
+
+
+def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str:
+    """Return the joint of a model file, or why it cannot be simulated.
+
+    Args:
+        model: Its model, if the file has one.
+        motion: The recording.
+    """
+    if model is None:
+        return NO_MODEL
+    unable = refusal(model.terms)
+    if unable:
+        return unable
+    if all(term.effect.speed_only for term in model.terms):
+        tables, inertia_kg_m2, reason = None, model.inertia_kg_m2, ""
+        try:
+            make_body(_with_offset(model))
+        except AnalysisError as error:
+            reason = str(error)
+    else:
+        tables, past = tabulate(model.inertia_kg_m2, model.terms, motion)
+        if past:
+            return past_refusal(past)
+        inertia_kg_m2, reason = tables.inertia_kg_m2, ""
+    if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
+        return (
+            f"its model has an inertia of {inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was taken "
+            "out; without it nobody knows how it would have moved; put that of the joint into the file, or use "
+            "--assume same-motion"
+        )
+    return reason or MovedJoint(model=model, tables=tables)
+
+
+def _with_offset(model: JointModel) -> JointModel:
+    """Return a model whose constant torque is an offset, which is not taken for friction."""
+    constant = sum(term.values[0] for term in model.terms if term.name in CONSTANT)
+    others = tuple(term for term in model.terms if term.name not in CONSTANT)
+    return replace(model, terms=(*others, FittedTerm("offset", (constant,))))
+
+
+def same_motion(recorded: Recorded, cuts: NDArray[np.int64], motion: Motion | None = None) -> Scene:
+    """Return the scene of the recorded motion."""
+    return Scene(recorded=recorded, cuts=cuts, motion=motion, lacking=np.empty(0), restart=np.empty(0, np.bool_))
+
+
+def other_motion(
+    cycles: EnergyCycles,
+    column: int,
+    recorded: Recorded,
+    cuts: NDArray[np.int64],
+    motion: Motion,
+    joint: MovedJoint,
+    operator: FittedOperator | None,
+) -> Scene:
+    """Return the scene of the recorded torque, cycle by cycle, or with an operator that of the recorded intention.
+
+    What the model lacks of the recorded torque is a constant for each cycle: offsets and errors of gravity are about
+    constant over a stroke, and would set the joint going by themselves.
+    """
+    own, restart = cycles.of_joint(column), np.zeros(len(recorded.t), np.bool_)
+    if operator is None:
+        restart[own.start] = restart[own.stop] = True
+        cuts = restart.astype(np.int64)
+    left = recorded.total - joint.model.torque(motion)
+    moving = np.abs(motion.dq) > cycles.standstill_rad_s[column]
+    lacking = np.full(len(motion.t), float(left[moving].mean()) if moving.any() else 0.0)
+    for start, stop in zip(own.start.tolist(), own.stop.tolist(), strict=True):
+        piece = slice(start, stop)
+        if moving[piece].any():
+            lacking[piece] = left[piece][moving[piece]].mean()
+    return Scene(
+        recorded=recorded,
+        cuts=cuts,
+        motion=motion,
+        joint=joint,
+        operator=operator,
+        lacking=lacking,
+        restart=restart,
+    )
+
+
+def run_scene(scene: Scene, compensator: Compensator | None) -> Run:
+    """Run a compensator in a scene."""
+    recorded, motion = scene.recorded, scene.motion
+    t, dq = recorded.t, recorded.dq
+    memory, tally = fresh_memory(1)[0], fresh_tally()[0]
+    tally["sample_j"] = np.max(np.abs(recorded.total * dq)[1:] * np.diff(t), initial=0.0)
+    feed = no_feed()
+    if isinstance(compensator, JointModelCompensation):
+        assert motion is not None
+        feed = feed_of(compensator.terms, motion)
+    control = Control(
+        settings=pack([compensator], 1.0 / median_step(t))[0],
+        memory=memory,
+        tally=tally,
+        feed=feed,
+        cuts=scene.cuts,
+        torques=Torques(np.empty(len(t)), np.empty(len(t)), np.empty(len(t))),
+        rows=np.empty((len(t) // SHORTEST_CYCLE + 2, COLUMNS)),
+    )
+    if scene.joint is None:
+        samples = run_same_motion(control, recorded, read_only(np.empty(0) if motion is None else motion.q))
+    else:
+        assert motion is not None
+        dq = np.empty(len(t))
+        samples = run_closed_loop(control, *_joint_and_drive(scene, scene.joint, motion), dq)
+    tally["diverged"] = samples < len(t)
+    interaction, compensation, passivity = (signal[:samples] for signal in control.torques)
+    return Run(
+        signals=Signals(
+            t=t[:samples],
+            dq=dq[:samples],
+            interaction_nm=interaction,
+            compensation_nm=compensation,
+            passivity_nm=passivity,
+        ),
+        rows=control.rows[: int(tally["cycles"])].copy(),
+        tally=tally,
+        last=Coefficients(
+            coulomb_nm=float(memory["coulomb_nm"]), viscous_nms_per_rad=float(memory["viscous_nms_per_rad"])
+        ),
+    )
+
+
+def _joint_and_drive(scene: Scene, joint: MovedJoint, motion: Motion) -> tuple[Joint, Drive]:
+    """Return the joint held by its operator, driven by the recorded torque or by what the person intended."""
+    recorded, held = scene.recorded, scene.operator
+    mass, damping, stiffness = 0.0, 0.0, 0.0
+    push = recorded.torque - scene.lacking
+    if held is not None:
+        mass, damping, stiffness = held.inertia.value, held.damping.value, held.stiffness.value
+        push += mass * motion.ddq + damping * recorded.dq + stiffness * motion.q
+    drive = Drive(recorded.t, push, scene.lacking, motion.q, recorded.dq, scene.restart)
+    starts = np.append(0, np.flatnonzero(scene.restart[1:]) + 1)
+    operator = {"inertia_kg_m2": mass, "damping_nms_per_rad": damping, "stiffness_nm_per_rad": stiffness}
+    if joint.tables is None:
+        impedance = {"mass_kg_m2": mass, "damping_nms_per_rad": damping, "stiffness_nm_per_rad": stiffness}
+        return Joint(
+            tabled=False,
+            body=make_body(_with_offset(joint.model), **impedance),
+            tables=no_feed().tables,
+            own_kg_m2=joint.model.inertia_kg_m2,
+            longest_s=BODY_STEP_S,
+            bent=np.zeros((len(starts), 1)),
+            **operator,
+        ), drive
+    step_s = median_step(recorded.t)
+    tables = joint.tables._replace(inertia_kg_m2=joint.tables.inertia_kg_m2 + mass)
+    tables = straighten(tables, damping_nms_per_rad=damping)
+    return Joint(
+        tabled=True,
+        body=np.zeros(1, BODY)[0],
+        tables=tables,
+        own_kg_m2=tables.inertia_kg_m2 - mass,
+        longest_s=step_s / steps_per_sample(step_s, tables),
+        bent=np.ascontiguousarray(joint.tables.bristles.states_along(motion.q)[starts]),
+        **operator,
+    ), drive

@@ -1,0 +1,234 @@
+"""A joint of any terms moved forward under a recorded torque, piece by piece, each from its recorded start.
+
+Torques that follow from the instant are tabulated, bristles follow their curve (``torque_tables``). A term that needs
+the past of the motion gives its torque along the motion found so far, and the motion is found again until it no longer
+changes; a term with which it never settles cannot be simulated.
+
+A transmission between the torque sensor and the side on which friction acts does not change that side's motion under a
+measured torque, unless part of the inertia is before it; it changes what is measured. A delay of the torque is undone
+in the drive. Where part of the inertia is on the measured side of a spring or a gap, both sides are moved
+(``two_mass``). Where none is, a spring puts the measured side ahead by torque times compliance, a little late by its
+damping. Within a gap the torque is then zero and does not determine the measured side: that is taken from the
+recording, and the other side follows it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.dynamics.motion import Forward, Model, Motion, Term
+from friction_audit.dynamics.stick_slip import run_pieces
+from friction_audit.dynamics.torque_tables import Tables, certain, rms, steps_per_sample, tabulate
+from friction_audit.dynamics.transmission import HIGHEST_HZ, Transmission, flank_stiffness, straightened
+from friction_audit.dynamics.two_mass import Link, can_follow, follow, link_of, move_two_sides
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+SWEEPS = 12
+SETTLED = 1e-3  # rms change of the velocity in a sweep at which it has settled, as a share of the rms velocity
+RUNAWAY = 100.0  # a velocity of this multiple of the largest recorded one is no result
+# Standard deviation of the bell under which the torque that twists a spring is averaged, in radians of the far side's
+# ringing: of that 96 % pass. The rate of the twist multiplies noise of the torque by its frequency.
+SMOOTH_RAD = 0.3
+LEAST_INERTIA = 1e-3  # share of the joint's inertia that terms must leave
+BETWEEN = ("delay", "spring", "play")  # what is between the sensor and the side of friction
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class _Recording:
+    """A recording of the measured side, n samples."""
+
+    motion: Motion
+    drive: Float  # torque at its time [N m]
+    load: Float  # load on the gear that is not in it [N m]
+    pieces: NDArray[np.int64]  # first and last sample of each piece, shape (p, 2)
+
+    @property
+    def step_s(self) -> float:
+        return float(self.motion.t[1] - self.motion.t[0])
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Samples of the pieces, shape (n,)."""
+        inside = np.zeros(len(self.drive), bool)
+        for first, last in self.pieces:
+            inside[first : last + 1] = True
+        return inside
+
+
+# Tables -> position and velocity of the side of friction, velocity of the measured side, shape (3, n).
+_Move = Callable[[Tables], tuple[Float, Float, Float]]
+
+
+def simulate_along(
+    model: Model, motion: Motion, drive: Float, pieces: NDArray[np.int64], load: Float | None = None
+) -> Float | None:
+    """Simulate a joint under a recorded torque.
+
+    Args:
+        model: The joint.
+        motion: The recording, on an even grid, n samples.
+        drive: Torque F_m + u as recorded, shape (n,). [N m]
+        pieces: First and last sample of each piece, shape (p, 2).
+        load: Load on the gear that is not in the drive; that of the motion where None, shape (n,). [N m]
+
+    Returns:
+        Velocity on the measured side, shape (n,) [rad/s]: NaN outside of the pieces; None where it does not settle or
+        grows beyond all bounds.
+    """
+    between = {term.effect.forward: term for term in model.terms if term.effect.forward in BETWEEN}
+    if "delay" in between:
+        drive = _undelayed(between["delay"], motion, drive)
+    load = motion.load if load is None else load
+    load = np.zeros(len(drive)) if load is None else load
+    recording = _Recording(motion=motion, drive=drive, load=load, pieces=pieces)
+    acting = [term for term in model.terms if term.effect.forward not in BETWEEN]
+    tables, past = tabulate(model.inertia_kg_m2, acting, replace(motion, rest=model.rest(motion)))
+    if tables.inertia_kg_m2 <= LEAST_INERTIA * abs(model.inertia_kg_m2):
+        return None
+    transmission, link = _transmission(model, motion, between), None
+    if transmission is not None:
+        near = (1.0 - transmission.far_share) * model.inertia_kg_m2
+        link = link_of(transmission, near, tables.inertia_kg_m2 - near)
+    if link is not None and can_follow(link, tables, recording.step_s):
+        move = _both_sides(recording, link)
+    else:
+        move = _one_side(recording, _ahead(recording, link, tables))
+    return _settle(model, tables, past, recording, move)
+
+
+def _settle(model: Model, tables: Tables, past: Sequence[Term], recording: _Recording, move: _Move) -> Float | None:
+    """Sweep until motion and torque of terms with a past fit each other; return the velocity of the measured side."""
+    recorded, inside = recording.motion, recording.inside
+    motion, last = recorded, recorded.dq
+    for _ in range(SWEEPS):
+        known, time = replace(motion, rest=model.rest(motion)), tables.time
+        for term in past:
+            time = time + _by_direction(term.torque(known), certain(motion), motion.t)
+        q, dq, measured_dq = move(tables._replace(time=time))
+        if not (np.abs(dq[inside]) <= RUNAWAY * np.max(np.abs(recorded.dq))).all():
+            return None
+        if not past or rms(dq[inside] - last[inside]) <= SETTLED * rms(recorded.dq[inside]):
+            return np.where(inside, measured_dq, np.nan)
+        ddq = recorded.ddq.copy()
+        for first, stop in recording.pieces:
+            ddq[first : stop + 1] = np.gradient(dq[first : stop + 1], recording.step_s)
+        found = {"q": np.where(inside, q, recorded.q), "dq": np.where(inside, dq, recorded.dq), "ddq": ddq}
+        motion, last = replace(recorded, **found), dq
+    return None
+
+
+def _both_sides(recording: _Recording, link: Link) -> _Move:
+    """Move the measured side, which has inertia, and that of friction."""
+
+    def move(tables: Tables) -> tuple[Float, Float, Float]:
+        near = (recording.motion.q, recording.motion.dq)
+        far = tables._replace(inertia_kg_m2=tables.inertia_kg_m2 - link.near_kg_m2)
+        rows = move_two_sides(recording.drive, recording.load, near, recording.step_s, recording.pieces, link, far)
+        return rows[2], rows[3], rows[1]
+
+    return move
+
+
+def _one_side(recording: _Recording, ahead: Float) -> _Move:
+    """Move the side of friction; the measured one is ahead by a given angle, shape (n,)."""
+    motion, step_s = recording.motion, recording.step_s
+    rate = np.gradient(ahead, step_s)
+    q, dq = motion.q - ahead, motion.dq - rate
+
+    def move(tables: Tables) -> tuple[Float, Float, Float]:
+        bent, steps = tables.bristles.states_along(q), steps_per_sample(step_s, tables)
+        found = run_pieces(step_s, steps, recording.drive, q, dq, recording.pieces, bent, tables)
+        return found[0], found[1], found[1] + rate
+
+    return move
+
+
+def _by_direction(torque: Float, way: Float, t: Float) -> Float:
+    """Torque forwards and backwards, shape (2, n): against the motion or independent of it, what jumps less.
+
+    Friction jumps where the direction turns; its level against the motion does not. It is interpolated where no
+    direction is certain.
+    """
+    sure = way != 0.0
+    if not sure.any():
+        return np.stack([torque, torque])
+    level = np.interp(t, t[sure], (torque * way)[sure])
+    turns = np.abs(np.diff(torque[sure])).sum() > np.abs(np.diff((torque * way)[sure])).sum()
+    return np.stack([level, -level] if turns else [torque, torque])
+
+
+def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term]) -> Transmission | None:
+    """The spring, the gap, or both in a row, the spring in the place of the flanks; None without either."""
+    spring, play = between.get("spring"), between.get("play")
+    share = min(_parameter(term, "far_share", 1.0) for term in (spring, play))
+    gap = 0.0 if play is None else _parameter(play, "_rad")
+    compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")
+    if compliance > 0.0:
+        stiffness, damping_ratio = 1.0 / compliance, _parameter(spring, "damping_ratio", 0.0)
+        soft_nm = _parameter(spring, "soft_nm", 0.0)
+    elif play is not None:
+        contact_hz = _parameter(play, "_hz", HIGHEST_HZ)
+        stiffness = flank_stiffness(share * model.inertia_kg_m2, contact_hz, gap, rms(model.rest(motion)))
+        damping_ratio, soft_nm = _parameter(play, "damping_ratio", 1.0), 0.0
+    else:
+        return None
+    return Transmission(
+        stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, gap_rad=gap, soft_nm=soft_nm, far_share=share
+    )
+
+
+def _ahead(recording: _Recording, link: Link | None, far: Tables) -> Float:
+    """By how far the measured side, without inertia, is ahead of that of friction. [rad], shape (n,)
+
+    Of a gap it is what the dead zone takes: a noisy position does not show how far flanks give way.
+    """
+    from scipy.ndimage import gaussian_filter1d
+    from scipy.signal import lfilter
+
+    motion, drive, step_s = recording.motion, recording.drive, recording.step_s
+    if link is None:
+        return np.zeros(len(drive))
+    if link.half_rad > 0.0:
+        theta = follow(motion.q, motion.dq, recording.load, step_s, link, far)[:, 0]
+        return np.clip(motion.q - theta, -link.half_rad, link.half_rad)
+    width = SMOOTH_RAD / sqrt(link.stiffness_nm_per_rad / far.inertia_kg_m2)
+    torque = np.asarray(gaussian_filter1d(drive + recording.load, width / step_s, mode="nearest"))
+    twist = np.array([straightened(one, link.bend_nm) for one in torque]) / link.stiffness_nm_per_rad
+    time_s = link.damping_nms_per_rad / link.stiffness_nm_per_rad
+    if time_s <= 0.0:
+        return twist
+    # A first-order lag, exact for a twist that is linear between samples.
+    keep = np.exp(-step_s / time_s)
+    bend = 1.0 - (1.0 - keep) * time_s / step_s
+    following, _ = lfilter([bend, 1.0 - keep - bend], [1.0, -keep], twist, zi=[(1.0 - bend) * twist[0]])
+    return np.asarray(following)
+
+
+def _undelayed(term: Term, motion: Motion, drive: Float) -> Float:
+    """The torque at its time; of a load that is late too, what was taken away too early is given back."""
+    load = np.zeros(len(drive)) if motion.load is None else motion.load * round(_parameter(term, "delayed_load"))
+    # The delay is what becomes of a torque that rises by 1 N m/s.
+    still = np.zeros(len(motion.t))
+    rising = replace(motion, dq=still, ddq=still, rest=motion.t - motion.t[0], load=None)
+    delay_s = -float(np.median(term.torque(rising)))
+    return np.asarray(np.interp(motion.t + delay_s, motion.t, drive + load) - load)
+
+
+def _parameter(term: Term | None, ending: str, default: float | None = None) -> float:
+    """Return the one parameter of a term whose name has an ending, or the default where there is none.
+
+    Raises:
+        AnalysisError: If there is none and no default, or more than one.
+    """
+    pairs = () if term is None else zip(term.effect.parameters, term.values, strict=True)
+    values = [value for parameter, value in pairs if parameter.name.endswith(ending)]
+    if not values and default is not None:
+        return default
+    if len(values) != 1 or term is None:
+        name, forward = ("", "") if term is None else (term.name, term.effect.forward)
+        raise AnalysisError(f"term {name}: {len(values)} parameters end on {ending}; expected one for a {forward}")
+    return values[0]
