@@ -44,6 +44,11 @@ def work_j(motion: Motion) -> float:
     return float(np.sum(motion.interaction_nm[1:] * moved))
 
 
+def runs_away(motion: Motion) -> bool:
+    """Return True if the loop of a compensator diverges."""
+    return not (np.abs(motion.dq).max() <= 100.0 and np.abs(motion.compensation_nm).max() <= 100.0)
+
+
 def fresh(compensator: Compensator | None) -> tuple[Record, Record]:
     memory = fresh_memory(1)
     memory["modelled_nm"] = COULOMB  # what a replay would tell a compensator with a joint's model, at every tick

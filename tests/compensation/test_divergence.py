@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_array_equal
 
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation, Guard, TorqueRegulation
-from friction_audit.compensation.hand_cycles import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM, diverged
+from friction_audit.compensation.controller import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM
 from friction_audit.compensation.replay import run
 from friction_audit.joint_log import Float
 from tests.compensation.rival_bench import feed
@@ -55,11 +55,3 @@ def test_turning_back_at_random_or_slowly_is() -> None:
     rng = np.random.default_rng(0)
     for torque in (rng.choice([-1.0, 1.0], 5000), np.sign(np.sin(np.arange(5000) / 5.0))):
         assert feed(held, 0.0, torque)[1]["unstable"] == 0
-
-
-def test_where_a_course_diverged() -> None:
-    fine = np.ones(10)
-    assert diverged(fine, fine) is None
-    assert diverged(fine, fine, torque_bound_nm=0.5) == 0
-    assert diverged(np.where(np.arange(10) == 4, np.nan, fine), fine) == 4
-    assert diverged(fine, np.where(np.arange(10) >= 7, -2e4, fine)) == 7

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.compensators import EnergyCompensator, TorqueRegulation
-from friction_audit.compensation.settings import Rival
-from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings, energy_compensator
+from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings, Rival, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log

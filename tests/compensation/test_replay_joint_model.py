@@ -8,12 +8,11 @@ import pytest
 
 from friction_audit.compensation import replay as replay_module
 from friction_audit.compensation.compensators import JointModelCompensation
-from friction_audit.compensation.feed_forward import UNABLE, feed_of, friction_terms, refusal, straighten, tell_friction
+from friction_audit.compensation.counterfactual import MovedJoint, modelled_joint
+from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal, straighten
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
-from friction_audit.compensation.settings import Rival
-from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings
-from friction_audit.compensation.tabled_loop import MovedJoint, modelled_joint
+from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
@@ -209,7 +208,7 @@ def test_what_is_applied_is_the_friction_by_hand(speed: float) -> None:
         ddq=np.zeros(n),
     )
     memory, feed = fresh_memory(1), feed_of(terms, motion)
-    tell_friction(memory[0], feed, 0.05, speed, 10)
+    feed_friction(memory[0], feed, 0.05, speed, 10)
     expected = 0.3 * np.sign(speed) + 0.1 + 0.07 * speed
     assert float(memory["modelled_nm"][0]) == pytest.approx(np.sign(speed) * expected if speed else 0.4, abs=1e-6)
     assert float(memory["bristle_nm"][0]) == 0.0
@@ -221,7 +220,7 @@ def test_tables_go_on_in_a_straight_line() -> None:
         t=np.asarray(np.arange(n) * 1e-2, np.float64), q=np.linspace(0, 1, n), dq=np.linspace(-1, 1, n), ddq=np.zeros(n)
     )
     memory, feed = fresh_memory(1), feed_of(SIMPLE.terms, motion)
-    tell_friction(memory[0], feed, 0.5, 20.0, 3)
+    feed_friction(memory[0], feed, 0.5, 20.0, 3)
     assert float(memory["modelled_nm"][0]) == pytest.approx(0.3 + 0.07 * 20.0)
     damped = straighten(feed.tables, damping_nms_per_rad=2.0)
     np.testing.assert_allclose(damped.place_per_speed, [[2.07] * n, [-2.07] * n])

@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from friction_audit.compensation.friction_step import find_step
 from friction_audit.compensation.hand_cycles import hand_cuts
-from friction_audit.compensation.settings import Limits, limits_of
-from friction_audit.compensation.measures import dissipation_removed, first_right, first_updated, share_left
+from friction_audit.compensation.measures import dissipation_removed, find_step, first_right, first_updated, sum_up
 from friction_audit.compensation.records import ESTIMATED, TOO_FEW
-from friction_audit.compensation.result import ReplayHistory, Signals, net_energy_j
-from friction_audit.compensation.tally import largest_sum, sum_up
+from friction_audit.compensation.result import ReplayHistory, Signals
+from friction_audit.compensation.settings import Limits, limits_of
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 
@@ -38,7 +36,6 @@ def history(friction: list[float], left: list[float], status: list[int] | None =
 
 def test_what_a_cycle_gives_out_counts_as_left_over() -> None:
     found = history([1.0, 1.0, 2.0], [1.0, -0.5, 0.5])
-    np.testing.assert_array_equal(share_left(found), [1.0, 0.5, 0.25])
     assert dissipation_removed(found) == pytest.approx(0.5)
     assert dissipation_removed(found, 2) == pytest.approx(0.75)
     assert np.isnan(dissipation_removed(found, 3))
@@ -108,8 +105,8 @@ def test_sums_by_hand() -> None:
     work, rms, peak = sum_up(t, dq, torque)
     assert (work, peak) == (-1.0, 4.0)
     assert rms == pytest.approx(np.sqrt((2.0 + 20.0) / 3.0))
-    np.testing.assert_array_equal(net_energy_j(t, dq, torque), [0.0, 1.0, -1.0])
-    assert largest_sum(torque, np.array([0.0, 1.0, 1.0])) == 3.0
+    signals = Signals(t=t, dq=dq, interaction_nm=torque, compensation_nm=0.0 * t, passivity_nm=0.0 * t)
+    np.testing.assert_array_equal(signals.net_energy_j, [0.0, 1.0, -1.0])
 
 
 def test_damping_is_torque_against_velocity() -> None:

@@ -6,8 +6,12 @@ from math import inf, sqrt
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators.elastic_joint import ElasticJoint, largest_torque_gain
-from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation, stability_limit
+from friction_audit.compensation.compensators.torque_regulation import (
+    ElasticJoint,
+    TorqueRegulation,
+    largest_torque_gain,
+    stability_limit,
+)
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects.hidden import Hidden

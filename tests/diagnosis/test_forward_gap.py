@@ -7,11 +7,11 @@ import pytest
 
 from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
 from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile
-from friction_audit.dynamics.stick_slip import simulate
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
+from tests.dynamics.joints import simulate
 
 DECLARED = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 GROWN = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("stribeck", (0.15, 0.1, 2.0))))

@@ -1,56 +1,31 @@
 """A joint of any terms under a recorded torque: by hand, against scipy, and against the exact simulation."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from friction_audit.dynamics.along_recording import simulate_along
-from friction_audit.dynamics.motion import Forward, Motion
-from friction_audit.dynamics.stick_slip import simulate
+from friction_audit.dynamics.forward import simulate_along
+from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
-from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.term import Term
-from friction_audit.effects.terms import TERMS
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from tests.effects.recordings import joint_with, make_recording
+from tests.dynamics.joints import Invented, Law, bare_joint, joint_with, make_recording, recording_of, simulate
 
 RATE_HZ = 400.0
 COULOMB, VISCOUS, B = 0.3, 0.07, 0.3
 
 
-def invent(
-    monkeypatch: pytest.MonkeyPatch,
-    basis: Callable[[Motion, Sequence[float]], Float],
-    value: float,
-    *,
-    forward: Forward = "instant",
-    friction: bool = False,
-    name: str = "invented_nm",
-) -> FittedTerm:
-    """A term ``invented`` of one parameter."""
-    term = Term(
-        name="invented",
-        label="invented",
-        linear=(Parameter(name=name, unit="N m", meaning="invented"),),
-        basis=lambda motion, shape: basis(motion, shape)[:, None],
-        forward=forward,
-        friction=friction,
-    )
-    monkeypatch.setattr("friction_audit.effects.terms.TERMS", (*TERMS, term))
-    return FittedTerm("invented", (value,))
+def invent(torque: Callable[[Motion], Float], value: float, **law: Any) -> Invented:
+    return Invented(torque, value, Law(**law))
 
 
 def clock(seconds: float) -> Float:
     return np.arange(round(seconds * RATE_HZ) + 1) / RATE_HZ
-
-
-def recording_of(t: Float, q: Float, dq: Float) -> Motion:
-    return Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
 
 
 def whole(t: Float) -> NDArray[np.int64]:
@@ -80,20 +55,20 @@ def test_it_agrees_with_the_exact_simulation_through_stick_and_slip(stribeck: bo
     assert np.mean(found == 0.0) == pytest.approx(np.mean(exact.dq == 0.0), abs=0.01)
 
 
-def test_a_pendulum_without_friction_swings_by_its_own_time(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_pendulum_without_friction_swings_by_its_own_time() -> None:
     """A torque K sin q: for small swings cos(sqrt(K / B) t)."""
-    term = invent(monkeypatch, lambda motion, _: np.sin(motion.q), 3.0)
+    term = invent(lambda motion: np.sin(motion.q), 3.0)
     t = clock(5.0)
-    found = free(JointModel(inertia_kg_m2=B, terms=(term,)), t, np.zeros(len(t)), q=0.01, span=0.02)
+    found = free(bare_joint(term), t, np.zeros(len(t)), q=0.01, span=0.02)
     rate = np.sqrt(3.0 / B)
     assert found == pytest.approx(-0.01 * rate * np.sin(rate * t), abs=1e-4)
 
 
-def test_a_drift_of_the_torque_by_hand(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_drift_of_the_torque_by_hand() -> None:
     """B dv/dt = -0.2 t from 2 rad/s."""
-    term = invent(monkeypatch, lambda motion, _: motion.t, 0.2)
+    term = invent(lambda motion: motion.t, 0.2)
     t = clock(1.0)
-    found = free(JointModel(inertia_kg_m2=B, terms=(term,)), t, np.zeros(len(t)), dq=2.0)
+    found = free(bare_joint(term), t, np.zeros(len(t)), dq=2.0)
     assert found == pytest.approx(2.0 - 0.1 * t**2 / B, abs=1e-6)
 
 
@@ -137,8 +112,8 @@ def test_a_load_that_is_late_too_is_given_back() -> None:
     assert found[:-8] == pytest.approx(exact[:-8], abs=2e-3)
 
 
-def test_a_spring_puts_the_measured_side_ahead(monkeypatch: pytest.MonkeyPatch) -> None:
-    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 2e-3, forward="spring", name="soft_rad_per_nm")
+def test_a_spring_puts_the_measured_side_ahead() -> None:
+    term = invent(lambda motion: 0.0 * motion.q, 2e-3, forward="spring", coefficient="soft_rad_per_nm")
     t = clock(3.0)
     drive = 0.9 * np.sin(4.0 * t)
     rigid = simulate(joint_with(), t, drive)
@@ -184,9 +159,9 @@ def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
     assert found[5:-5] == pytest.approx(seen.dq[5:-5], abs=2e-3)
 
 
-def test_within_a_play_the_measured_side_is_where_it_was_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_within_a_play_the_measured_side_is_where_it_was_measured() -> None:
     """The measured side goes to and fro; the other one rests while the play of 0.1 rad is crossed."""
-    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 0.1, forward="play", name="loose_rad")
+    term = invent(lambda motion: 0.0 * motion.q, 0.1, forward="play", coefficient="loose_rad")
     t = clock(12.0)
     q, inner = 0.3 * np.sin(t), np.zeros(len(t))
     for i in range(1, len(t)):
@@ -202,18 +177,18 @@ def test_within_a_play_the_measured_side_is_where_it_was_measured(monkeypatch: p
     assert wrong[0] < 0.2 * wrong[1]
 
 
-def test_a_term_with_a_past_is_iterated_to_what_scipy_finds(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_term_with_a_past_is_iterated_to_what_scipy_finds() -> None:
     """Friction in proportion to a speed that lags by 0.2 s: B dv/dt = u - a s, T ds/dt = v - s."""
     lag, slope = 0.2, 0.8
 
-    def basis(motion: Motion, _shape: Sequence[float]) -> Float:
+    def basis(motion: Motion) -> Float:
         seen = np.zeros(len(motion.t))
         keep = np.exp(-1.0 / RATE_HZ / lag)
         for i in range(1, len(seen)):
             seen[i] = keep * seen[i - 1] + (1.0 - keep) * 0.5 * (motion.dq[i] + motion.dq[i - 1])
         return seen
 
-    term = invent(monkeypatch, basis, slope)
+    term = invent(basis, slope)
     t = clock(3.0)
     drive = 1.0 + 0.3 * np.sin(3.0 * t)
     exact = solve_ivp(
@@ -224,18 +199,18 @@ def test_a_term_with_a_past_is_iterated_to_what_scipy_finds(monkeypatch: pytest.
         rtol=1e-9,
     ).y[0]
     seen = recording_of(t, np.cumsum(exact) / RATE_HZ, exact + 0.1 * np.sin(t))
-    found = simulate_along(JointModel(inertia_kg_m2=B, terms=(term,)), seen, drive, whole(t))
+    found = simulate_along(bare_joint(term), seen, drive, whole(t))
     assert found == pytest.approx(exact, abs=0.01)
 
 
-def test_friction_with_a_past_keeps_its_direction(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_friction_with_a_past_keeps_its_direction() -> None:
     """Coulomb friction that grows with the path that was made: through reversals and rests it never pushes."""
 
-    def basis(motion: Motion, _shape: Sequence[float]) -> Float:
+    def basis(motion: Motion) -> Float:
         made = np.cumsum(np.abs(motion.dq)) / RATE_HZ
         return np.sign(motion.dq) * (1.0 - np.exp(-made))
 
-    term = invent(monkeypatch, basis, 0.3, friction=True)
+    term = invent(basis, 0.3, friction=True)
     t = clock(4.0)
     drive = 0.9 * np.sin(4.0 * t)
     start = simulate(joint_with(), t, drive)
@@ -247,15 +222,15 @@ def test_friction_with_a_past_keeps_its_direction(monkeypatch: pytest.MonkeyPatc
     assert np.sqrt(np.mean((torque - drive)[sure] ** 2)) < 0.02
 
 
-def test_what_never_settles_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
-    term = invent(monkeypatch, lambda motion, _: 900.0 * np.roll(motion.q, 80), 1.0)
+def test_what_never_settles_is_not_simulated() -> None:
+    term = invent(lambda motion: 900.0 * np.roll(motion.q, 80), 1.0)
     t = clock(3.0)
     seen = recording_of(t, 1.0 - np.cos(t), np.sin(t))
     assert simulate_along(joint_with(term), seen, 0.9 * np.sin(4.0 * t), whole(t)) is None
 
 
-def test_a_joint_without_inertia_left_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
-    term = invent(monkeypatch, lambda motion, _: motion.ddq, -B)
+def test_a_joint_without_inertia_left_is_not_simulated() -> None:
+    term = invent(lambda motion: motion.ddq, -B)
     t = clock(1.0)
     seen = recording_of(t, t, np.sin(t))
     assert simulate_along(joint_with(term), seen, np.sin(t), whole(t)) is None
@@ -290,8 +265,8 @@ def test_a_model_of_all_that_needs_no_past_gives_the_recording_back() -> None:
     assert found[50:3901] == pytest.approx(recording.dq[50:3901], abs=0.02)
 
 
-def test_a_spring_without_its_number_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    term = invent(monkeypatch, lambda motion, _: 0.0 * motion.q, 1.0, forward="spring")
+def test_a_spring_without_its_number_is_refused() -> None:
+    term = invent(lambda motion: 0.0 * motion.q, 1.0, forward="spring")
     t = clock(1.0)
     with pytest.raises(AnalysisError, match="term invented: 0 parameters end on _rad_per_nm; expected one"):
         simulate_along(joint_with(term), recording_of(t, t, np.sin(t)), np.sin(t), whole(t))
@@ -304,7 +279,7 @@ def test_a_simple_joint_is_what_its_exponential_says() -> None:
     assert free(model, t, np.full(len(t), 0.5)) == pytest.approx(top * (1.0 - np.exp(-t * VISCOUS / B)), abs=1e-5)
 
 
-def test_what_runs_away_is_not_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
-    term = invent(monkeypatch, lambda motion, _: -np.cbrt(motion.dq) - 50.0 * motion.dq, 1.0)
+def test_what_runs_away_is_not_simulated() -> None:
+    term = invent(lambda motion: -np.cbrt(motion.dq) - 50.0 * motion.dq, 1.0)
     t = clock(2.0)
     assert simulate_along(joint_with(term), recording_of(t, 1.0 - np.cos(t), np.sin(t)), np.sin(t), whole(t)) is None

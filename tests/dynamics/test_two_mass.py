@@ -1,4 +1,4 @@
-"""Two masses on a spring or with a play under a measured torque: against scipy, by energy, and against the term."""
+"""Two masses on a spring or with a gap under a measured torque: against scipy, by energy, and against the term."""
 
 from dataclasses import replace
 
@@ -8,14 +8,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from friction_audit.dynamics.along_recording import simulate_along
+from friction_audit.dynamics.forward import simulate_along
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.dynamics.transmission import Transmission
 from friction_audit.dynamics.two_mass import can_follow, link_of, move_two_sides
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
-from tests.effects.recordings import joint_with
+from tests.dynamics.joints import joint_with
 
 STEP_S = 0.0025
 T = np.arange(0.0, 3.0, STEP_S)

@@ -1,4 +1,4 @@
-"""A far side drawn along through springs and play: frequency response, momentum, energy, the width of the play."""
+"""A far side drawn along through springs and gap: frequency response, momentum, energy, the width of the gap."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -10,7 +10,17 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.dynamics.transmission import HIGHEST_HZ, FarSide, Transmission, added_torque, far_side, transmitted
+from friction_audit.dynamics.transmission import (
+    HIGHEST_HZ,
+    FarSide,
+    Transmission,
+    added_torque,
+    bend_of,
+    far_side,
+    pushed,
+    straightened,
+    transmitted,
+)
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -98,7 +108,7 @@ def test_a_stiff_transmission_adds_nothing() -> None:
     assert np.median(np.abs(added)) < 1e-3
 
 
-def test_the_torque_is_zero_while_a_slow_motion_crosses_the_play() -> None:
+def test_the_torque_is_zero_while_a_slow_motion_crosses_the_gap() -> None:
     gap, speed = 0.02, 0.05
     motion = ramp(0.0, 0.2, 0.0, speed=speed)
     far = replace(RUBBING, inertia_kg_m2=1e-3)
@@ -122,7 +132,7 @@ def test_all_momentum_comes_through_the_transmission() -> None:
     assert np.sum(torque) * STEP_S == pytest.approx(-0.3 * 0.2, rel=1e-3)
 
 
-def test_a_far_side_in_flight_strikes_when_it_has_crossed_half_of_the_play() -> None:
+def test_a_far_side_in_flight_strikes_when_it_has_crossed_half_of_the_gap() -> None:
     # 0.015 rad of the 0.025 while the measured side brakes, the rest at 0.3 rad/s.
     motion = stopping()
     flanks = Transmission(stiffness_nm_per_rad=2e4, damping_ratio=0.2, gap_rad=0.05)
@@ -196,7 +206,7 @@ def test_a_steady_load_only_twists_a_spring(soft: float) -> None:
     assert_allclose(borne, straight, atol=1e-9)
 
 
-def test_a_load_keeps_the_play_closed() -> None:
+def test_a_load_keeps_the_gap_closed() -> None:
     motion = sine(0.5, 0.7)
     flanks = Transmission(stiffness_nm_per_rad=5e3, damping_ratio=0.5, gap_rad=5e-3)
     free, held = (
@@ -205,7 +215,7 @@ def test_a_load_keeps_the_play_closed() -> None:
     assert np.sqrt(np.mean(held[400:] ** 2)) < 0.2 * np.sqrt(np.mean(free[400:] ** 2))
 
 
-def test_where_a_load_changes_its_side_the_far_side_crosses_the_play() -> None:
+def test_where_a_load_changes_its_side_the_far_side_crosses_the_gap() -> None:
     motion = ramp(0.0, 0.5, speed=0.05)
     far, gap = replace(RUBBING, inertia_kg_m2=1e-3), 0.02
     flanks = Transmission(stiffness_nm_per_rad=1e4, damping_ratio=0.2, gap_rad=gap)
@@ -215,3 +225,21 @@ def test_where_a_load_changes_its_side_the_far_side_crosses_the_play() -> None:
     # Friction, 0.405 N m, is borne by one flank until the load is less than that on the other side.
     assert motion.q[np.flatnonzero(crossing)[0]] == pytest.approx((5.0 + 0.405) / 20.0, abs=2e-3)
     assert np.all(whole[-200:] < 0.0)
+
+
+@given(st.floats(-1e3, 1e3), st.floats(0.0, 1e2))
+def test_the_twist_of_a_spring_under_a_torque_is_the_one_that_gives_it(torque: float, soft: float) -> None:
+    bend, curve = bend_of(soft)
+    straight = straightened(torque, bend)
+    assert pushed(straight, bend, curve) == pytest.approx(torque, rel=1e-9, abs=1e-12)
+    assert abs(torque) <= abs(straight) <= 2.0 * abs(torque)
+
+
+def test_a_spring_that_stiffens_up_to_3_nm_by_hand() -> None:
+    """Half as stiff without torque; at the twist at which a straight spring has 4 N m it has 3, and is whole."""
+    bend, curve = bend_of(3.0)
+    straight = np.array([0.0, 2.0, 4.0, 6.0, -2.0, -6.0])
+    assert [pushed(one, bend, curve) for one in straight] == pytest.approx([0.0, 1.25, 3.0, 5.0, -1.25, -5.0])
+    slopes = [(pushed(at + 1e-6, bend, curve) - pushed(at, bend, curve)) / 1e-6 for at in (0.0, 2.0, 4.0, 9.0)]
+    assert slopes == pytest.approx([0.5, 0.75, 1.0, 1.0], abs=1e-5)
+    assert pushed(-0.7, *bend_of(0.0)) == -0.7

@@ -1,0 +1,111 @@
+"""Joints and recordings for the tests of the dynamics: invented terms, and a joint under a sampled torque."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Forward, Motion, Others
+from friction_audit.dynamics.stick_slip import BODY_STEP_S, Step, advance_body, body_forces, make_body
+from friction_audit.effects.joint_model import FittedTerm, JointModel
+from friction_audit.joint_log import Float
+
+
+class Named(NamedTuple):
+    name: str
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law of one coefficient, as the dynamics see it."""
+
+    forward: Forward = "instant"
+    speed_only: bool = False
+    friction: bool = False
+    coefficient: str = "invented_nm"
+
+    @property
+    def parameters(self) -> Sequence[Named]:
+        return (Named(self.coefficient),)
+
+    coefficients = parameters
+
+
+@dataclass(frozen=True, eq=False)
+class Invented:
+    """A term of any torque."""
+
+    unit_torque: Callable[[Motion], Float]
+    value: float = 1.0
+    effect: Law = Law()
+    name: str = "invented"
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        return (self.value,)
+
+    def torque(self, motion: Motion) -> Float:
+        return np.asarray(self.value * self.unit_torque(motion))
+
+
+def joint_with(*terms: Any, inertia_kg_m2: float = 0.3) -> JointModel:
+    """A joint with Coulomb and viscous friction and other terms."""
+    simple = (FittedTerm("coulomb", (0.3,)), FittedTerm("viscous", (0.07,)))
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=(*simple, *terms))
+
+
+def bare_joint(*terms: Any, inertia_kg_m2: float = 0.3) -> JointModel:
+    return JointModel(inertia_kg_m2=inertia_kg_m2, terms=terms)
+
+
+def recording_of(t: Float, q: Float, dq: Float) -> Motion:
+    return Motion(t=t, q=q, dq=dq, ddq=np.gradient(dq, t))
+
+
+def make_recording(seconds: float = 20.0, rate_hz: float = 400.0) -> Motion:
+    """Strokes of changing width and speed, three joints, a load and a temperature that change; torque of B = 0.3."""
+    t = np.arange(round(seconds * rate_hz)) / rate_hz
+    q = 0.7 * np.sin(1.3 * t) + 0.2 * np.sin(3.1 * t + 0.4)
+    dq = np.gradient(q, t)
+    ddq = np.gradient(dq, t)
+    others = Others(
+        joint=1,
+        dq=np.column_stack([np.cos(0.9 * t), dq, np.sin(1.7 * t)]),
+        ddq=np.column_stack([-0.9 * np.sin(0.9 * t), ddq, 1.7 * np.cos(1.7 * t)]),
+        sensed=np.column_stack([np.sin(0.4 * t), 0.0 * t, np.cos(0.6 * t)]),
+    )
+    return Motion(
+        t=t,
+        q=q,
+        dq=dq,
+        ddq=ddq,
+        load=3.0 + 2.0 * np.sin(0.3 * t),
+        temperature=25.0 + 0.2 * t,
+        others=others,
+        rest=0.3 * ddq + 0.3 * np.sign(dq) + 0.07 * dq,
+    )
+
+
+class Moved(NamedTuple):
+    q: Float
+    dq: Float
+    ddq: Float
+    friction: Float
+    dissipated: Float
+
+
+def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: float = 0.0, **operator: float) -> Moved:
+    """A joint whose friction follows from the velocity under a torque that is linear between samples."""
+    body, v, sign, taken = make_body(model, **operator), dq, float(np.sign(dq)), 0.0
+    rows = np.zeros((5, len(t)))
+    for i in range(len(t)):
+        if i > 0:
+            steps = max(1, int(np.ceil((t[i] - t[i - 1]) / BODY_STEP_S - 1e-6)))
+            h, rise = (t[i] - t[i - 1]) / steps, (drive[i] - drive[i - 1]) / steps
+            for k in range(steps):
+                start = drive[i - 1] + k * rise
+                q, v, sign, lost = advance_body(q, v, sign, Step(h, start, start + rise, 0.0, 0.0), 0.0, body)
+                taken += lost
+        rows[:, i] = q, v, *body_forces(q, v, sign, drive[i], 0.0, body), taken
+    return Moved(*rows)
