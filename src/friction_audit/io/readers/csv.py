@@ -71,7 +71,7 @@ class CsvTable(Table):
         self._time, self._options, self._kind = columns.time, options, _time_kind(dialect, columns.time)
         self._unit = "ns" if len(columns.time.cells) > 1 or self._kind is str else columns.time.unit
         stamps = dict.fromkeys(columns.time.cells, self._kind)
-        self._kinds: dict[int, Any] = dict.fromkeys(cells, np.float64) | dict.fromkeys(texts, str) | stamps
+        self._kinds: dict[int, Any] = dict.fromkeys(texts, str) | dict.fromkeys(cells, np.float64) | stamps
         lengths = [sum(map(len, row)) + len(row) for row in dialect.rows]
         rows = dialect.size / (sum(lengths) / len(lengths))
         is_part = options.reads_part(8 * rows * len(self._kinds))

@@ -1,6 +1,10 @@
-"""JointLog -> text tables: tidy, long, and as bags are exported to CSV."""
+"""JointLog -> text tables: tidy, long, as bags are exported to CSV, and as libfranka's ``logToCSV`` writes them.
+
+The dialects differ in their columns; numbers are written in one way, those of libfranka in six digits.
+"""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -8,55 +12,56 @@ from numpy.typing import NDArray
 
 from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, joint_columns, stamps_ns, tidy_columns
 from friction_audit.io.writers.writer import Writer
-from friction_audit.joint_log import JointLog
+from friction_audit.joint_log import Float, JointLog
 
-JOINT_STATE_FIELDS = {"q": "position", "dq": "velocity", "tau_J": "effort"}
-"""Channel -> field of a sensor_msgs/JointState."""
-
-JOINT_STATE_CHANNELS = tuple(JOINT_STATE_FIELDS)
-
-STRUCTURE = re.compile('[,"]')
-"""Characters of a name that needs quotes."""
+_STRUCTURE = re.compile('[,"]')  # a name with these needs quotes
+_JOINT_STATE = {"q": "position", "dq": "velocity", "tau_J": "effort"}  # channel -> field of a sensor_msgs/JointState
+_LIBFRANKA_JOINTS = 7
+_STATE = ("q", "q_d", "dq", "dq_d", "tau_J", "tau_ext_hat_filtered")
+_COMMAND = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}  # field of a command -> its numbers
 
 
-def write_tidy(log: JointLog, path: Path) -> None:
-    """Write ``time`` [s], then ``q_1``, ``q_2``, ...; every number so that it reads back to the bit."""
-    write_columns(tidy_columns(log), path)
-
-
-def write_long(log: JointLog, path: Path) -> None:
-    """Write one row per time and joint: ``time``, ``joint``, ``position``, ``velocity``, ``effort``."""
-    joints = len(log.joint_names)
-    fields = {JOINT_STATE_FIELDS[name]: log.channels()[name].ravel(order="C") for name in JOINT_STATE_CHANNELS}
+def _long(log: JointLog) -> dict[str, ColumnOf]:
+    """One row per time and joint."""
+    fields = {field: log.channels()[name].ravel(order="C") for name, field in _JOINT_STATE.items()}
     names = np.tile(np.array(_names(log), dtype=object), len(log.t))
-    write_columns({"time": np.repeat(log.t, joints), "joint": names, **fields}, path)
+    return {"time": np.repeat(log.t, len(log.joint_names)), "joint": names, **fields}
 
 
-def write_rostopic(log: JointLog, path: Path) -> None:
-    """Write what ``rostopic echo -p`` prints of a JointState: stamps in nanoseconds, ``field.position0``, ..."""
+def _rostopic(log: JointLog) -> dict[str, ColumnOf]:
+    """What ``rostopic echo -p`` prints of a JointState: stamps in nanoseconds, ``field.position0``, ..."""
     stamps = stamps_ns(log)
-    head: dict[str, ColumnOf] = {
-        "%time": stamps,
-        "field.header.seq": np.arange(len(stamps)),
-        "field.header.stamp": stamps,
-        "field.header.frame_id": _constant("", len(stamps)),
-    }
-    names = {f"field.name{j}": _constant(name, len(stamps)) for j, name in enumerate(_names(log))}
-    write_columns({**head, **names, **_joint_state(log, "field.{field}{joint}")}, path)
+    head = {"%time": stamps, "field.header.seq": np.arange(len(stamps)), "field.header.stamp": stamps}
+    return {**head, "field.header.frame_id": _constant("", log), **_joint_state(log, "field.{field}{joint}")}
 
 
-def write_bag_export(log: JointLog, path: Path) -> None:
-    """Write what scripts that turn a bag into CSV make of a JointState: ``header.stamp.sec``, ``position.0``, ..."""
-    stamps = stamps_ns(log)
-    head: dict[str, ColumnOf] = {
-        "header.stamp.sec": stamps // NANOSECONDS,
-        "header.stamp.nanosec": stamps % NANOSECONDS,
-    }
-    names = {f"name.{j}": _constant(name, len(stamps)) for j, name in enumerate(_names(log))}
-    write_columns({**head, **names, **_joint_state(log, "{field}.{joint}")}, path)
+def _bag_export(log: JointLog) -> dict[str, ColumnOf]:
+    """What scripts that turn a bag into CSV make of a JointState: ``header.stamp.sec``, ``position.0``, ..."""
+    seconds, nanoseconds = np.divmod(stamps_ns(log), NANOSECONDS)
+    head = {"header.stamp.sec": seconds, "header.stamp.nanosec": nanoseconds}
+    return {**head, **_joint_state(log, "{field}.{joint}")}
 
 
-def write_columns(columns: dict[str, ColumnOf], path: Path) -> None:
+def _joint_state(log: JointLog, template: str) -> dict[str, ColumnOf]:
+    """Return the columns of a JointState, its joints' names first."""
+
+    def name(channel: str, joint: int) -> str:
+        return template.format(field=_JOINT_STATE[channel], joint=joint)
+
+    names = {template.format(field="name", joint=j): _constant(text, log) for j, text in enumerate(_names(log))}
+    return {**names, **joint_columns(log, name, tuple(_JOINT_STATE))}
+
+
+def _names(log: JointLog) -> list[str]:
+    """Return the joints' names, each in one line: readers of such tables go by lines."""
+    return [" ".join(name.splitlines()) for name in log.joint_names]
+
+
+def _constant(word: str, log: JointLog) -> NDArray[np.object_]:
+    return np.full(len(log.t), word, dtype=object)
+
+
+def _write(columns: dict[str, ColumnOf], path: Path) -> None:
     """Write columns of numbers and names, numbers in the shortest form that reads back to the bit.
 
     Names are written as they are, unlike in tables of results: a log is read back, with the same names.
@@ -65,56 +70,80 @@ def write_columns(columns: dict[str, ColumnOf], path: Path) -> None:
     from pyarrow import csv
 
     names = {name for column in columns.values() if column.dtype == object for name in column.tolist()}
-    special = any(STRUCTURE.search(name) for name in names)
+    special = any(_STRUCTURE.search(name) for name in names)
     options = csv.WriteOptions(include_header=False, quoting_style="needed" if special else "none")
     with path.open("wb") as stream:
         stream.write((",".join(columns) + "\n").encode())
         csv.write_csv(pa.table({name: pa.array(column) for name, column in columns.items()}), stream, options)
 
 
-def _names(log: JointLog) -> list[str]:
-    """Return the joints' names, each in one line: readers of such tables go by lines."""
-    return [" ".join(name.splitlines()) for name in log.joint_names]
+def _write_libfranka(log: JointLog, path: Path, *, is_old: bool) -> None:
+    """Write milliseconds, success rate, state and command, with six digits as a C++ stream does by default.
+
+    The header up to 0.9.0 has blanks, repeated names, and a column that holds nothing.
+    """
+    recorded, blank = log.channels(), np.full_like(log.q, np.nan)
+    # A robot held by hand is asked to stay where it is; a command is a torque if one was recorded, and no motion.
+    filled = {"q_d": log.q, "dq_d": np.zeros_like(log.q), "tau_ext_hat_filtered": blank}
+    state = [recorded.get(field, filled.get(field, log.q)) for field in _STATE]
+    command = [np.zeros((len(log.t), size)) for size in _COMMAND.values()]
+    command[-1] = recorded.get("tau_J_d", blank)
+    if is_old:
+        spaced = [", ".join(f"{field}[{i}]" for i in range(_LIBFRANKA_JOINTS)) for field in _STATE]
+        asked = [", ".join(f"{field}[{i}]" for i in range(size)) for field, size in _COMMAND.items()]
+        header = f"duration, success rate, {','.join(spaced)},sent commands,{','.join(asked)}"
+    else:
+        names = [f"state.{field}[{i}]" for field in _STATE for i in range(_LIBFRANKA_JOINTS)]
+        names += [f"cmd.{field}[{i}]" for field, size in _COMMAND.items() for i in range(size)]
+        header = ",".join(["time", "success_rate", *names])
+    formats = [",".join(["%g"] * sum(array.shape[1] for array in arrays)) for arrays in (state, command)]
+    numbers: Float = np.column_stack([np.rint(log.t * 1000.0), *state, *command])
+    line = f"%d,1,{formats[0]}{',,' if is_old else ','}{formats[1]}"
+    np.savetxt(path, numbers, fmt=line, header=header, comments="", encoding="ascii")
 
 
-def _joint_state(log: JointLog, name: str) -> dict[str, ColumnOf]:
-    """Return the columns of a JointState, named by a pattern."""
-    return joint_columns(
-        log, lambda channel, joint: name.format(field=JOINT_STATE_FIELDS[channel], joint=joint), JOINT_STATE_CHANNELS
+def _dialect(name: str, columns: Callable[[JointLog], dict[str, ColumnOf]], summary: str) -> Writer:
+    return Writer(
+        name=name,
+        suffix=".csv",
+        write=lambda log, path: _write(columns(log), path),
+        summary=summary,
+        holds=tuple(_JOINT_STATE),
+        needs=("tau_J",),
     )
 
 
-def _constant(word: str, rows: int) -> NDArray[np.object_]:
-    return np.full(rows, word, dtype=object)
+def _libfranka(name: str, summary: str, *, is_old: bool) -> Writer:
+    return Writer(
+        name=name,
+        suffix=".csv",
+        write=lambda log, path: _write_libfranka(log, path, is_old=is_old),
+        summary=summary,
+        lossless=False,
+        holds=("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered"),
+        needs=("tau_J",),
+        joints=_LIBFRANKA_JOINTS,
+    )
 
 
-CSV = Writer(
-    name="csv",
-    suffix=".csv",
-    write=write_tidy,
-    summary="tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names",
-)
-CSV_LONG = Writer(
-    name="csv-long",
-    suffix=".csv",
-    write=write_long,
-    summary="one row per time and joint: time, joint, position, velocity, effort",
-    holds=JOINT_STATE_CHANNELS,
-    needs=("tau_J",),
-)
-CSV_ROSTOPIC = Writer(
-    name="csv-rostopic",
-    suffix=".csv",
-    write=write_rostopic,
-    summary="as rostopic echo -p prints a sensor_msgs/JointState",
-    holds=JOINT_STATE_CHANNELS,
-    needs=("tau_J",),
-)
-CSV_BAG = Writer(
-    name="csv-bag",
-    suffix=".csv",
-    write=write_bag_export,
-    summary="as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0",
-    holds=JOINT_STATE_CHANNELS,
-    needs=("tau_J",),
+CSV_DIALECTS = (
+    Writer(
+        name="csv",
+        suffix=".csv",
+        write=lambda log, path: _write(tidy_columns(log), path),
+        summary="tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names",
+    ),
+    _dialect("csv-long", _long, "one row per time and joint: time, joint, position, velocity, effort"),
+    _dialect("csv-rostopic", _rostopic, "as rostopic echo -p prints a sensor_msgs/JointState"),
+    _dialect(
+        "csv-bag",
+        _bag_export,
+        "as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0",
+    ),
+    _libfranka("csv-libfranka", "libfranka logToCSV from 0.9.1 on: milliseconds, six digits", is_old=False),
+    _libfranka(
+        "csv-libfranka-0.9",
+        "libfranka logToCSV up to 0.9.0: milliseconds, six digits, repeated names",
+        is_old=True,
+    ),
 )

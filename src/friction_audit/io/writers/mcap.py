@@ -1,9 +1,11 @@
-"""Channels of messages -> MCAP file."""
+"""MCAP files: channels of messages, and JointLog -> ROS 1, ROS 2 and foxglove.JointStates messages."""
 
-from collections.abc import Iterable, Mapping, Sequence
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from friction_audit.io.writers.ros_messages import (
     FRANKA_ROBOT_STATE,
@@ -15,11 +17,12 @@ from friction_audit.io.writers.ros_messages import (
     encode,
     load_types,
 )
+from friction_audit.io.writers.tables import NANOSECONDS, stamps_ns
 from friction_audit.io.writers.writer import Writer
 from friction_audit.joint_log import JointLog
 
 if TYPE_CHECKING:
-    from mcap.writer import Writer as McapWriter
+    from google.protobuf.descriptor_pb2 import FileDescriptorSet
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -33,7 +36,7 @@ class Channel:
         schema_data: The schema.
         encoding: Encoding of the messages.
         profile: Profile of the file.
-        notes: What else is said of the channel.
+        notes: Metadata of the channel.
     """
 
     topic: str
@@ -43,11 +46,6 @@ class Channel:
     encoding: str
     profile: str = ""
     notes: Mapping[str, str] = field(default_factory=dict)
-
-
-def write_mcap(path: Path, channel: Channel, messages: Iterable[tuple[int, bytes]]) -> None:
-    """Write messages of one channel, given with their time [ns], in chunks compressed with zstd."""
-    write_channels(path, (channel,), ((time, 0, payload) for time, payload in messages))
 
 
 def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[tuple[int, int, bytes]]) -> None:
@@ -60,47 +58,147 @@ def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[t
     """
     from mcap.writer import Writer as McapWriter
 
+    schemas: dict[str, int] = {}
+    sequence = [0] * len(channels)
     with path.open("wb") as stream:
         writer = McapWriter(stream)
         writer.start(profile=channels[0].profile if channels else "", library="friction-audit")
-        numbers = _register(writer, channels)
-        sequence = [0] * len(channels)
+        numbers = []
+        for one in channels:
+            if one.schema not in schemas:
+                schemas[one.schema] = writer.register_schema(one.schema, one.schema_encoding, one.schema_data)
+            numbers.append(writer.register_channel(one.topic, one.encoding, schemas[one.schema], dict(one.notes)))
         for time, place, payload in messages:
             writer.add_message(numbers[place], log_time=time, publish_time=time, data=payload, sequence=sequence[place])
             sequence[place] += 1
         writer.finish()  # type: ignore[no-untyped-call]
 
 
-def _register(writer: "McapWriter", channels: Sequence[Channel]) -> list[int]:
-    """Tell the file which channels there are; return their numbers in it."""
-    schemas: dict[str, int] = {}
-    for one in channels:
-        if one.schema not in schemas:
-            schemas[one.schema] = writer.register_schema(one.schema, one.schema_encoding, one.schema_data)
-    return [writer.register_channel(one.topic, one.encoding, schemas[one.schema], dict(one.notes)) for one in channels]
-
-
-def write_ros_mcap(log: JointLog, path: Path, message: MessageType) -> None:
+def _write_ros(message: MessageType, log: JointLog, path: Path) -> None:
     """Write one topic of ROS 1 or ROS 2 messages with their definition."""
     types = load_types(message)
-    ros1 = message.ros == 1
-    definition, _ = types.generate_msgdef(message.name, ros_version=1 if ros1 else 2)
+    definition, _ = types.generate_msgdef(message.name, ros_version=1 if message.ros == 1 else 2)
     channel = Channel(
         topic=message.topic,
-        schema=message.name.replace("/msg/", "/") if ros1 else message.name,
-        schema_encoding="ros1msg" if ros1 else "ros2msg",
+        schema=message.name.replace("/msg/", "/") if message.ros == 1 else message.name,
+        schema_encoding=f"ros{message.ros}msg",
         schema_data=definition.encode(),
-        encoding="ros1" if ros1 else "cdr",
-        profile="ros1" if ros1 else "ros2",
+        encoding=message.encoding,
+        profile=f"ros{message.ros}",
     )
-    write_mcap(path, channel, encode(log, message, types))
+    write_channels(path, (channel,), ((time, 0, payload) for time, payload in encode(log, message, types)))
 
 
-def _writer(name: str, message: MessageType, summary: str, *, joints: int | None = 7) -> Writer:
+_SCHEMA = "foxglove.JointStates"
+_HOLDS = ("q", "dq", "tau_J")
+_NUMBER = {"type": "number"}
+_JOINT = {"name": {"type": "string"}, **dict.fromkeys(("position", "velocity", "acceleration", "effort"), _NUMBER)}
+_TIME = {"type": "object", "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}}}
+_JSON_SCHEMA = {
+    "title": _SCHEMA,
+    "description": "The state of joints",
+    "type": "object",
+    "properties": {
+        "timestamp": {"title": "time", **_TIME},
+        "joints": {"type": "array", "items": {"type": "object", "properties": _JOINT}},
+    },
+}
+_PROTOBUF = """
+file {
+  name: "foxglove/JointState.proto" package: "foxglove" syntax: "proto3"
+  message_type {
+    name: "JointState"
+    field { name: "name" number: 1 label: LABEL_OPTIONAL type: TYPE_STRING }
+    %s
+    %s
+  }
+}
+file {
+  name: "foxglove/JointStates.proto" package: "foxglove" syntax: "proto3"
+  dependency: "google/protobuf/timestamp.proto" dependency: "foxglove/JointState.proto"
+  message_type {
+    name: "JointStates"
+    field { name: "timestamp" number: 1 label: LABEL_OPTIONAL type: TYPE_MESSAGE
+            type_name: ".google.protobuf.Timestamp" }
+    field { name: "joints" number: 2 label: LABEL_REPEATED type: TYPE_MESSAGE type_name: ".foxglove.JointState" }
+  }
+}
+"""
+
+
+def _write_json(log: JointLog, path: Path) -> None:
+    """Write JSON messages; numbers in the shortest form that reads back to the bit."""
+
+    def encoded(stamp: int, joints: list[dict[str, Any]]) -> bytes:
+        time = {"sec": stamp // NANOSECONDS, "nsec": stamp % NANOSECONDS}
+        return json.dumps({"timestamp": time, "joints": joints}, separators=(",", ":")).encode()
+
+    _write_foxglove(log, path, "jsonschema", json.dumps(_JSON_SCHEMA).encode(), "json", encoded)
+
+
+def _write_protobuf(log: JointLog, path: Path) -> None:
+    """Write protobuf messages with their descriptors."""
+    from google.protobuf.message_factory import GetMessages
+
+    descriptors = _descriptors()
+    joint_states: Any = GetMessages(descriptors.file)[_SCHEMA]
+
+    def encoded(stamp: int, joints: list[dict[str, Any]]) -> bytes:
+        time = {"seconds": stamp // NANOSECONDS, "nanos": stamp % NANOSECONDS}
+        message: bytes = joint_states(timestamp=time, joints=joints).SerializeToString()
+        return message
+
+    _write_foxglove(log, path, "protobuf", descriptors.SerializeToString(), "protobuf", encoded)
+
+
+def _descriptors() -> "FileDescriptorSet":
+    from google.protobuf import text_format, timestamp_pb2
+    from google.protobuf.descriptor_pb2 import FileDescriptorSet
+
+    names = [name for name in _JOINT if name != "name"]  # optional, so that a number that is not there is none
+    fields = (
+        f'field {{ name: "{name}" number: {number} label: LABEL_OPTIONAL type: TYPE_DOUBLE oneof_index: {number - 2} '
+        "proto3_optional: true }"
+        for number, name in enumerate(names, start=2)
+    )
+    text = _PROTOBUF % ("\n".join(fields), "\n".join(f'oneof_decl {{ name: "_{name}" }}' for name in names))
+    found = FileDescriptorSet()
+    timestamp_pb2.DESCRIPTOR.CopyToProto(found.file.add())
+    text_format.Merge(text, found)
+    return found
+
+
+def _write_foxglove(
+    log: JointLog,
+    path: Path,
+    schema_encoding: str,
+    schema_data: bytes,
+    encoding: str,
+    encoded: Callable[[int, list[dict[str, Any]]], bytes],
+) -> None:
+    channel = Channel(
+        topic="/joint_states",
+        schema=_SCHEMA,
+        schema_encoding=schema_encoding,
+        schema_data=schema_data,
+        encoding=encoding,
+    )
+
+    def messages() -> Iterator[tuple[int, int, bytes]]:
+        channels = log.channels()
+        for stamp, q, dq, effort in zip(stamps_ns(log).tolist(), *(channels[name] for name in _HOLDS), strict=True):
+            numbers = zip(log.joint_names, q.tolist(), dq.tolist(), effort.tolist(), strict=True)
+            joints = [{"name": n, "position": p, "velocity": v, "effort": e} for n, p, v, e in numbers]
+            yield stamp, 0, encoded(stamp, joints)
+
+    write_channels(path, (channel,), messages())
+
+
+def _ros(name: str, message: MessageType, summary: str, *, joints: int | None = None) -> Writer:
     return Writer(
         name=name,
         suffix=".mcap",
-        write=lambda log, path: write_ros_mcap(log, path, message),
+        write=partial(_write_ros, message),
         summary=summary,
         holds=tuple(message.fields.values()),
         needs=("tau_J",),
@@ -108,19 +206,30 @@ def _writer(name: str, message: MessageType, summary: str, *, joints: int | None
     )
 
 
-MCAP = _writer("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)", joints=None)
-MCAP_ROS1 = _writer("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)", joints=None)
-MCAP_FRANKA_ROBOT_STATE = _writer(
-    "mcap-franka-robot-state",
-    FRANKA_ROBOT_STATE,
-    "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
-    joints=None,
-)
-MCAP_FRANKA_ROBOT_STATE_FLAT = _writer(
-    "mcap-franka-robot-state-flat",
-    FRANKA_ROBOT_STATE_FLAT,
-    "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
-)
-MCAP_FRANKA_STATE = _writer(
-    "mcap-franka-state", FRANKA_STATE, "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"
+def _foxglove(name: str, write: Callable[[JointLog, Path], None], summary: str) -> Writer:
+    return Writer(name=name, suffix=".mcap", write=write, summary=summary, holds=_HOLDS, needs=("tau_J",))
+
+
+MCAP_DIALECTS = (
+    _ros("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+    _ros(
+        "mcap-franka-robot-state",
+        FRANKA_ROBOT_STATE,
+        "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
+    ),
+    _ros(
+        "mcap-franka-robot-state-flat",
+        FRANKA_ROBOT_STATE_FLAT,
+        "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
+        joints=7,
+    ),
+    _ros(
+        "mcap-franka-state",
+        FRANKA_STATE,
+        "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)",
+        joints=7,
+    ),
+    _ros("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
+    _foxglove("mcap-json", _write_json, "MCAP of foxglove.JointStates as JSON"),
+    _foxglove("mcap-protobuf", _write_protobuf, "MCAP of foxglove.JointStates as protobuf"),
 )

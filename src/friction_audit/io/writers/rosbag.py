@@ -1,10 +1,11 @@
-"""JointLog -> ROS 1 bag."""
+"""JointLog -> ROS 1 and ROS 2 bags, by rosbags."""
 
 import shutil
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing
+from functools import partial
 from pathlib import Path
-from typing import Literal
 
 from friction_audit.io.writers.ros_messages import (
     FRANKA_STATE,
@@ -19,7 +20,7 @@ from friction_audit.io.writers.writer import Writer
 from friction_audit.joint_log import JointLog
 
 
-def write_rosbag1(log: JointLog, path: Path, message: MessageType, *, lz4: bool = False) -> None:
+def _write_rosbag1(message: MessageType, log: JointLog, path: Path, *, lz4: bool = False) -> None:
     """Write one topic; ``lz4`` compresses, as ``rosbag record --lz4`` does."""
     from rosbags.rosbag1 import Writer as Rosbag1Writer
 
@@ -33,26 +34,7 @@ def write_rosbag1(log: JointLog, path: Path, message: MessageType, *, lz4: bool 
             bag.write(connection, time, payload)
 
 
-ROSBAG1_JOINT_STATE = Writer(
-    name="rosbag1-joint-state",
-    suffix=".bag",
-    write=lambda log, path: write_rosbag1(log, path, JOINT_STATE_ROS1),
-    summary="ROS 1 bag of sensor_msgs/JointState",
-    holds=tuple(JOINT_STATE_ROS1.fields.values()),
-    needs=("tau_J",),
-)
-ROSBAG1_FRANKA_STATE = Writer(
-    name="rosbag1-franka-state",
-    suffix=".bag",
-    write=lambda log, path: write_rosbag1(log, path, FRANKA_STATE_ROS1, lz4=True),
-    summary="ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
-    holds=tuple(FRANKA_STATE_ROS1.fields.values()),
-    needs=("tau_J",),
-    joints=7,
-)
-
-
-def write_rosbag2(log: JointLog, path: Path, message: MessageType, storage: Literal["SQLITE3", "MCAP"]) -> None:
+def _write_rosbag2(message: MessageType, log: JointLog, path: Path, *, storage: str = "SQLITE3") -> None:
     """Write a bag directory with one topic."""
     from rosbags.rosbag2 import StoragePlugin
     from rosbags.rosbag2 import Writer as Rosbag2Writer
@@ -64,10 +46,10 @@ def write_rosbag2(log: JointLog, path: Path, message: MessageType, storage: Lite
             bag.write(connection, time, payload)
 
 
-def write_humble_db3(log: JointLog, path: Path, message: MessageType) -> None:
+def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
     """Write the storage file alone, without definitions of its messages, as ROS 2 Humble and older recorded it."""
     folder = path.with_name(f"{path.stem}_bag")
-    write_rosbag2(log, folder, message, "SQLITE3")
+    _write_rosbag2(message, log, folder)
     (storage,) = folder.glob("*.db3")
     with closing(sqlite3.connect(storage)) as database, database:
         database.execute("DROP TABLE message_definitions")
@@ -76,36 +58,57 @@ def write_humble_db3(log: JointLog, path: Path, message: MessageType) -> None:
     shutil.rmtree(folder)
 
 
-ROSBAG2_SQLITE3 = Writer(
-    name="rosbag2-sqlite3",
-    suffix="",
-    write=lambda log, path: write_rosbag2(log, path, JOINT_STATE, "SQLITE3"),
-    summary="ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
-    holds=tuple(JOINT_STATE.fields.values()),
-    needs=("tau_J",),
-)
-ROSBAG2_MCAP = Writer(
-    name="rosbag2-mcap",
-    suffix="",
-    write=lambda log, path: write_rosbag2(log, path, JOINT_STATE, "MCAP"),
-    summary="ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
-    holds=tuple(JOINT_STATE.fields.values()),
-    needs=("tau_J",),
-)
-ROSBAG2_DB3_FRANKA_STATE = Writer(
-    name="rosbag2-db3-franka-state",
-    suffix=".db3",
-    write=lambda log, path: write_humble_db3(log, path, FRANKA_STATE),
-    summary="single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
-    holds=tuple(FRANKA_STATE.fields.values()),
-    needs=("tau_J",),
-    joints=7,
-)
-ROSBAG2_DB3 = Writer(
-    name="rosbag2-db3",
-    suffix=".db3",
-    write=lambda log, path: write_humble_db3(log, path, JOINT_STATE),
-    summary="single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
-    holds=tuple(JOINT_STATE.fields.values()),
-    needs=("tau_J",),
+def _bag(
+    name: str, suffix: str, write: Callable[..., None], message: MessageType, summary: str, *, joints: int | None = None
+) -> Writer:
+    return Writer(
+        name=name,
+        suffix=suffix,
+        write=partial(write, message),
+        summary=summary,
+        holds=tuple(message.fields.values()),
+        needs=("tau_J",),
+        joints=joints,
+    )
+
+
+BAGS = (
+    _bag("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
+    _bag(
+        "rosbag1-franka-state",
+        ".bag",
+        partial(_write_rosbag1, lz4=True),
+        FRANKA_STATE_ROS1,
+        "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
+        joints=7,
+    ),
+    _bag(
+        "rosbag2-sqlite3",
+        "",
+        _write_rosbag2,
+        JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
+    ),
+    _bag(
+        "rosbag2-mcap",
+        "",
+        partial(_write_rosbag2, storage="MCAP"),
+        JOINT_STATE,
+        "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
+    ),
+    _bag(
+        "rosbag2-db3",
+        ".db3",
+        _write_humble_db3,
+        JOINT_STATE,
+        "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
+    ),
+    _bag(
+        "rosbag2-db3-franka-state",
+        ".db3",
+        _write_humble_db3,
+        FRANKA_STATE,
+        "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
+        joints=7,
+    ),
 )

@@ -1,6 +1,6 @@
-"""The writers there are; of those that share an ending, the first is its default.
+"""Write a log in any format; of the writers that share an ending, the first is its default.
 
-A format is added by writing one file and naming its record here.
+A format is added by writing one file and naming its records in WRITERS.
 """
 
 from difflib import get_close_matches
@@ -8,53 +8,14 @@ from pathlib import Path
 
 from friction_audit.errors import UsageError
 from friction_audit.io.files import whole_file
-from friction_audit.io.writers.csv import CSV, CSV_BAG, CSV_LONG, CSV_ROSTOPIC
-from friction_audit.io.writers.foxglove import MCAP_JSON, MCAP_PROTOBUF
-from friction_audit.io.writers.libfranka_csv import LIBFRANKA, LIBFRANKA_OLD
-from friction_audit.io.writers.mcap import (
-    MCAP,
-    MCAP_FRANKA_ROBOT_STATE,
-    MCAP_FRANKA_ROBOT_STATE_FLAT,
-    MCAP_FRANKA_STATE,
-    MCAP_ROS1,
-)
-from friction_audit.io.writers.npz import NPZ
-from friction_audit.io.writers.parquet import PARQUET, PARQUET_LISTS
-from friction_audit.io.writers.rosbag import (
-    ROSBAG1_FRANKA_STATE,
-    ROSBAG1_JOINT_STATE,
-    ROSBAG2_DB3,
-    ROSBAG2_DB3_FRANKA_STATE,
-    ROSBAG2_MCAP,
-    ROSBAG2_SQLITE3,
-)
+from friction_audit.io.writers.arrays import NPZ, PARQUET, PARQUET_LISTS
+from friction_audit.io.writers.csv import CSV_DIALECTS
+from friction_audit.io.writers.mcap import MCAP_DIALECTS
+from friction_audit.io.writers.rosbag import BAGS
 from friction_audit.io.writers.writer import Writer
 from friction_audit.joint_log import JointLog
 
-WRITERS: tuple[Writer, ...] = (
-    PARQUET,
-    PARQUET_LISTS,
-    CSV,
-    CSV_LONG,
-    CSV_ROSTOPIC,
-    CSV_BAG,
-    LIBFRANKA,
-    LIBFRANKA_OLD,
-    NPZ,
-    ROSBAG1_JOINT_STATE,
-    ROSBAG1_FRANKA_STATE,
-    ROSBAG2_SQLITE3,
-    ROSBAG2_MCAP,
-    ROSBAG2_DB3,
-    ROSBAG2_DB3_FRANKA_STATE,
-    MCAP,
-    MCAP_FRANKA_ROBOT_STATE,
-    MCAP_FRANKA_ROBOT_STATE_FLAT,
-    MCAP_FRANKA_STATE,
-    MCAP_ROS1,
-    MCAP_JSON,
-    MCAP_PROTOBUF,
-)
+WRITERS: tuple[Writer, ...] = (PARQUET, PARQUET_LISTS, *CSV_DIALECTS, NPZ, *BAGS, *MCAP_DIALECTS)
 
 
 def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrite: bool = False) -> Writer:
@@ -67,7 +28,7 @@ def write_log(log: JointLog, path: Path, *, dialect: str | None = None, overwrit
         overwrite: Replace what is there.
 
     Returns:
-        The writer that was used; its ``left_out`` tells what it had no place for.
+        The writer that was used; its ``left_out`` names the channels that it had no place for.
 
     Raises:
         UsageError: If the dialect is unknown, contradicts the ending or cannot hold the log, or something is there.

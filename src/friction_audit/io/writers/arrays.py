@@ -1,8 +1,10 @@
-"""JointLog -> Parquet: one column per channel and joint, or one list-valued column per channel."""
+"""JointLog -> Parquet (a column per channel and joint, or a list-valued one per channel) and NumPy archives."""
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from friction_audit.io.writers.tables import tidy_columns
 from friction_audit.io.writers.writer import Writer
@@ -12,15 +14,13 @@ if TYPE_CHECKING:
     import pyarrow as pa
 
 
-def write_parquet(log: JointLog, path: Path) -> None:
-    """Write the tidy table: ``time`` [s], then ``q_1``, ``q_2``, ... in SI units."""
+def _write_parquet(log: JointLog, path: Path) -> None:
     import pyarrow as pa
 
     _write(pa.table({name: pa.array(column) for name, column in tidy_columns(log).items()}), log, path)
 
 
-def write_parquet_lists(log: JointLog, path: Path) -> None:
-    """Write ``time`` [s] and one column of lists per channel."""
+def _write_parquet_lists(log: JointLog, path: Path) -> None:
     import pyarrow as pa
 
     lists = {
@@ -44,15 +44,29 @@ def _write(table: "pa.Table", log: JointLog, path: Path) -> None:
     pq.write_table(table.replace_schema_metadata(notes), path, compression="zstd", write_page_checksum=True)
 
 
+def _write_npz(log: JointLog, path: Path) -> None:
+    """Write one array of shape (n, j) per channel; ``time`` is in milliseconds and has shape (n, 1)."""
+    arrays: dict[str, Any] = {"time": np.round(log.t * 1000.0, 6)[:, np.newaxis], **log.channels()}
+    with path.open("wb") as stream:
+        np.savez_compressed(stream, joint_names=np.array(log.joint_names), **arrays)
+
+
 PARQUET = Writer(
     name="parquet",
     suffix=".parquet",
-    write=write_parquet,
+    write=_write_parquet,
     summary="tidy Parquet, one column per channel and joint; every channel, to the bit",
 )
 PARQUET_LISTS = Writer(
     name="parquet-lists",
     suffix=".parquet",
-    write=write_parquet_lists,
+    write=_write_parquet_lists,
     summary="Parquet with one list-valued column per channel",
+)
+NPZ = Writer(
+    name="npz",
+    suffix=".npz",
+    write=_write_npz,
+    summary="NumPy archive with the keys of panda-py's get_log(); milliseconds, other numbers to the bit",
+    lossless=False,
 )
