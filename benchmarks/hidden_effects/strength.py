@@ -13,8 +13,8 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
-from friction_audit.preprocessing import segment_cycles
 from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from friction_audit.simulation.dispatch import simulate
 from friction_audit.simulation.effects import EFFECTS

@@ -62,7 +62,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
-    from friction_audit.preprocessing import segment_cycles
+    from friction_audit.preprocessing.segmentation import segment_cycles
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)
     hand = settings.cycles.cycles_from == "hand"

@@ -116,5 +116,5 @@ def test_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "distributed", None)
-    with pytest.raises(UsageError, match=r"install friction-audit\[cluster\]"):
+    with pytest.raises(UsageError, match=r"pip install 'friction-audit\[cluster\]'"):
         next(DaskExecutor(address="tcp://h:1").run(deadly_once, iter(())))

@@ -126,5 +126,5 @@ def test_urls(tree: Path) -> None:
 
 def test_urls_without_fsspec(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(__import__("sys").modules, "fsspec.core", None)
-    with pytest.raises(UsageError, match=r"s3://lab/a.csv: .*install friction-audit\[remote\]"):
+    with pytest.raises(UsageError, match=r"s3://lab/a.csv: .*pip install 'friction-audit\[remote\]'"):
         find_logs(["s3://lab/a.csv"], {})

@@ -9,7 +9,7 @@ from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing import segment_cycles
+from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
 from tests.synthetic_interaction import interaction, strokes
 

@@ -9,8 +9,8 @@ from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing import segment_cycles
 from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
 from tests.synthetic_interaction import interaction, strokes
 

@@ -13,8 +13,8 @@ from friction_audit.io.checks import examine, to_joint_log
 from friction_audit.io.readers import read_log
 from friction_audit.io.readers.reader import ReadOptions, Recording
 from friction_audit.joint_log import Finding, JointLog
-from friction_audit.preprocessing import segment_cycles
 from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 from tests.io.synthetic_recordings import motion, recording, tidy_frame
 

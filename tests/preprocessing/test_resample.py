@@ -1,12 +1,13 @@
 """The model's torque on a coarse grid against the same at every sample."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from friction_audit.joint_log import Float, JointLog, Source
-from friction_audit.preprocessing.resampling import grids_of, position_on, torque_on_grids, velocity_on
+from friction_audit.preprocessing.resampling import Grid, GridTorque, grids_of, position_on, velocity_on
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.robot import load_arm
 
@@ -29,6 +30,10 @@ def moving_arm(t: Float) -> tuple[JointLog, Float]:
         source=Source(path="made", sha256="", format="made"),
     )
     return log, -AMPLITUDE * omega**2 * np.sin(phase)
+
+
+def torque_on_grids(grids: tuple[Grid, ...], torque: Callable[[Grid], Float]) -> GridTorque:
+    return GridTorque(grids=grids, values=tuple(torque(grid) for grid in grids))
 
 
 def jittered(rate_hz: float, seconds: float) -> Float:

@@ -5,8 +5,8 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.preprocessing import segment_cycles
 from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL
+from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings
 from tests.synthetic_interaction import interaction, strokes
 

@@ -71,7 +71,8 @@ def _connect(address: str) -> Any:  # noqa: ANN401
         distributed: Any = import_module("distributed")
     except ImportError as error:
         raise UsageError(
-            f"--scheduler {address}: needs dask.distributed, which is not installed; install friction-audit[cluster]"
+            f"--scheduler {address}: needs dask.distributed, which is not installed; run: "
+            "pip install 'friction-audit[cluster]'"
         ) from error
     try:
         with warnings.catch_warnings():

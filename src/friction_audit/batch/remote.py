@@ -120,7 +120,7 @@ def _open(url: str) -> tuple[Any, str]:
         from fsspec.core import url_to_fs
     except ImportError as error:
         raise UsageError(
-            f"{url}: URLs are read with fsspec, which is not installed; install friction-audit[remote]"
+            f"{url}: URLs are read with fsspec, which is not installed; run: pip install 'friction-audit[remote]'"
         ) from error
     try:
         system, path = url_to_fs(url)

@@ -109,8 +109,8 @@ def _topics(path: Path) -> "tuple[TopicSummary, ...]":
 
 def _summary(log: "JointLog", view: _View) -> "LogSummary":
     """Go as far along the chain as the log allows."""
-    from friction_audit.preprocessing import segment_cycles
     from friction_audit.preprocessing.interaction_torque import extract_interaction
+    from friction_audit.preprocessing.segmentation import segment_cycles
     from friction_audit.reporting.log_summary import summarize_log
 
     try:

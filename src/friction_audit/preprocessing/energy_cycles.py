@@ -5,7 +5,7 @@ III): the joint rests at both ends, so its kinetic energy cancels and the work l
 trapezoids over [t[start], t[stop]], on the real stamps; neighbours share the border sample and nothing else.
 """
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +14,10 @@ from friction_audit.joint_log import Float
 
 Int = NDArray[np.int64]
 
+# Why a cycle is rejected: kept, a gap in the log, no return to its start while gravity is in the torque, not every
+# joint has moved enough, the joint never reversed.
 KEPT, GAP, OPEN, SMALL, ONE_WAY = range(5)
 REASONS = ("", "gap", "open", "small", "one_way")
-"""Why a cycle is left out of the estimates: kept, a hole in the log, open in position while gravity is in the torque,
-not every joint has moved enough, the joint never reversed."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -120,9 +120,6 @@ class EnergyCycles:
 
     def rows(self, mask: NDArray[np.bool_]) -> "EnergyCycles":
         """Return the rows selected by a mask of shape (m,)."""
-        kept = {f.name: getattr(self, f.name) for f in fields(self)}
-        kept |= {name: kept[name][mask] for name in PER_CYCLE}
-        return EnergyCycles(**kept | {"sums": self.sums.rows(mask), "parts": self.parts.rows(mask)})
-
-
-PER_CYCLE = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")
+        per_cycle = ("joint", "start", "stop", "start_s", "stop_s", "peak_speed_rad_s", "open", "reason")
+        kept = {name: getattr(self, name)[mask] for name in per_cycle}
+        return replace(self, **kept, sums=self.sums.rows(mask), parts=self.parts.rows(mask))

@@ -1,4 +1,4 @@
-"""The truly sequential loops of the segmentation, compiled; they run beside one another in threads."""
+"""The sequential loops of the segmentation, compiled; joints run in parallel threads."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,7 +144,7 @@ def add_up(
     return sums
 
 
-# Typed, so that importing this module starts the compiler: that takes longer than all the loops of an hour of log.
+# Typed, so that importing this module starts the compiler, which takes longer than all the loops of an hour of log.
 @compiled("void(float64[::1], float64, float64, float64)")
 def low_pass_both_ways(signal: Float, gain: float, a1: float, a2: float) -> None:
     """Run gain (1 + z)^2 / (z^2 + a1 z + a2), of unit gain at rest, over a signal in place, forwards and backwards.

@@ -21,25 +21,15 @@ from friction_audit.joint_log import Float, JointLog, median_step
 from friction_audit.parallel import per_joint
 from friction_audit.preprocessing.interaction import SignEvidence
 
-RATE_HZ = 50.0
-"""Rate of the means that the proof works on: above the motion, and cheap for hours of log."""
-
-SLOWEST_RAD_S = 0.01
-FASTEST_RAD_S = 0.05
-SHARE_OF_PEAK = 0.2
-"""A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s."""
-
-STILL_RAD_S = 0.02
-"""A joint whose peak speed stays below this does not move."""
-
+RATE_HZ = 50.0  # of the means that the proof works on: above the motion, and cheap for hours of log
+# A sample moves above a fifth of the joint's peak speed, but at least at 0.01 and at most at 0.05 rad/s.
+SLOWEST_RAD_S, FASTEST_RAD_S, SHARE_OF_PEAK = 0.01, 0.05, 0.2
+STILL_RAD_S = 0.02  # a joint whose peak speed stays below this does not move
 SHARE_OF_FARTHEST = 0.1
 MINIMUM_STROKES = 4
-SIGNIFICANT = 2.0
-"""Standard errors."""
-LARGEST_SCORE = 5.0
-"""Standard errors beyond which a joint's score tells of gravity or inertia in its torque, not of more certainty."""
-BRIDGED_S = 0.1
-"""A step of the clock up to this is no hole here: the mean motion between two samples is well below 5 Hz."""
+SIGNIFICANT = 2.0  # standard errors
+LARGEST_SCORE = 5.0  # standard errors beyond which a score comes from gravity or inertia, not from more certainty
+BRIDGED_S = 0.1  # a step of the clock up to this is no hole here: the motion of the mean is well below 5 Hz
 
 Verdict = Literal["rises", "falls", "undecided", "still", "no_torque"]
 

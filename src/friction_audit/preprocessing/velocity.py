@@ -10,13 +10,15 @@ from friction_audit.preprocessing import kernels
 from friction_audit.preprocessing.interaction import Caution
 from friction_audit.preprocessing.sign import CoarseLog
 
-HIGHEST_SHARE_OF_RATE = 0.4
-"""A corner closer to the Nyquist frequency than this filters nothing worth filtering."""
-
-PADDING = 9
-"""Samples by which the signal is continued at each end, as scipy's sosfiltfilt does."""
-
+HIGHEST_SHARE_OF_RATE = 0.4  # a corner closer to the Nyquist frequency filters nothing
+PADDING = 9  # samples by which the signal is continued at each end, as scipy's sosfiltfilt does
 MINIMUM_LENGTH = 16
+CERTAIN = 5.0  # standard errors that a lag must differ from zero
+SHARE_OF_STEP = 0.5  # of the clock that it must exceed: channels of one message may be sampled in turn
+LATEST_S, LATEST_STEPS = 0.02, 2.0  # a driver's filter delays by no more; beyond, dq is of another clock
+TOLERANCE = 0.1  # by so much of itself may the lag be found too large
+MOVED_RAD = 0.05  # the lag of a joint that moves less is that of its vibration
+FINE = 0.01  # noise of a velocity from the position, of the rms speed, that is no loss
 
 
 def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
@@ -35,29 +37,11 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
     # Point reflections at both ends. scipy.signal would do the same, but loading it takes longer than this.
     head, tail = 2 * dq[0] - dq[PADDING:0:-1], 2 * dq[-1] - dq[-2 : -PADDING - 2 : -1]
     padded = np.concatenate([head, dq, tail])
-    kernels.low_pass_both_ways(padded, *_butterworth(cutoff_hz / rate_hz))
-    return padded[PADDING:-PADDING]
-
-
-def _butterworth(corner: float) -> tuple[float, float, float]:
-    """Return gain, a1 and a2 of the second-order filter, for a corner given in cycles per sample."""
-    k = math.tan(math.pi * corner)
+    k = math.tan(math.pi * cutoff_hz / rate_hz)
     whole = 1.0 + math.sqrt(2.0) * k + k * k
-    return k * k / whole, 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
-
-
-CERTAIN = 5.0
-"""Standard errors that a lag must differ from zero."""
-SHARE_OF_STEP = 0.5
-"""And so much of a step of the clock: channels of one message may be sampled in turn."""
-LATEST_S, LATEST_STEPS = 0.02, 2.0
-"""A driver's filter delays by no more, or by so many steps of a slow clock; beyond, dq is of another clock."""
-TOLERANCE = 0.1
-"""By so much of itself may the lag be found too large."""
-MOVED_RAD = 0.05
-"""The lag of a joint that moves less is that of its vibration."""
-FINE = 0.01
-"""Noise of a velocity from the position, of the usual speed, that is no loss."""
+    a1, a2 = 2.0 * (k * k - 1.0) / whole, (1.0 - math.sqrt(2.0) * k + k * k) / whole
+    kernels.low_pass_both_ways(padded, k * k / whole, a1, a2)
+    return padded[PADDING:-PADDING]
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
@@ -84,7 +68,7 @@ def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Flo
 
 
 def find_lag(coarse: CoarseLog, step_s: float) -> Float:
-    """Tell by how much each joint's velocity comes late, shape (j,); 0 where that cannot be told from nothing. [s]
+    """Return by how much each joint's velocity comes late, shape (j,); 0 where that is not significant. [s]
 
     Args:
         coarse: Means of the log over short blocks.
@@ -104,8 +88,8 @@ def find_lag(coarse: CoarseLog, step_s: float) -> Float:
 def read_on_time(log: JointLog, lag: Float) -> JointLog:
     """Return a log whose velocities belong to its positions.
 
-    A filter that delays also flattens, so a late velocity is replaced by the change of the position over as long a
-    memory, centred: (q(t + d) - q(t - d)) / 2 d. Where the position is too coarse for that, it is read earlier.
+    A filter that delays also flattens, so a late velocity is replaced by the central difference of the position over
+    the lag, (q(t + d) - q(t - d)) / 2 d. Where the position is too coarse for that, the velocity is read earlier.
 
     Args:
         log: The log.
@@ -116,14 +100,10 @@ def read_on_time(log: JointLog, lag: Float) -> JointLog:
         q, late = log.q[:, joint], lag[joint]
         after, before = np.minimum(log.t + late, log.t[-1]), np.maximum(log.t - late, log.t[0])
         change = np.interp(after, log.t, q) - np.interp(before, log.t, q)
-        fine = _roughness(q) / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
+        roughness = float(np.sqrt(np.mean(np.diff(q, n=2) ** 2) / 6.0))  # rms noise and resolution of the position
+        fine = roughness / (np.sqrt(2.0) * late) < FINE * float(np.sqrt(np.mean(log.dq[:, joint] ** 2)))
         dq[:, joint] = change / (after - before) if fine else np.interp(after, log.t, log.dq[:, joint])
     return replace(log, dq=dq)
-
-
-def _roughness(q: Float) -> float:
-    """Root mean square of a position's noise and resolution, from second differences. [rad]"""
-    return float(np.sqrt(np.mean(np.diff(q, n=2) ** 2) / 6.0))
 
 
 def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, ...]]:

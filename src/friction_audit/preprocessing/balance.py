@@ -1,0 +1,91 @@
+"""A row of the balance: which torques are removed from the source, with which sign, and what the energy says of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.parallel import per_joint
+from friction_audit.preprocessing.interaction import SignEvidence
+from friction_audit.preprocessing.resampling import GridTorque
+from friction_audit.preprocessing.sign import CoarseLog, most
+from friction_audit.preprocessing.torque_source import CHANNELS, Plan
+
+SIGNS = {"hand": -1, "robot": 1}  # factor on tau_J and on tau_ext in each row
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Balance:
+    """One row of the balance: F_m = sign * (source - each of the torques removed)."""
+
+    plan: Plan
+    source: Float
+    drive: str
+    sign: int
+    inertia: bool
+    logged: Float | None
+    modelled: GridTorque | None
+    evidence: tuple[SignEvidence, ...] = ()
+
+    @property
+    def proved(self) -> bool:
+        """True if the energy rises on most of the moving joints."""
+        return most(self.evidence, "rises")
+
+    @property
+    def inertia_left(self) -> bool:
+        """True if joints that move together leave inertial and Coriolis torque in F_m."""
+        by_motors = self.drive == "robot" and self.plan.source == "tau_J"
+        return by_motors and not self.inertia and self.source.shape[1] > 1
+
+    @property
+    def formula(self) -> str:
+        """The balance in words, for people."""
+        source, gravity = self.plan.source, self.plan.gravity
+        if source != "tau_J":
+            return f"F_m = {'-' if self.sign < 0 else ''}{CHANNELS[source]}"
+        removed = (["M ddq", "c"] if self.inertia else []) + (["g"] if gravity != "none" else [])
+        inside = "" if gravity != "none" else ", gravity still inside"
+        if self.drive == "hand":
+            return f"F_m = {''.join(f'{name} ' for name in removed)}-{' ' if removed else ''}tau_J{inside}"
+        listed = " + ".join(removed)
+        return "F_m = tau_J" + (f" - ({listed})" if len(removed) > 1 else f" - {listed}" if removed else "") + inside
+
+    def coarse(self, coarse: CoarseLog) -> Float:
+        """Return F_m of all joints at the coarse log's times, shape (m, j). [N m]"""
+        torque = coarse.mean(self.source)
+        if self.logged is not None:
+            torque -= coarse.mean(self.logged)
+        if self.modelled is not None:
+            self.modelled.subtract_from(torque, coarse.t, list(range(torque.shape[1])))
+        return self.sign * torque
+
+    def driving(self, log: JointLog, coarse: CoarseLog) -> Float:
+        """Return F_m + u of all joints at the coarse log's times, shape (m, j). [N m]"""
+        torque = self.coarse(coarse)
+        for active in (log.tau_compensation, log.tau_passivity):
+            if active is not None:
+                torque += coarse.mean(active)
+        return torque
+
+    def full(self, t: Float, columns: list[int]) -> Float:
+        """Return F_m of some joints at every sample, shape (n, len(columns)). [N m]
+
+        It is the recorded array itself where nothing is to be done.
+        """
+        if self.sign > 0 and self.logged is None and self.modelled is None and len(columns) == self.source.shape[1]:
+            return self.source
+        torque = np.empty((len(t), len(columns)), order="F")
+
+        def fill(place: int) -> None:
+            column, own = columns[place], torque[:, place]
+            own[:] = self.source[:, column]
+            if self.logged is not None:
+                own -= self.logged[:, column]
+            if self.modelled is not None:
+                self.modelled.subtract_from(own[:, None], t, [column])
+            if self.sign < 0:
+                np.negative(own, out=own)
+
+        per_joint(fill, len(columns))
+        return torque
