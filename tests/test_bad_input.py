@@ -12,7 +12,8 @@ import pytest
 
 from friction_audit.cli import main
 from friction_audit.io.readers import read
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording
+from friction_audit.io.readers.reader import Reader, ReadOptions
+from friction_audit.io.recording import Recording
 from tests import bad_files
 from tests.bad_files import BAGS, FORMS, SPOILED, TABLES
 from tests.io.bag_writing import joint_states, ros1_store, ros2_store, samples, write_mcap

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from friction_audit.io.readers.reader import Recording
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Float
 
 RATE_HZ = 1000.0

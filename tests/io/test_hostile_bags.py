@@ -17,7 +17,8 @@ from mcap.writer import CompressionType
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.read import choose_reader, read_log
-from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 from tests.io.bag_writing import (
     STEP_NS,

@@ -15,7 +15,8 @@ from mcap.writer import CompressionType, IndexType
 
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers.mcap import MCAP
-from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
     JOINTS,
     STEP_NS,

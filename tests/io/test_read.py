@@ -12,7 +12,7 @@ from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import READERS, ReadOptions, list_topics, read_log
 from friction_audit.io.readers.csv import CSV
 from friction_audit.io.readers.csv_dialect import Dialect, sniff_csv
-from friction_audit.io.readers.reader import Recording
+from friction_audit.io.recording import Recording
 from tests.io.synthetic_recordings import motion, tidy_frame, write_tidy_csv
 
 

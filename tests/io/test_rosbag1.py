@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.readers.rosbag1 import ROSBAG1, Rosbag1Stream
+from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
     JOINTS,
     STEP_NS,

@@ -15,8 +15,9 @@ from rosbags.typesys.store import Typestore
 from friction_audit.errors import InputError, UsageError
 from friction_audit.io.readers import read_log
 from friction_audit.io.readers.message_decoder import _ERROR_FLAGS, _FRANKA_GENERATIONS, _franka_definitions
-from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.readers.rosbag2 import ROSBAG2
+from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
     JOINTS,
     STEP_NS,

@@ -9,9 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks import examine, to_joint_log
+from friction_audit.io.checks import examine
 from friction_audit.io.readers import read_log
-from friction_audit.io.readers.reader import ReadOptions, Recording
+from friction_audit.io.readers.read import to_joint_log
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
@@ -20,7 +22,8 @@ from tests.io.synthetic_recordings import motion, recording, tidy_frame
 
 
 def vetted(given_recording: Recording, options: ReadOptions | None = None) -> JointLog:
-    examined = examine(given_recording, path="run.log", options=options or ReadOptions())
+    used = options or ReadOptions()
+    examined = examine(given_recording, path="run.log", robot=used.robot, time_scale=used.time_scale)
     return to_joint_log(examined, path="run.log", sha256="0" * 64, format="test")
 
 

@@ -1,78 +1,25 @@
-"""Do q, dq and the clock belong together? Degrees, a wrong time unit, a stretched clock, a wrong column.
-
-The change of q is regressed on the integral of dq over many short windows of time. One number per joint comes out: 1 if
-all is well, 57.3 if q is in degrees, 1000 if the clock was read in the wrong unit, 1.05 if it runs 5 % too short or dq
-reads 5 % too small.
-"""
+"""Do q, dq and the clock belong together? Degrees, a wrong time unit, a stretched clock, a wrong column."""
 
 import re
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks.sampling import gap_threshold_s, with_findings
-from friction_audit.io.readers.reader import Recording
-from friction_audit.joint_log import Finding, Float, median_step
+from friction_audit.io.checks.motion_ratio import DISAGREES, TRAVELLED, MotionRatio, motion_ratios
+from friction_audit.io.recording import Recording
+from friction_audit.joint_log import Finding
 
-DEGREES_PER_RADIAN = 180.0 / np.pi
-RPM_PER_RAD_S = 30.0 / np.pi
-_WINDOWS_S = (0.5, 2.0, 8.0)
-"""Lengths of a window; the longer ones are for joints that move too slowly for the short ones."""
-_WINDOW_SAMPLES = 15
-_FEWEST_PARTS = 16
-_MOST_SAMPLES = 1 << 18
-"""Samples that are looked at; of longer logs, windows spread evenly over the whole."""
-_MOVED = 0.003
-"""Change of q over a window from which on the joint counts as moving there. [rad]"""
-_SURELY_MOVED = 0.05
-"""Integral of dq over a short window that no noise or offset of a joint at rest makes. [rad]"""
-_TRAVELLED = 0.1
-"""Range of q that no noise of a joint at rest makes. [rad]"""
-_FEWEST_WINDOWS = 5
+_DEGREES_PER_RADIAN = 180.0 / np.pi
+_RPM_PER_RAD_S = 30.0 / np.pi
 _LARGEST_Q_RAD = 4.0 * np.pi
 _LARGEST_DQ_RAD_S = 12.0
-_LARGEST_Q_DEG = 720.0
-"""Beyond this a joint turns without end, whatever the unit: a bench rig, where magnitudes prove nothing."""
-_RETURNS = 0.1
-"""Share of the samples against the usual direction from which on a joint goes to and fro."""
+_LARGEST_Q_DEG = 720.0  # beyond, a joint turns without end, in any unit: a bench rig, where magnitudes prove nothing
+_RETURNS = 0.1  # share of samples against the usual direction from which on a joint goes to and fro
 _STRETCHED = 0.02
-_TINY = 1e-3
-"""A clock is never wrong by more than units are: a smaller ratio means that q does not follow dq at all."""
 _STRETCHED_TOO_FAR = 1.5
-_DISAGREES = 0.05
-_TRUSTED_R2 = 0.8
+_TINY = 1e-3  # no clock is wrong by more than units are: with a smaller ratio q does not follow dq at all
 _UNIT_FACTORS = (1e-9, 1e-6, 1e-3, 1e3, 1e6, 1e9)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class MotionRatio:
-    """Change of q over integral of dq.
-
-    Attributes:
-        ratio: One per joint, NaN where the joint hardly moves, shape (j,).
-        determination: Share of the change of q that the integral explains, shape (j,).
-        windows: Windows of time in which the joint moved, 0 where it hardly moves, shape (j,).
-    """
-
-    ratio: Float
-    determination: Float
-    windows: np.ndarray
-
-    @property
-    def trusted(self) -> np.ndarray:
-        """True for the joints whose motion is explained: a wrong column and a joint at rest do not vote."""
-        return self.determination > _TRUSTED_R2
-
-    @property
-    def common(self) -> float:
-        """Median of the ratios that most joints agree on, of equal shares of the one nearest 1, or NaN."""
-        votes = self.ratio[self.trusted]
-        if not len(votes):
-            return float("nan")
-        agree = np.abs(votes[:, None] / votes[None, :] - 1.0) <= _DISAGREES
-        best = max(range(len(votes)), key=lambda one: (int(agree[:, one].sum()), -abs(votes[one] - 1.0)))
-        return float(np.median(votes[agree[:, best]]))
 
 
 def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
@@ -83,25 +30,25 @@ def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
     """
     q, dq = recording.channels["q"], recording.channels["dq"]
     travelled, turned = np.ptp(q, axis=0), np.abs(dq[0]) * (recording.t[-1] - recording.t[0])
-    dead = (travelled > _TRAVELLED) & (np.ptp(dq, axis=0) == 0.0) & (turned < 0.5 * travelled)
+    dead = (travelled > TRAVELLED) & (np.ptp(dq, axis=0) == 0.0) & (turned < 0.5 * travelled)
     said = [
-        f"dq ({recording.mapping.get('dq', 'dq')}) of {recording.joint_names[joint]} is {dq[0, joint] + 0.0:g} in all "
-        f"{len(dq)} rows while q moves by {travelled[joint]:.3g}; its velocity was not recorded: name another column "
+        f"{recording.name_of('dq', joint)} is {dq[0, joint] + 0.0:g} in all {len(dq)} rows while q moves by "
+        f"{travelled[joint]:.3g}; its velocity was not recorded: name another column "
         "with --map dq=<column>, or record it"
         for joint in np.flatnonzero(dead)
     ]
-    if said and dead.sum() == np.count_nonzero(travelled > _TRAVELLED):
+    if said and dead.sum() == np.count_nonzero(travelled > TRAVELLED):
         raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
     numbers = np.flatnonzero(dead) + 1
     findings = (Finding(code="velocity_dead", message=m, joint=int(j)) for j, m in zip(numbers, said, strict=True))
-    return with_findings(recording, *findings)
+    return recording.with_findings(*findings)
 
 
 def mend_units(recording: Recording, path: str) -> Recording:
     """Turn degrees into radians and rpm into rad/s, and mend a unit of time that was misjudged.
 
     Raises:
-        InputError: If a table of one joint may be in degrees, and nothing tells.
+        InputError: If a table of one joint may be in degrees, and no name says so.
     """
     ratio = _ratios(recording).common
     turned = _turn_degrees(recording, ratio, path)
@@ -121,80 +68,12 @@ def check_motion(recording: Recording, path: str, *, scaled: bool) -> Recording:
     """
     ratios = _ratios(recording)
     recording = replace(recording, clock_windows=int(ratios.windows[ratios.trusted].sum()))
-    recording = with_findings(recording, *_mismatches(recording, ratios))
-    return with_findings(recording, _stretch(ratios.common, path, scaled=scaled))
+    recording = recording.with_findings(*_mismatches(recording, ratios))
+    return recording.with_findings(_stretch(ratios.common, path, scaled=scaled))
 
 
 def _ratios(recording: Recording) -> MotionRatio:
     return motion_ratios(recording.t, recording.channels["q"], recording.channels["dq"])
-
-
-def motion_ratios(t: Float, q: Float, dq: Float) -> MotionRatio:
-    """Regress the change of q on the integral of dq, per joint.
-
-    A second regressor, the change of dq over the window, takes up a delay between q and dq.
-    """
-    several = [_windows(t, longest_s) for longest_s in _WINDOWS_S]
-    found = [_first_that_moves(t, q[:, joint], dq[:, joint], several) for joint in range(q.shape[1])]
-    ratio, determination, windows = zip(*found, strict=True)
-    return MotionRatio(ratio=np.array(ratio), determination=np.array(determination), windows=np.array(windows))
-
-
-def _windows(t: Float, longest_s: float) -> tuple[np.ndarray, np.ndarray]:
-    """Return first and last sample of windows of one length of time without gaps, _MOST_SAMPLES together at most."""
-    span, step = t[-1] - t[0], (t[-1] - t[0]) / (len(t) - 1)
-    # The step is in doubt, its unit may be misjudged: a window never is a large part of the log.
-    length = max(_WINDOW_SAMPLES * step, min(longest_s, span / _FEWEST_PARTS))
-    begin = t[0] + length * np.arange(int(span / length))
-    most = max(int(_MOST_SAMPLES * step / length), 1)
-    if len(begin) > most:
-        begin = begin[np.linspace(0, len(begin) - 1, most).astype(np.intp)]
-    starts, stops = np.searchsorted(t, begin), np.minimum(np.searchsorted(t, begin + length), len(t) - 1)
-    starts, stops = starts[stops > starts], stops[stops > starts]
-    if len(starts) == 0:
-        return starts, stops
-    rows, heads = _rows_within(starts, stops)
-    whole = np.maximum.reduceat(t[rows + 1] - t[rows], heads) <= gap_threshold_s(median_step(t))
-    return starts[whole], stops[whole]
-
-
-def _rows_within(starts: np.ndarray, stops: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the rows at which the steps of all windows begin, and where each window begins among them."""
-    heads = np.cumsum(stops - starts) - (stops - starts)
-    return np.arange((stops - starts).sum()) + np.repeat(starts - heads, stops - starts), heads
-
-
-def _first_that_moves(
-    t: Float, q: Float, dq: Float, several: list[tuple[np.ndarray, np.ndarray]]
-) -> tuple[float, float, int]:
-    """Return ratio, determination and number of windows for the shortest windows in which the joint moves."""
-    for least, (starts, stops) in zip((_SURELY_MOVED, np.inf, np.inf), several, strict=True):
-        if len(starts) < _FEWEST_WINDOWS:
-            continue
-        rows, heads = _rows_within(starts, stops)
-        integral = np.add.reduceat(0.5 * (dq[rows] + dq[rows + 1]) * (t[rows + 1] - t[rows]), heads)
-        change = q[stops] - q[starts]
-        moved = (np.abs(change) > _MOVED) | (np.abs(integral) > least)
-        if np.count_nonzero(moved) < _FEWEST_WINDOWS or not integral[moved].any():
-            continue
-        ratio, determination = _ratio(change[moved], integral[moved], (dq[stops] - dq[starts])[moved])
-        # A coarse encoder flickers at rest by more than _MOVED, and a velocity has an offset.
-        at_rest = np.abs(integral).max() <= _SURELY_MOVED and np.ptp(q[starts]) <= _TRAVELLED
-        if determination > _TRUSTED_R2 or not at_rest:
-            return ratio, determination, int(moved.sum())
-    return float("nan"), 0.0, 0
-
-
-def _ratio(change: Float, integral: Float, dq_change: Float) -> tuple[float, float]:
-    """Fit change = ratio * integral + delay * dq_change, twice: the second time without the outliers of the first."""
-    columns = np.column_stack((integral, dq_change))
-    kept = np.ones(len(change), dtype=np.bool_)
-    for _ in range(2):
-        solution = np.linalg.lstsq(columns[kept], change[kept], rcond=None)[0]
-        residual = np.abs(change - columns @ solution)
-        kept = residual <= max(6.0 * float(np.median(residual)), 1e-12)
-    total = float(np.dot(change, change))
-    return float(solution[0]), 1.0 - float(np.dot(residual, residual)) / total if total > 0.0 else 0.0
 
 
 def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
@@ -203,25 +82,39 @@ def _turn_degrees(recording: Recording, ratio: float, path: str) -> Recording:
     largest_q = max(float(np.abs(column).max()) for column in (q.min(axis=0), q.max(axis=0)))
     largest_dq = max(float(np.abs(column).max()) for column in (dq.min(axis=0), dq.max(axis=0)))
     degrees = []
-    if _near(ratio, 1.0 / RPM_PER_RAD_S, 0.05):
-        dq /= RPM_PER_RAD_S
-        return with_findings(recording, _rpm(largest_dq, ratio))
-    if _near(ratio, DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
+    if _near(ratio, 1.0 / _RPM_PER_RAD_S, 0.05):
+        dq /= _RPM_PER_RAD_S
+        message = (
+            f"dq is in rpm: it reaches {largest_dq:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it "
+            "was turned into rad/s"
+        )
+        return recording.with_findings(Finding(code="velocity_unit", message=message, amount=_RPM_PER_RAD_S))
+    if _near(ratio, _DEGREES_PER_RADIAN) or (np.isnan(ratio) and largest_q > _LARGEST_Q_RAD):
         degrees = ["q"]
-    elif _near(ratio, 1.0 / DEGREES_PER_RADIAN):
+    elif _near(ratio, 1.0 / _DEGREES_PER_RADIAN):
         degrees = ["dq"]
     elif _near(ratio, 1.0, 0.3) and largest_q > _LARGEST_Q_RAD and largest_dq > _LARGEST_DQ_RAD_S:
         if re.search("rad|deg", recording.mapping.get("q", "")):
             return recording
         if q.shape[1] == 1 or largest_q > _LARGEST_Q_DEG:
             _refuse_degrees(recording, largest_q, largest_dq, path)
-            return with_findings(recording, _suspected(largest_q, largest_dq))
+            message = (
+                f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
+                "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
+            )
+            return recording.with_findings(Finding(code="degrees_suspected", message=message, amount=largest_q))
         degrees = ["q", "dq"]
+    findings = []
     for channel in degrees:
         array = recording.channels[channel]
-        array /= DEGREES_PER_RADIAN
-    noticed = (_degrees(channel, largest_q if channel == "q" else largest_dq, ratio) for channel in degrees)
-    return with_findings(recording, *noticed)
+        array /= _DEGREES_PER_RADIAN
+        largest, unit = (largest_q, "degrees") if channel == "q" else (largest_dq, "degrees per second")
+        message = (
+            f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; "
+            "it was turned into radians"
+        )
+        findings.append(Finding(code="degrees", message=message, amount=largest))
+    return recording.with_findings(*findings)
 
 
 def _refuse_degrees(recording: Recording, largest_q: float, largest_dq: float, path: str) -> None:
@@ -236,33 +129,8 @@ def _refuse_degrees(recording: Recording, largest_q: float, largest_dq: float, p
         )
 
 
-def _rpm(largest: float, ratio: float) -> Finding:
-    message = (
-        f"dq is in rpm: it reaches {largest:.4g}, and q changes {ratio:.3g} times its integral, as pi/30; it was "
-        "turned into rad/s"
-    )
-    return Finding(code="velocity_unit", message=message, amount=RPM_PER_RAD_S)
-
-
 def _near(value: float, target: float, tolerance: float = 0.1) -> bool:
     return abs(value / target - 1.0) < tolerance
-
-
-def _degrees(channel: str, largest: float, ratio: float) -> Finding:
-    unit = "degrees" if channel == "q" else "degrees per second"
-    message = (
-        f"{channel} is in {unit}: it reaches {largest:.4g}, and q changes {ratio:.3g} times the integral of dq; "
-        "it was turned into radians"
-    )
-    return Finding(code="degrees", message=message, amount=largest)
-
-
-def _suspected(largest_q: float, largest_dq: float) -> Finding:
-    message = (
-        f"q reaches {largest_q:.4g} and dq {largest_dq:.4g}: a rig that turns without end, or degrees; read as "
-        "rad and rad/s; if it is degrees, say so in the names of the columns (q_1_deg, dq_1_deg_s)"
-    )
-    return Finding(code="degrees_suspected", message=message, amount=largest_q)
 
 
 def _mend_unit(recording: Recording, ratio: float) -> Recording:
@@ -275,7 +143,7 @@ def _mend_unit(recording: Recording, ratio: float) -> Recording:
         f"its unit was misjudged; time was multiplied by {factor:g}"
     )
     finding = Finding(code="time_unit", message=message, amount=factor)
-    return with_findings(replace(recording, t=recording.t * factor), finding)
+    return replace(recording, t=recording.t * factor).with_findings(finding)
 
 
 def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
@@ -283,7 +151,7 @@ def _mismatches(recording: Recording, ratios: MotionRatio) -> list[Finding]:
     reference = ratios.common
     judged = np.isfinite(ratios.ratio)
     if np.isfinite(reference):
-        wrong = judged & (np.abs(ratios.ratio / reference - 1.0) > _DISAGREES)
+        wrong = judged & (np.abs(ratios.ratio / reference - 1.0) > DISAGREES)
     else:
         wrong = judged & ~ratios.trusted
     return [_mismatch(recording, ratios, int(joint)) for joint in np.flatnonzero(wrong)]

@@ -1,57 +1,62 @@
 """Is there a torque at all, is it fine enough, and is it so large that it may be in another unit?
 
-Nothing in a log of motion proves a unit of torque.
+The motion in a log says nothing of the unit of a torque.
 """
 
 import numpy as np
 
-from friction_audit.io.checks.missing import MOVING_RAD_S
-from friction_audit.io.checks.sampling import with_findings
-from friction_audit.io.readers.reader import Recording
+from friction_audit.io.checks.stale import MOVING_RAD_S
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import TORQUE_CHANNELS, Finding, Float
 
-LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
-"""What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]"""
-SHARE = 0.95
-"""Of the samples that may be below what is looked at: a few wild ones prove nothing."""
-MOST_SAMPLES = 1 << 16
-FEWEST_MOVING = 20
-"""Samples in either direction that tell what reverses with the motion."""
-FEW_STEPS = 5.0
-LEAST_NM = 0.01
-"""A joint of an arm does not turn with less than this: a channel of a few steps below it carries no torque. [N m]"""
-COARSE = 1.0
-"""Steps of more than what reverses make the estimate depend on their rounding. Panda sensors have half of that."""
-MOST_VALUES = 64
-UNEVEN = 0.01
+# What a joint of an arm for tens of kilograms never holds, and what is left of it without gravity. [N m]
+_LARGEST_NM = {"tau_J": 1000.0, "tau_interaction": 300.0, "tau_ext_hat_filtered": 300.0}
+_SHARE = 0.95  # of the samples that may be below what is tested: a few wild ones prove nothing
+_MOST_SAMPLES = 1 << 16
+_FEWEST_MOVING = 20  # samples in either direction that show what reverses with the motion
+_FEW_STEPS = 5.0
+_LEAST_NM = 0.01  # no joint of an arm turns with less: a channel of a few steps below it carries no torque [N m]
+# Steps of more than what reverses make the estimate depend on their rounding. Panda sensors have half of that.
+_COARSE = 1.0
+_MOST_VALUES = 64
+_UNEVEN = 0.01
 
 
 def check_torque(recording: Recording) -> Recording:
     """Notice torques that are dead, coarse or may be in mN m; nothing is changed."""
-    present = [name for name in LARGEST_NM if name in recording.channels]
-    recording = with_findings(recording, *(_suspected(recording, name) for name in present))
+    every = max(1, len(recording.t) // _MOST_SAMPLES)
+    findings = []
+    for name in (name for name in _LARGEST_NM if name in recording.channels):
+        usual = np.quantile(np.abs(recording.channels[name][::every]), _SHARE, axis=0)
+        joint = int(np.argmax(usual))
+        if usual[joint] > _LARGEST_NM[name]:
+            text = (
+                f"{name} is above {usual[joint]:.4g} in a twentieth of the samples: a very large arm, or mN m; read as "
+                "N m; if it is mN m, divide the column by 1000, or coefficients are too large by that"
+            )
+            amount = float(usual[joint])
+            findings.append(Finding(code="torque_unit_suspected", message=text, joint=joint + 1, amount=amount))
     used = next(name for name in TORQUE_CHANNELS if name in recording.channels)
-    joints = range(len(recording.joint_names))
-    return with_findings(recording, *(_poor(recording, used, joint) for joint in joints))
+    return recording.with_findings(*findings, *(_poor(recording, used, j) for j in range(len(recording.joint_names))))
 
 
 def _poor(recording: Recording, channel: str, joint: int) -> Finding | None:
     """Say of a moving joint that its torque is constant, or a few steps of a sensor, or rounded to coarse steps."""
-    every = max(1, len(recording.t) // MOST_SAMPLES)
+    every = max(1, len(recording.t) // _MOST_SAMPLES)
     torque, dq = recording.channels[channel][::every, joint], recording.channels["dq"][::every, joint]
     forwards, backwards = torque[dq > MOVING_RAD_S], torque[dq < -MOVING_RAD_S]
-    if len(forwards) + len(backwards) < FEWEST_MOVING:
+    if len(forwards) + len(backwards) < _FEWEST_MOVING:
         return None
-    name = f"{channel} ({recording.mapping.get(channel, channel)}) of {recording.joint_names[joint]}"
+    name = recording.name_of(channel, joint)
     if np.ptp(recording.channels[channel][:, joint]) == 0.0:
         return _dead(f"torque channel is constant: {name} is {torque[0]:g} in all rows while the joint moves", joint)
     step, rms = _step(torque), float(np.std(torque))
-    if 0.0 < rms < min(FEW_STEPS * step, LEAST_NM):
+    if 0.0 < rms < min(_FEW_STEPS * step, _LEAST_NM):
         return _dead(f"torque channel is dead: {name} varies by {rms:.2g} rms, a few steps of {step:.2g}", joint)
-    if min(len(forwards), len(backwards)) < FEWEST_MOVING:
+    if min(len(forwards), len(backwards)) < _FEWEST_MOVING:
         return None
     reverses = 0.5 * abs(float(np.mean(forwards) - np.mean(backwards)))
-    if step <= COARSE * reverses:
+    if step <= _COARSE * reverses:
         return None
     message = (
         f"{name} is rounded to steps of {step:.3g}, and {reverses:.2g} of it reverses with the motion: friction is "
@@ -73,26 +78,7 @@ def _step(torque: Float) -> float:
     values = np.unique(torque)
     steps = np.diff(values)
     steps = steps[steps > 1e-6 * (values[-1] - values[0])]
-    if not 0 < len(steps) <= MOST_VALUES:
+    if not 0 < len(steps) <= _MOST_VALUES:
         return 0.0
     step = float(steps.min())
-    return step if np.abs(values / step - np.round(values / step)).max() < UNEVEN else 0.0
-
-
-def _suspected(recording: Recording, name: str) -> Finding | None:
-    """Name the joint with the largest usual torque of a channel, where that is suspicious."""
-    usual = _usual(recording.channels[name])
-    joint = int(np.argmax(usual))
-    if usual[joint] <= LARGEST_NM[name]:
-        return None
-    message = (
-        f"{name} is above {usual[joint]:.4g} in a twentieth of the samples: a very large arm, or mN m; read as N m; if "
-        "it is mN m, divide the column by 1000, or coefficients are too large by that"
-    )
-    return Finding(code="torque_unit_suspected", message=message, joint=joint + 1, amount=float(usual[joint]))
-
-
-def _usual(torque: Float) -> Float:
-    """Size that a twentieth of the samples exceeds, of each joint, shape (j,)."""
-    every = max(1, len(torque) // MOST_SAMPLES)
-    return np.asarray(np.quantile(np.abs(torque[::every]), SHARE, axis=0), np.float64)
+    return step if np.abs(values / step - np.round(values / step)).max() < _UNEVEN else 0.0

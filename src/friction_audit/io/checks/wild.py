@@ -10,36 +10,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.io.checks.sampling import take_rows, with_findings
-from friction_audit.io.readers.reader import Recording
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float
 from friction_audit.parallel import per_joint
 
-LONGEST_RUN = 8
-"""Rows over which a filter of the driver spreads one wild value."""
-_REACH = LONGEST_RUN + 4
-"""Rows on both sides that make the median: a run is a minority there."""
-_LAG = 3
-"""Changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal."""
-_UNUSUAL = 0.005
-_UNUSUAL_ROWS = 16
-"""The largest changes and values are left out of the scale: this share, or of a short log so many."""
-_TIMES_STEP = 10.0
-"""Of 204 sound logs, measured and simulated, the closest torque reaches 0.76 of the scale that follows."""
-_TIMES_STILL = 10.0
-"""A channel that stands still has no usual step: the least deviation is larger by so much."""
+_LONGEST_RUN = 8  # rows over which a filter of the driver spreads one wild value
+_REACH = _LONGEST_RUN + 4  # rows on both sides that make the median: a run is a minority there
+_LAG = 3  # changes are taken over three rows: neighbouring rows of a slow or coarse channel are often equal
+_UNUSUAL, _UNUSUAL_ROWS = 0.005, 16  # largest changes and values left out of the scale: share, or rows of a short log
+_TIMES_STEP = 10.0  # of 204 sound logs, measured and simulated, the closest torque reaches 0.76 of the scale
+_TIMES_STILL = 10.0  # a channel that stands still has no usual step: the least deviation is larger by so much
 _TIMES_RANGE = {"q": 0.0, "dq": 1.0}
-_TIMES_RANGE_OF_TORQUE = 2.0
-"""Dry friction turns by its whole range in one row, and a contact is as large."""
-_LEAST = {"q": 0.05, "dq": 0.5, "temperature": 20.0}
+_TIMES_RANGE_OF_TORQUE = 2.0  # dry friction turns by its whole range in one row, and a contact is as large
+_LEAST = {"q": 0.05, "dq": 0.5, "temperature": 20.0}  # smaller ones do no harm [rad, rad/s, degC, N m]
 _LEAST_TORQUE = 0.5
-"""Smaller ones do no harm. [rad, rad/s, degC, N m]"""
-_CALM = 3.0
-"""A velocity that changes by more than so many usual steps may be the effect of the torque."""
-_MOST_SAMPLES = 1 << 16
-"""Samples from which quantiles are taken, for speed."""
-_MOST_JUMPS = 0.01
-"""Where more rows jump, the jumps are the channel's nature."""
+_CALM = 3.0  # a velocity that changes by more than so many usual steps may be the effect of the torque
+_MOST_SAMPLES = 1 << 16  # from which quantiles are taken, for speed
+_MOST_JUMPS = 0.01  # where more rows jump, the jumps are the channel's nature
 _SHOWN = 3
 
 
@@ -73,7 +60,7 @@ def leave_out_wild(recording: Recording, *, first_s: float, numbered: bool) -> R
         for joint, runs in enumerate(per)
         for channel in dict.fromkeys(run.channel for run in runs)
     ]
-    return with_findings(take_rows(recording, kept), *findings)
+    return recording.take_rows(kept).with_findings(*findings)
 
 
 def _of_joint(recording: Recording, joint: int) -> list[_Run]:
@@ -91,7 +78,7 @@ def _deviations(channel: str, column: Float) -> list[_Run]:
         return []
     jumps = np.flatnonzero(np.abs(steps) > scale)
     runs: list[_Run] = []
-    for jump in jumps if len(jumps) < max(_MOST_JUMPS * len(column), 2 * LONGEST_RUN) else ():
+    for jump in jumps if len(jumps) < max(_MOST_JUMPS * len(column), 2 * _LONGEST_RUN) else ():
         if not runs or jump > runs[-1].last:
             runs += _run_at(channel, column, int(jump), scale)
     return runs
@@ -125,7 +112,7 @@ def _run_at(channel: str, column: Float, jump: int, scale: float) -> list[_Run]:
     edges = np.flatnonzero(np.diff(away, prepend=False, append=False)).reshape(-1, 2) + start
     for first, end in edges:
         at_edge = first == 0 or end == len(column)
-        if first <= jump + 1 <= end and end - first <= (1 if at_edge else LONGEST_RUN):
+        if first <= jump + 1 <= end and end - first <= (1 if at_edge else _LONGEST_RUN):
             value = float(max(column[first:end], key=lambda one: abs(one - usual)))
             if abs(value - usual) > scale:
                 return [_Run(channel=channel, first=int(first), last=int(end) - 1, value=value, usual=usual)]
@@ -156,7 +143,7 @@ def _finding(recording: Recording, joint: int, runs: list[_Run], first_s: float,
     ]
     more = f"; and at {len(runs) - _SHOWN} more places" if len(runs) > _SHOWN else ""
     message = (
-        f"{channel} ({recording.mapping.get(channel, channel)}) of {recording.joint_names[joint]} is wild: "
+        f"{recording.name_of(channel, joint)} is wild: "
         f"{'; '.join(places)}{more}; the other channels of the joint show nothing of it; "
         f"{rows} row{'' if rows == 1 else 's'} left out"
     )

@@ -14,9 +14,10 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_dialect import Dialect, is_number, looks_like_csv, sniff_csv, split_line
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic, refuse_too_large
+from friction_audit.io.readers.reader import Reader, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, find_window
 
 if TYPE_CHECKING:

@@ -26,7 +26,8 @@ from friction_audit.io.readers.message_stream import (
     open_log,
 )
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording
+from friction_audit.io.readers.reader import Reader, ReadOptions
+from friction_audit.io.recording import Recording
 
 if TYPE_CHECKING:
     from mcap.records import Channel, Chunk, Schema

@@ -19,8 +19,9 @@ from friction_audit.io.readers.message_decoder import DefinitionError, MessageDe
 from friction_audit.io.readers.message_kinds import MessageKind, Row, UndecodableError, match_kind, row_of
 from friction_audit.io.readers.message_layout import BlockDecoder
 from friction_audit.io.readers.message_stream import Block, Connection, MessageStream, Window, block_of_payloads
-from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Recording, Topic, refuse_too_large
+from friction_audit.io.readers.reader import MARGIN_S, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.topics import Candidate, Choice, choose_topic
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, find_window
 
 _SAMPLED_MESSAGES = 16  # first messages of a topic, from which its joints and channels are known

@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.io.readers.reader import Reader, ReadOptions, Topic
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float
 
 _PANDA_PY = {"O_T_EE", "control_command_success_rate", "time"}

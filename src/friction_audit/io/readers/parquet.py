@@ -15,9 +15,10 @@ from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
 from friction_audit.io.readers.channel_names import is_label, labels_of, serial_in
 from friction_audit.io.readers.columns import ColumnMap
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic, address_limit
+from friction_audit.io.readers.reader import Reader, ReadOptions, Topic, address_limit
 from friction_audit.io.readers.table import ColumnTable, Part, read_table
 from friction_audit.io.readers.time_column import Clock, TimeColumn, to_clock
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding
 from friction_audit.parallel import per_joint
 

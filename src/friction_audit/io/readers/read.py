@@ -9,19 +9,20 @@ from dataclasses import replace
 from pathlib import Path
 
 from friction_audit.errors import InputError
-from friction_audit.io.checks import examine, to_joint_log
-from friction_audit.io.checks.sampling import with_findings
+from friction_audit.io.checks import examine
 from friction_audit.io.files import Stamp, sha256_of, stamp_of, starts_with
+from friction_audit.io.readers.channel_names import torque_unit
 from friction_audit.io.readers.csv import CSV
 from friction_audit.io.readers.joint_names import arm_name, arms_in
 from friction_audit.io.readers.mcap import MCAP
 from friction_audit.io.readers.npz import NPZ
 from friction_audit.io.readers.parquet import PARQUET
-from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, Recording, TooLargeError, Topic
+from friction_audit.io.readers.reader import TAKE_A_PART, Reader, ReadOptions, TooLargeError, Topic
 from friction_audit.io.readers.rosbag1 import ROSBAG1
 from friction_audit.io.readers.rosbag2 import ROSBAG2
 from friction_audit.io.readers.topics import namespace
-from friction_audit.joint_log import Finding, JointLog, Source, find_window
+from friction_audit.io.recording import Recording
+from friction_audit.joint_log import TORQUE_CHANNELS, Finding, JointLog, Source, find_window
 
 # CSV comes last: any text with separators looks like one.
 READERS: tuple[Reader, ...] = (PARQUET, NPZ, ROSBAG1, ROSBAG2, MCAP, CSV)
@@ -49,8 +50,8 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
         try:
             recording = reader.read(file, options)
             damage = recording.findings
-            recording = with_findings(recording, *_suffix_mismatch(file, reader))
-            recording = examine(recording, path=str(path), options=options)
+            recording = recording.with_findings(*_suffix_mismatch(file, reader))
+            recording = examine(recording, path=str(path), robot=options.robot, time_scale=options.time_scale)
             sha256 = digest.result()
         except OSError as error:
             raise _unreadable(file, error) from error
@@ -66,13 +67,35 @@ def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
             if not notes:
                 raise
             raise type(error)("; ".join((str(error), *notes))) from error
-    recording = with_findings(recording, *_growth(before, _stamp(file)))
+    recording = recording.with_findings(*_growth(before, _stamp(file)))
     if not options.has_window:
         return to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
     recording = _part(recording, options, str(path))
     log = to_joint_log(recording, path=str(path), sha256=sha256, format=reader.name)
     window = (options.t_start_s, options.t_end_s)
     return replace(log, source=replace(log.source, window=window, skipped_s=float(recording.t[0])))
+
+
+def to_joint_log(recording: Recording, *, path: str, sha256: str, format: str) -> JointLog:  # noqa: A002
+    """Make an examined recording a JointLog whose clock starts at 0."""
+    first = float(recording.t[0])
+    torque = next(name for name in TORQUE_CHANNELS if name in recording.channels)
+    source = Source(
+        path=path,
+        sha256=sha256,
+        format=format,
+        robot=recording.robot,
+        serial=recording.serial,
+        clock=recording.clock,
+        start_s=None if recording.start_s is None else recording.start_s + first,
+        topic=recording.topic,
+        channels=dict(recording.mapping),
+        torque_unit=torque_unit(recording.mapping.get(torque, "")),
+        clock_windows=recording.clock_windows,
+        findings=recording.findings,
+    )
+    t = recording.t if first == 0.0 else recording.t - first
+    return JointLog(t=t, **recording.channels, joint_names=recording.joint_names, source=source)
 
 
 def _part(recording: Recording, options: ReadOptions, path: str) -> Recording:

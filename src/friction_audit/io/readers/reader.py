@@ -8,7 +8,8 @@ from math import inf
 from pathlib import Path
 
 from friction_audit.errors import InputError, UsageError
-from friction_audit.joint_log import JOINT_CHANNELS, Finding, Float
+from friction_audit.io.recording import Recording
+from friction_audit.joint_log import JOINT_CHANNELS
 
 MARGIN_S = 1.0  # read on both sides of a part, so that spikes and delays at its ends are judged by their neighbours
 # Size of the arrays up to which a log is read whole although a part is asked for: units, signs and delays are then
@@ -130,41 +131,6 @@ class ReadOptions:
         start = -inf if self.t_start_s is None else self.t_start_s / self.time_scale - MARGIN_S
         stop = inf if self.t_end_s is None else self.t_end_s / self.time_scale + MARGIN_S
         return start, stop
-
-
-@dataclass(eq=False, kw_only=True, slots=True)
-class Recording:
-    """What a reader returns: names and units translated, faults not yet looked for.
-
-    The arrays belong to the receiver, which may work in place.
-
-    Attributes:
-        t: Time since an origin of the reader's choice, shape (n,); any order, repeats allowed. [s]
-        channels: Channel of JointLog -> array of shape (n, j), Fortran order, NaN where nothing was recorded.
-        joint_names: One name per joint.
-        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-        start_s: Unix time of t = 0, or None when the clock does not say. [s]
-        first_s: Time of the log's first sample on the clock of t where only a part was read, else None. [s]
-        robot: Robot by joint names or message types, or ``"unknown"``.
-        serial: Serial number of the arm as the file states it, empty if it does not.
-        topic: Topic read, or None.
-        mapping: Channel -> name in the file, with ``{i}``.
-        clock_windows: Windows of time on which the clock was checked against the motion.
-        findings: What the reader itself noticed (a truncated file, a topic without content).
-    """
-
-    t: Float
-    channels: dict[str, Float]
-    joint_names: tuple[str, ...]
-    clock: str = "column"
-    start_s: float | None = None
-    first_s: float | None = None
-    robot: str = "unknown"
-    serial: str = ""
-    topic: str | None = None
-    mapping: Mapping[str, str] = field(default_factory=dict)
-    clock_windows: int = 0
-    findings: tuple[Finding, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -14,9 +14,10 @@ from friction_audit.io.readers.decompress import MOST_TIMES_PACKED, bound_of
 from friction_audit.io.readers.mcap import MAGIC, McapStream
 from friction_audit.io.readers.message_stream import Block, Damage, MessageStream, Window
 from friction_audit.io.readers.messages import read_messages, topics_of
-from friction_audit.io.readers.reader import Reader, ReadOptions, Recording, Topic
+from friction_audit.io.readers.reader import Reader, ReadOptions, Topic
 from friction_audit.io.readers.rosbag2_sqlite import Sqlite3Stream
 from friction_audit.io.readers.sqlite_recovery import SQLITE_MAGIC, copy_of_cut
+from friction_audit.io.recording import Recording
 
 _COMPRESSED_SUFFIXES = (".zstd", ".zst")
 _NUMBER = re.compile(r"_\d+$")

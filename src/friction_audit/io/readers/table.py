@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError
 from friction_audit.io.readers.columns import MOST_JOINTS, ColumnMap, doubt_torque, map_columns, map_long_columns
 from friction_audit.io.readers.joint_names import choose_arm, robot_of
-from friction_audit.io.readers.reader import ReadOptions, Recording, refuse_too_large
+from friction_audit.io.readers.reader import ReadOptions, refuse_too_large
 from friction_audit.io.readers.time_column import Clock, TimeColumn, take_part
+from friction_audit.io.recording import Recording
 from friction_audit.joint_log import Finding, Float
 
 _RADIANS_PER_DEGREE = np.pi / 180.0
