@@ -20,7 +20,7 @@ from friction_audit.pipeline import AuditSettings, diagnose_log, estimate_log
 from friction_audit.reporting.figures.diagnose_look import mean_along
 from friction_audit.reporting.figures.style import FILTERED, FITTED, MUTED, RAW, figure_style, joint_series
 from friction_audit.reporting.figures.velocity_torque import filtered_curve, filtered_loop
-from friction_audit.reporting.terminal.estimate import format_coefficient
+from friction_audit.reporting.words import format_coefficient
 
 ROOT = Path(__file__).parents[1]
 LOG = ROOT / "sample_logs" / "hand_guided.parquet"

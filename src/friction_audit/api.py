@@ -20,8 +20,10 @@ from friction_audit.io.writers.tables import to_frame
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting.log_report import LogReport, report_estimate
-from friction_audit.reporting.tables import diagnose_tables, estimate_tables, replay_tables, report_tables
+from friction_audit.reporting.diagnosis import diagnose_tables
+from friction_audit.reporting.estimate import estimate_tables
+from friction_audit.reporting.replay import replay_tables
+from friction_audit.reporting.report import LogReport, report_estimate, report_tables
 from friction_audit.simulation import SCENARIOS, Simulation, simulate
 from friction_audit.simulation.hide import hide
 
@@ -264,7 +266,7 @@ def report_log(log: JointLog | Estimate, path: str | Path | None = None, *, over
     Raises:
         UsageError: If the ending is none of these, or something is there.
     """
-    from friction_audit.reporting.report_bytes import REPORT_FORMATS
+    from friction_audit.reporting.report_files import REPORT_FORMATS
 
     if path is None:
         return _reported(log)

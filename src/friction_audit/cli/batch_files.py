@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from friction_audit.batch.manifest import BatchSettings
     from friction_audit.batch.run_batch import Standing
     from friction_audit.drift.report import ArmDrift
-    from friction_audit.reporting.batch_summary import BatchSummary
+    from friction_audit.reporting.drift import BatchSummary
     from friction_audit.reporting.html.page import Figure
 
 DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
@@ -116,8 +116,8 @@ def write_results(
 ) -> Told:
     """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
     from friction_audit.io.files import whole_file
+    from friction_audit.reporting.drift import batch_lines
     from friction_audit.reporting.html.batch_page import write_page
-    from friction_audit.reporting.terminal.batch import batch_table
 
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as beside, voice.step("draw the figures"):
@@ -126,8 +126,7 @@ def write_results(
         tables.result()
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
-    lines = batch_table(summary, verbose=voice.verbose)
-    text = "".join(f"{line.plain}\n" for line in lines)
+    text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
     told = Told(document=folder / DOCUMENT, text=text, warnings=warnings, code=_code(summary))
     _remember(told, request, [*RESULTS, *drawn], folder, ledger)
     return told
@@ -136,16 +135,14 @@ def write_results(
 def _write_tables(summary: "BatchSummary", folder: Path) -> None:
     """Write the document and the tables of all sessions."""
     from friction_audit.io.files import whole_file
-    from friction_audit.io.writers.tables import write_columns
-    from friction_audit.reporting.json.batch import write_batch_document
-    from friction_audit.reporting.terminal.batch import COLUMNS, session_columns, write_session_csv
+    from friction_audit.io.writers.tables import write_rows
+    from friction_audit.reporting.drift import session_columns, write_batch_document
 
     with whole_file(folder / DOCUMENT, overwrite=True) as draft, draft.open("w", encoding="utf-8") as file:
         file.writelines(write_batch_document(summary))
-    with whole_file(folder / CSV, overwrite=True) as draft, draft.open("w", encoding="utf-8", newline="") as file:
-        write_session_csv(summary, file)
-    with whole_file(folder / PARQUET, overwrite=True) as draft:
-        write_columns(session_columns(summary), COLUMNS, draft)
+    for name, kind in ((CSV, "csv"), (PARQUET, "parquet")):
+        with whole_file(folder / name, overwrite=True) as draft:
+            write_rows(*session_columns(summary), draft, kind)
 
 
 def _remember(told: Told, request: object, names: Sequence[str], folder: Path, ledger: "Ledger") -> None:

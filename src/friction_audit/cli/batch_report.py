@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
-    from friction_audit.reporting.batch_summary import BatchSummary
+    from friction_audit.reporting.drift import BatchSummary
 
 SESSIONS, DRIFT, RUNNING = "Sessions", "Drift", "Running"
 
@@ -45,11 +45,9 @@ NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", 
 """Parameters that change nothing in the numbers; what a file of values held is written out."""
 FOR_RESULTS = (
     "friction_audit.io.writers.tables",
-    "friction_audit.reporting.json.batch",
-    "friction_audit.reporting.terminal.batch",
     "friction_audit.reporting.html.batch_page",
-    "friction_audit.reporting.terminal.batch",
     "jinja2",
+    "pyarrow.csv",
     "pyarrow.parquet",
 )
 """Modules that writing the results takes, imported while others read logs."""
@@ -296,7 +294,7 @@ def _require_an_answer(result: "BatchResult") -> None:
         InputError: With what is wrong with the logs.
         AnalysisError: With the reasons of the joints.
     """
-    from friction_audit.reporting.terminal.plain import reason_lines
+    from friction_audit.reporting.notices import reason_lines
 
     if not result.sessions:
         lines = [f"{failed.path}: {failed.message}" for failed in result.failed]
@@ -323,8 +321,8 @@ def _summarise(
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.run_batch import drift_of_arms, gather
     from friction_audit.drift.fail_on import cannot_tell, exceeded
-    from friction_audit.reporting.batch_summary import BatchSummary, FailedLog
-    from friction_audit.reporting.json.document import to_json
+    from friction_audit.reporting.drift import BatchSummary, FailedLog
+    from friction_audit.reporting.table import to_json
 
     result = gather(standing, settings, ledger)
     _require_an_answer(result)

@@ -66,7 +66,7 @@ def reading_settings(options: "ReadOptions") -> dict[str, object]:
 
 def warn_about(result: "Estimate", voice: Voice) -> None:
     """Say the warnings of a result that its table does not show."""
-    from friction_audit.reporting.terminal.plain import estimate_notices, notice_lines
+    from friction_audit.reporting.notices import estimate_notices, notice_lines
 
     voice.warn(notice_lines(notice for notice in estimate_notices(result) if notice.code != TABLED))
 
@@ -77,7 +77,7 @@ def require_an_estimate(result: "Estimate") -> None:
     Raises:
         AnalysisError: With the reason of each joint.
     """
-    from friction_audit.reporting.terminal.plain import reason_lines
+    from friction_audit.reporting.notices import reason_lines
 
     if all(joint.reason for joint in result.friction.joints):
         lines = "".join(f"\n  {line}" for line in reason_lines(result.friction.joints))

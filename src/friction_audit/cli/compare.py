@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, print_rich, say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
@@ -154,16 +154,15 @@ def _draw(
 
 def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:
     from friction_audit.compensation.comparison.result import tell_curves, tell_rows
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.simulate import compare_document
-    from friction_audit.reporting.terminal.compare import compare_table
+    from friction_audit.reporting.compare import compare_document, compare_lines
+    from friction_audit.reporting.documents import write_document
 
     rows = tell_rows(result)
     if json:
         document = compare_document(_tell_scene(result, scene), rows, tell_curves(result), files)
         say(write_document(document), nl=False)
         return
-    print_rich(compare_table(rows, len(result.seeds), len(result.tuning_seeds)))
+    say("\n".join(compare_lines(rows, len(result.seeds), len(result.tuning_seeds))))
     for _, path in files:
         say(path)
 

@@ -14,7 +14,6 @@ import typer
 from friction_audit.errors import UsageError, printable
 
 if TYPE_CHECKING:
-    from rich.console import ConsoleOptions, RenderableType
     from rich.progress import Progress
     from rich.status import Status
 
@@ -134,26 +133,6 @@ class Voice:
         yield
         if self.verbose:
             remark(f"{name}: {time.perf_counter() - begin:.2f} s")
-
-
-def print_rich(parts: "Iterable[RenderableType]") -> None:
-    """Print tables no wider than the terminal, plain where there is none; lines of text are never broken."""
-    from rich.console import Console
-    from rich.segment import Segment
-    from rich.text import Text
-
-    class Printer(Console):
-        def render(self, renderable: "RenderableType", options: "ConsoleOptions | None" = None) -> "Iterator[Segment]":
-            for text, style, control in super().render(renderable, options):
-                yield Segment(text if control else printable(text), style, control)
-
-        def on_broken_pipe(self) -> None:
-            raise BrokenPipeError
-
-    console = Printer(highlight=False, markup=False)
-    for part in parts:
-        with _to_output():
-            console.print(part, soft_wrap=isinstance(part, Text))
 
 
 @contextmanager

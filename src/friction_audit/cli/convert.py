@@ -92,7 +92,7 @@ def _write(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, overwr
 
 def _report(log: "JointLog", out: Path, writer: "Writer", voice: Voice, *, json: bool) -> None:
     """Say what was written and what the format has no place for."""
-    from friction_audit.reporting.json.document import convert_document, write_document
+    from friction_audit.reporting.documents import convert_document, write_document
 
     document = convert_document(log, str(out), writer.name, left_out=writer.left_out(log))
     if json:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, print_rich, say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
@@ -120,7 +120,7 @@ def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSetti
 
 
 def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.tables import diagnose_tables
+    from friction_audit.reporting.diagnosis import diagnose_tables
 
     write_exports(plan, diagnose_tables(found), recorded, voice, overwrite=overwrite)
 
@@ -157,7 +157,7 @@ def _check_model(path: Path | None, model: "ArmModel | None", log: "JointLog") -
 
 
 def _warn(found: "Diagnosis", voice: Voice) -> None:
-    from friction_audit.reporting.terminal.plain import diagnose_notices, notice_lines
+    from friction_audit.reporting.notices import diagnose_notices, notice_lines
 
     voice.warn(notice_lines(diagnose_notices(found)))
 
@@ -182,8 +182,8 @@ def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
 
 
 def _document(found: "Diagnosis", reading: dict[str, object]) -> str:
-    from friction_audit.reporting.json.diagnose import diagnose_document
-    from friction_audit.reporting.json.document import write_document
+    from friction_audit.reporting.diagnosis import diagnose_document
+    from friction_audit.reporting.documents import write_document
 
     return write_document(diagnose_document(found, reading))
 
@@ -213,6 +213,6 @@ def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> N
     if json:
         say(document, nl=False)
     else:
-        from friction_audit.reporting.terminal.diagnose import diagnose_table
+        from friction_audit.reporting.diagnosis import diagnose_lines
 
-        print_rich(diagnose_table(found, verbose=verbose))
+        say("\n".join(diagnose_lines(found, verbose=verbose)))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, print_rich, say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
@@ -63,23 +63,25 @@ def command(
 
 
 def _document(result: "Estimate", reading: dict[str, object]) -> str:
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.estimate import estimate_document
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.estimate import estimate_document
 
     return write_document(estimate_document(result, reading))
 
 
 def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *, overwrite: bool) -> None:
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.tables.of_estimate import history_csv
+    from friction_audit.io.writers.tables import write_table
+    from friction_audit.reporting.estimate import history_table
 
-    for name, text in ((DOCUMENT, _document(result, reading)), (HISTORY, history_csv(result))):
-        with whole_file(folder / name, overwrite=overwrite) as draft:
-            draft.write_text(text, encoding="utf-8")
+    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
+        draft.write_text(_document(result, reading), encoding="utf-8")
+    with whole_file(folder / HISTORY, overwrite=overwrite) as draft:
+        write_table(history_table(result), draft, "csv")
 
 
 def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.tables import estimate_tables
+    from friction_audit.reporting.estimate import estimate_tables
 
     write_exports(plan, estimate_tables(result), recorded, voice, overwrite=overwrite)
 
@@ -88,6 +90,6 @@ def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> Non
     if json:
         say(_document(result, reading), nl=False)
     else:
-        from friction_audit.reporting.terminal.estimate import estimate_table
+        from friction_audit.reporting.estimate import estimate_lines
 
-        print_rich(estimate_table(result))
+        say("\n".join(estimate_lines(result)))

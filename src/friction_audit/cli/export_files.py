@@ -76,10 +76,9 @@ def write_exports(
         overwrite: If True, files that exist are replaced.
     """
     from friction_audit.io.files import whole_file
-    from friction_audit.io.writers.tables import write_table_csv, write_table_parquet
+    from friction_audit.io.writers.tables import write_table
     from friction_audit.io.writers.topics import span_of, write_topics
 
-    writers = {"csv": write_table_csv, "parquet": write_table_parquet}
     for kind in plan.kinds:
         with voice.step(f"export {kind}"):
             if kind == MCAP:
@@ -89,5 +88,5 @@ def write_exports(
                 continue
             for table in tables:
                 with whole_file(plan.table(table.name, kind), overwrite=overwrite) as draft:
-                    writers[kind](table, draft)
+                    write_table(table, draft, kind)
     return plan.files([table.name for table in tables])

@@ -9,7 +9,7 @@ import typer
 from friction_audit.cli import chain
 from friction_audit.cli.chain import cycle_settings, read_options, torque_settings
 from friction_audit.cli.choices import option, parse_joints
-from friction_audit.cli.console import DAMAGED, Voice, print_rich, remark, say
+from friction_audit.cli.console import DAMAGED, Voice, remark, say
 from friction_audit.cli.options import (
     OUTPUT,
     CycleOptions,
@@ -24,8 +24,7 @@ if TYPE_CHECKING:
     from friction_audit.io.readers import ReadOptions
     from friction_audit.joint_log import JointLog
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-    from friction_audit.reporting.json.estimate import InfoEntry, TopicSummary
-    from friction_audit.reporting.log_summary import LogSummary
+    from friction_audit.reporting.info import InfoEntry, LogSummary, TopicSummary
 
 _FIRST_S = 600.0
 """What is looked at of a log that does not fit into memory. [s]"""
@@ -69,7 +68,7 @@ def _entry(
     path: Path, options: "ReadOptions", view: _View, voice: Voice, failures: list[FrictionAuditError]
 ) -> "InfoEntry":
     """Look at one file; a file that cannot be read becomes an entry with its message, and one more failure."""
-    from friction_audit.reporting.json.estimate import InfoEntry
+    from friction_audit.reporting.info import InfoEntry
 
     topics: tuple[TopicSummary, ...] = ()
     try:
@@ -101,7 +100,7 @@ def _read(path: Path, options: "ReadOptions", voice: Voice) -> "JointLog":
 
 def _topics(path: Path) -> "tuple[TopicSummary, ...]":
     from friction_audit.io.readers import list_topics
-    from friction_audit.reporting.json.estimate import TopicSummary
+    from friction_audit.reporting.info import TopicSummary
 
     _, topics = list_topics(path)
     return tuple(TopicSummary(name=t.name, type=t.type, messages=t.messages, readable=t.readable) for t in topics)
@@ -111,7 +110,7 @@ def _summary(log: "JointLog", view: _View) -> "LogSummary":
     """Go as far along the chain as the log allows."""
     from friction_audit.preprocessing.interaction_torque import extract_interaction
     from friction_audit.preprocessing.segmentation import segment_cycles
-    from friction_audit.reporting.log_summary import summarize_log
+    from friction_audit.reporting.info import summarize_log
 
     try:
         hand = view.cycles.cycles_from == "hand"
@@ -122,15 +121,14 @@ def _summary(log: "JointLog", view: _View) -> "LogSummary":
 
 
 def _print(entries: "list[InfoEntry]", voice: Voice, *, json: bool) -> None:
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.estimate import info_document
-    from friction_audit.reporting.terminal.estimate import info_table
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.info import info_document, info_lines
 
     if json:
         say(write_document(info_document(entries)), nl=False)
     for entry in entries:
         if not json and (entry.summary is not None or entry.topics):
-            print_rich(info_table(entry))
+            say("\n".join(info_lines(entry)))
         if not json and entry.summary is not None:
             voice.warn(str(notice) for notice in entry.summary.notices)
         if entry.summary is None:

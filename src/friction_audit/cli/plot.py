@@ -47,7 +47,7 @@ def command(
 
 
 def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[str, object]) -> None:
-    from friction_audit.reporting.json.document import plot_document, write_document
+    from friction_audit.reporting.documents import plot_document, write_document
 
     figures = [(file.kind, file.joint, str(file.path)) for file in files]
     say(write_document(plot_document(result, figures, reading)), nl=False)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, print_rich, say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import draw_files, possible_files
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
@@ -77,7 +77,7 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
 
 
 def _export(found: "LogReplay", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.tables import replay_tables
+    from friction_audit.reporting.replay import replay_tables
 
     write_exports(plan, replay_tables(found), recorded, voice, overwrite=overwrite)
 
@@ -96,7 +96,7 @@ def _check_model(given: "ModelFile | None", log: "JointLog") -> None:
 
 
 def _warn(found: "LogReplay", voice: Voice) -> None:
-    from friction_audit.reporting.terminal.plain import notice_lines, replay_notices
+    from friction_audit.reporting.notices import notice_lines, replay_notices
 
     voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code != TABLED))
 
@@ -127,7 +127,7 @@ def _require_a_joint(found: "LogReplay") -> None:
     Raises:
         AnalysisError: With the reason of each joint.
     """
-    from friction_audit.reporting.terminal.plain import reason_lines
+    from friction_audit.reporting.notices import reason_lines
 
     if all(joint.reason for joint in found.replay.joints):
         lines = "".join(f"\n  {line}" for line in reason_lines(found.replay.joints))
@@ -135,19 +135,21 @@ def _require_a_joint(found: "LogReplay") -> None:
 
 
 def _document(found: "LogReplay", reading: dict[str, object]) -> str:
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.replay import replay_document
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.replay import replay_document
 
     return write_document(replay_document(found, reading))
 
 
 def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) -> None:
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.tables.of_replay import replay_csv
+    from friction_audit.io.writers.tables import write_table
+    from friction_audit.reporting.replay import history_table
 
-    for name, text in ((DOCUMENT, document), (HISTORY, replay_csv(found))):
-        with whole_file(folder / name, overwrite=overwrite) as draft:
-            draft.write_text(text, encoding="utf-8")
+    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
+        draft.write_text(document, encoding="utf-8")
+    with whole_file(folder / HISTORY, overwrite=overwrite) as draft:
+        write_table(history_table(found), draft, "csv")
 
 
 def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bool, voice: Voice) -> None:
@@ -164,6 +166,6 @@ def _print(found: "LogReplay", document: str, *, json: bool) -> None:
     if json:
         say(document, nl=False)
     else:
-        from friction_audit.reporting.terminal.replay import replay_table
+        from friction_audit.reporting.replay import replay_lines
 
-        print_rich(replay_table(found))
+        say("\n".join(replay_lines(found)))

@@ -19,7 +19,7 @@ from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import Estimate
-    from friction_audit.reporting.log_report import LogReport
+    from friction_audit.reporting.report import LogReport
 
 EXAMPLES = """Examples:
   friction-audit report run.mcap
@@ -89,7 +89,7 @@ def _report(
     estimate: "Estimate", cycles: CycleOptions, reading: dict[str, object], command: str, voice: Voice
 ) -> "LogReport":
     from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.reporting.log_report import report_estimate
+    from friction_audit.reporting.report import report_estimate
 
     settings = replay_settings(ReplayOptions(), cycles)
     return report_estimate(estimate, settings, DiagnosisSettings(), reading=reading, command=command, step=voice.step)
@@ -98,7 +98,7 @@ def _report(
 def _export(
     report: "LogReport", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool
 ) -> list[Path]:
-    from friction_audit.reporting.tables import report_tables
+    from friction_audit.reporting.report import report_tables
 
     return write_exports(plan, report_tables(report), recorded, voice, overwrite=overwrite)
 
@@ -117,7 +117,7 @@ def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: b
 
 def _stem(log: Path) -> str:
     """Return what the files of a report begin with: the name of the log without its ending."""
-    from friction_audit.reporting.log_report import name_of_log
+    from friction_audit.reporting.report import name_of_log
 
     name = name_of_log(log)
     return name if log.is_dir() else Path(name).stem
@@ -125,7 +125,7 @@ def _stem(log: Path) -> str:
 
 def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwrite: bool) -> None:
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.report_bytes import REPORT_FORMATS
+    from friction_audit.reporting.report_files import REPORT_FORMATS
 
     for name, path in files.items():
         _, write = REPORT_FORMATS[name]
@@ -134,10 +134,10 @@ def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwri
 
 
 def _document(report: "LogReport") -> str:
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.report import log_document
+    from friction_audit.reporting.documents import write_document
+    from friction_audit.reporting.report import report_document
 
-    return write_document(log_document(report))
+    return write_document(report_document(report))
 
 
 def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
@@ -145,7 +145,7 @@ def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
     if json:
         say(_document(report), nl=False)
         return
-    from friction_audit.reporting.log_words import lead_sentence
+    from friction_audit.reporting.report import lead_sentence
 
     say(lead_sentence(report))
     for path in paths:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, print_rich, say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_everywhere
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
@@ -77,14 +77,13 @@ def _reproduce(
 
 
 def _print(claims: "list[Claim]", files: list[tuple[str, str, str]], seeds: int, *, json: bool) -> None:
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.simulate import reproduce_document
-    from friction_audit.reporting.terminal.compare import claim_table
+    from friction_audit.reporting.compare import claim_lines, reproduce_document
+    from friction_audit.reporting.documents import write_document
 
     rows = [asdict(claim) for claim in claims]
     if json:
         say(write_document(reproduce_document(rows, files, seeds)), nl=False)
         return
-    print_rich(claim_table(rows))
+    say("\n".join(claim_lines(rows)))
     for _, _, path in files:
         say(path)

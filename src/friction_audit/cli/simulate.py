@@ -17,7 +17,7 @@ from friction_audit.errors import UsageError
 if TYPE_CHECKING:
     from friction_audit.io.writers import Writer
     from friction_audit.joint_log import JointLog
-    from friction_audit.reporting.json.simulate import SimulatedLog
+    from friction_audit.reporting.documents import SimulatedLog
     from friction_audit.simulation.scenarios import Scenario
 
 SIMULATION = "Simulation"
@@ -175,7 +175,7 @@ class _Run:
         return simulated
 
     def _tell(self, sha256: str) -> "SimulatedLog":
-        from friction_audit.reporting.json.simulate import SimulatedLog
+        from friction_audit.reporting.documents import SimulatedLog
         from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
         settings = self.scenario.settings
@@ -262,8 +262,7 @@ def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scen
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:
     from friction_audit.io.files import whole_file
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.simulate import truth_document
+    from friction_audit.reporting.documents import truth_document, write_document
 
     with whole_file(truth, overwrite=overwrite) as draft:
         draft.write_text(write_document(truth_document(simulated)), encoding="utf-8")
@@ -280,8 +279,7 @@ def _report(
     json: bool,
 ) -> None:
     """Say what was written and what the format has no place for."""
-    from friction_audit.reporting.json.document import write_document
-    from friction_audit.reporting.json.simulate import simulate_document
+    from friction_audit.reporting.documents import simulate_document, write_document
 
     document = simulate_document(simulated, log, str(path), writer.name, left_out=writer.left_out(log))
     if json:

@@ -6,15 +6,8 @@ from typing import TYPE_CHECKING
 
 from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.reporting.drawn_arm import as_drawn
-from friction_audit.reporting.drift_words import (
-    change_text,
-    coefficient_name,
-    count_of,
-    drift_verdict,
-    joint_verdict,
-    total_text,
-)
-from friction_audit.reporting.terminal.estimate import joint_label
+from friction_audit.reporting.drift_words import change_text, coefficient_name, drift_verdict, joint_verdict, total_text
+from friction_audit.reporting.words import count_of, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -51,80 +51,76 @@ def tidy_columns(log: JointLog) -> dict[str, ColumnOf]:
     return {"time": log.t, **joint_columns(log, lambda channel, joint: f"{channel}_{joint + 1}")}
 
 
-def write_columns(lots: Iterable[Mapping[str, Sequence[Any]]], types: Mapping[str, type], path: Path) -> None:
-    """Write columns of numbers, words and flags, None where there is nothing.
+# Columns that every table of joints begins with.
+HEAD: dict[str, type] = {"joint": int, "name": str}
+
+
+def write_table(table: TidyTable, path: Path, kind: str) -> None:
+    """Write a table of joints as CSV or Parquet (a row group per joint)."""
+    types = HEAD | dict(table.types)
+    _write(_batches(table, csv_text if kind == "csv" else encodable), types, path, kind)
+
+
+def write_rows(types: Mapping[str, type], lots: Iterable[Mapping[str, Sequence[Any]]], path: Path, kind: str) -> None:
+    """Write columns of numbers, words and flags, None where there is nothing, as CSV or Parquet.
 
     Args:
+        types: What is in each column: ``str``, ``int``, ``float`` or ``bool``.
         lots: Columns by name, all of one length; of the rows that follow, the same columns.
-        types: What is in each: ``str``, ``int``, ``float`` or ``bool``.
         path: Where to.
+        kind: ``"csv"``: numbers in the shortest form that reads back to the bit, an empty cell for none; ``"parquet"``.
     """
     import pyarrow as pa
-    import pyarrow.parquet as pq
 
-    kinds = arrow_types()
-    schema = pa.schema([(name, kinds[kind]) for name, kind in types.items()])
-    with pq.ParquetWriter(path, schema, compression="zstd", write_page_checksum=True) as writer:
-        for columns in lots:
-            writer.write_table(pa.table(dict(columns), schema=schema))
-
-
-def arrow_types() -> "dict[type, pa.DataType]":
-    """Return what Arrow calls the kinds of columns."""
-    import pyarrow as pa
-
-    return {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
-
-
-HEAD: dict[str, type] = {"joint": int, "name": str}
-"""Columns that every table begins with."""
-
-
-def write_table_csv(table: TidyTable, path: Path) -> None:
-    """Write a table as CSV; numbers in the shortest form that reads back to the bit, an empty cell for none."""
-    from pyarrow import csv
-
-    with csv.CSVWriter(path, _schema(table)) as writer:
-        for batch in _batches(table, csv_text):
-            writer.write_batch(batch)
-
-
-def write_table_parquet(table: TidyTable, path: Path) -> None:
-    """Write a table as Parquet, a row group per joint."""
-    import pyarrow.parquet as pq
-
-    with pq.ParquetWriter(path, _schema(table), compression="zstd") as writer:
-        for batch in _batches(table):
-            writer.write_batch(batch)
+    text, schema = csv_text if kind == "csv" else encodable, _schema(types)
+    batches = (
+        pa.record_batch([_array(lot[name], schema.field(name).type, text) for name in types], schema=schema)
+        for lot in lots
+    )
+    _write(batches, types, path, kind)
 
 
 def to_frame(table: TidyTable) -> "pd.DataFrame":
     """Return a table as a pandas frame; NaN or None where there is nothing."""
     import pyarrow as pa
 
-    frame: pd.DataFrame = pa.Table.from_batches(_batches(table), _schema(table)).to_pandas()
+    types = HEAD | dict(table.types)
+    frame: pd.DataFrame = pa.Table.from_batches(_batches(table, encodable), _schema(types)).to_pandas()
     return frame
 
 
-def _schema(table: TidyTable) -> "pa.Schema":
+def _write(batches: "Iterable[pa.RecordBatch]", types: Mapping[str, type], path: Path, kind: str) -> None:
+    schema = _schema(types)
+    if kind == "csv":
+        from pyarrow.csv import CSVWriter
+
+        with CSVWriter(path, schema) as file:
+            for batch in batches:
+                file.write_batch(batch)
+        return
+    from pyarrow.parquet import ParquetWriter
+
+    with ParquetWriter(path, schema, compression="zstd", write_page_checksum=True) as writer:
+        for batch in batches:
+            writer.write_batch(batch)
+
+
+def _schema(types: Mapping[str, type]) -> "pa.Schema":
     import pyarrow as pa
 
-    kinds = arrow_types()
-    return pa.schema([(name, kinds[kind]) for name, kind in (HEAD | dict(table.types)).items()])
+    kinds = {str: pa.string(), int: pa.int64(), float: pa.float64(), bool: pa.bool_()}
+    return pa.schema([(name, kinds[kind]) for name, kind in types.items()])
 
 
-def _batches(table: TidyTable, write_text: Callable[[str], str] = encodable) -> "Iterator[pa.RecordBatch]":
+def _batches(table: TidyTable, write_text: Callable[[str], str]) -> "Iterator[pa.RecordBatch]":
     import pyarrow as pa
 
-    schema = _schema(table)
+    schema = _schema(HEAD | dict(table.types))
     for rows in table.rows:
         if len(rows):
-            head = [
-                pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows)),
-                pa.repeat(write_text(rows.name), len(rows)),
-            ]
+            number = pa.repeat(pa.scalar(rows.joint, pa.int64()), len(rows))
             columns = [_array(rows.columns[name], schema.field(name).type, write_text) for name in table.types]
-            yield pa.record_batch([*head, *columns], schema=schema)
+            yield pa.record_batch([number, pa.repeat(write_text(rows.name), len(rows)), *columns], schema=schema)
 
 
 def _array(column: Column, kind: "pa.DataType", write_text: Callable[[str], str]) -> "pa.Array":

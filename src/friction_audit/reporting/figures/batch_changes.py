@@ -13,7 +13,6 @@ from friction_audit.reporting.drift_words import (
     TEMPERATURE,
     UNTESTED,
     coefficient_unit,
-    count_of,
     drift_verdict,
     total_text,
 )
@@ -46,7 +45,7 @@ from friction_audit.reporting.figures.style import (
     new_figure,
     say_in_panel,
 )
-from friction_audit.reporting.terminal.estimate import NOTHING
+from friction_audit.reporting.words import NOTHING, count_of
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING
 from friction_audit.drift.report import ArmDrift, CoefficientDrift, JointDrift
 from friction_audit.errors import UsageError, shortened
 from friction_audit.joint_numbers import write_joint_numbers
-from friction_audit.reporting.drift_words import (
-    DRIFT,
-    coefficient_name,
-    drift_verdict,
-    format_change,
-    format_date,
-    total_text,
-)
+from friction_audit.reporting.drift_words import DRIFT, coefficient_name, drift_verdict, format_change, total_text
 from friction_audit.reporting.figures.style import (
     DISSIPATED,
     FILTERED,
@@ -24,7 +17,7 @@ from friction_audit.reporting.figures.style import (
     figure_style,
     new_pairs,
 )
-from friction_audit.reporting.terminal.estimate import NOTHING, joint_label
+from friction_audit.reporting.words import NOTHING, format_date, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -12,6 +12,7 @@ from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTA
 from friction_audit.diagnosis.result import Effect, Evidence, JointDiscrepancy, Traces, others_of
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
+from friction_audit.reporting.diagnosis_words import effect_numbers
 from friction_audit.reporting.figures.diagnose_contacts import contact_panels
 from friction_audit.reporting.figures.diagnose_look import (
     DASHED,
@@ -39,7 +40,6 @@ from friction_audit.reporting.figures.style import (
     is_narrow,
     label_panel,
 )
-from friction_audit.reporting.terminal.diagnose import effect_numbers
 
 if TYPE_CHECKING:
     from collections.abc import Callable

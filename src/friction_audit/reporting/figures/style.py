@@ -16,7 +16,7 @@ from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
-from friction_audit.reporting.terminal.estimate import joint_label
+from friction_audit.reporting.words import joint_label
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -1,63 +1,288 @@
 """BatchSummary -> one HTML page: verdicts, figures, every session, every setting."""
 
-from collections.abc import Iterator, Mapping
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
 
-from friction_audit.drift.report import ArmDrift
+from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift, JointDrift
+from friction_audit.drift.session import Session
+from friction_audit.errors import shortened
+from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.batch_drawings import TITLES, draw, page_drawings
-from friction_audit.reporting.batch_summary import BatchSummary
+from friction_audit.reporting.diagnosis import VERDICT_KEYS
+from friction_audit.reporting.drift import (
+    CHANGES,
+    FAILED,
+    BatchSummary,
+    CoefficientRow,
+    coefficient_rows,
+    sessions_text,
+)
 from friction_audit.reporting.drift_words import (
+    DRIFT,
+    SHAPES,
+    TONES,
+    UNITS,
     arm_sentence,
     arm_verdict,
-    count_of,
-    drifting_joints,
-    enumerate_words,
+    coefficient_name,
+    daily_text,
+    format_change,
+    joint_verdict,
     span_of,
+    trend_text,
 )
-from friction_audit.reporting.html.batch_tables import (
-    TONES,
-    coefficient_tables,
-    diagnosis_table,
-    failed_table,
-    joint_tables,
-    left_out_table,
-    rows_for,
-    session_table,
-    step_table,
-    within_table,
-)
-from friction_audit.reporting.html.log_part import settings_section
 from friction_audit.reporting.html.page import (
     Figure,
     Page,
     Part,
     Section,
-    Table,
     Terms,
     Text,
     Verdict,
     Verdicts,
     citation_section,
     render_page,
+    settings_section,
+)
+from friction_audit.reporting.table import Column, Get, Record, Table, joint_column
+from friction_audit.reporting.words import (
+    LONGEST_NAME,
+    enumerate_words,
+    format_p,
+    format_percent,
+    format_share,
+    format_start,
+    joint_label,
+    with_unit,
 )
 
+# Figures of one page together: a page of many arms shows those that drift, and names the others. [bytes]
 MOST_BYTES = 1_600_000
-"""Figures of one page together: a page of many arms shows those that drift, and names the others."""
+# Joints side by side in a table of coefficients; more make another table.
+ACROSS = 7
+# Coefficients that a page lists; all of them are in the file of sessions.
+MOST_CELLS = 12_000
 WORDS = {
     "session": "One recording of one arm. Sessions are numbered from 1 in the order of their starts.",
-    "reference": "The sessions that the others are held against: a control chart's normal state.",
+    "reference": "The sessions that the others are compared with: a control chart's normal state.",
     "change": "From the level in the reference to that of the last sessions, with its 95 % interval.",
     "trend": "Robust slope over the sessions, with its 95 % interval.",
-    "step": "A change between two sessions. The session named is the first one after it, beside it the range that "
-    "holds it with 95 % confidence.",
+    "step": "A change between two sessions. The session named is the first one after it; the range in brackets holds "
+    "it with 95 % confidence.",
     "drift": "The change is too large and too steady for chance. All joints of an arm are tested together.",
-    "temperature": "It changes together with the temperature, so that drift cannot be told from it.",
-    "no drift found": "No proof that nothing changed: what is smaller than the value under \u201cwould show\u201d can "
-    "be missed.",
-    "would show": "The smallest straight change, start to end, that so many sessions show with 90 % power.",
-    "within a session": "Change from the first to the last third of a session, warm-up for one; no part of drift.",
+    "temperature": "It changes together with the temperature: drift and temperature cannot be separated.",
+    "no drift found": "A change smaller than the minimum detectable one can be missed.",
+    "minimum detectable": "The smallest straight change, start to end, that so many sessions detect with 90 % power.",
+    "within a session": "Change from the first to the last third of a session, such as warm-up; no part of drift.",
 }
 """What the words of the page mean."""
 NOTHING_YET: Mapping[str, Figure] = {}
+
+
+def _level(row: CoefficientRow) -> str:
+    return with_unit(row.found.level, UNITS[row.found.coefficient])
+
+
+def _relative(slope: str) -> Get:
+    """Return what gets a slope over the level, by which a column is sorted."""
+    return lambda row: getattr(row.found, slope).value / row.found.level.value if row.found.level.value else math.nan
+
+
+def _outside(row: CoefficientRow) -> str:
+    outside = sum(point.outside for point in row.found.control)
+    return f"{outside} of {len(row.found.control)}" if row.found.control else ""
+
+
+HEAD = (
+    joint_column("joint"),
+    Column("friction", str, get="found.coefficient", form=coefficient_name, title="friction", on="p"),
+)
+NUMBERS = Record(
+    (
+        *HEAD,
+        Column(
+            "level", get=lambda row: row, form=_level, sort="found.level.value", title="level in the reference", on="p"
+        ),
+        Column(
+            "trend",
+            get="found",
+            form=trend_text,
+            sort=_relative("trend_per_session"),
+            title="trend per session",
+            on="p",
+        ),
+        Column("daily", get="found", form=daily_text, sort=_relative("trend_per_day"), title="per day", on="p"),
+        Column(
+            "outside",
+            get=lambda row: row,
+            form=_outside,
+            title="outside",
+            on="p",
+            sort=lambda row: sum(point.outside for point in row.found.control),
+        ),
+        Column(
+            "p", get=lambda row: row.found.p_value if row.found.values else math.nan, form=format_p, title="p", on="p"
+        ),
+    )
+)
+
+
+class StepRow(NamedTuple):
+    """A step of a coefficient."""
+
+    joint: JointDrift
+    found: CoefficientDrift
+    change: ChangePoint
+    start_s: float | None
+
+
+def _first_after(row: StepRow) -> str:
+    low, high = row.change.low + 1, row.change.high + 1
+    return f"{row.change.session + 1}{'' if low == high else f' ({low} to {high})'}"
+
+
+def _change(row: StepRow) -> str:
+    return format_change(row.change.relative, row.change.after, row.change.before)
+
+
+def _with_unit(side: str) -> Callable[[StepRow], str]:
+    return lambda row: with_unit(getattr(row.change, side), UNITS[row.found.coefficient])
+
+
+STEPS = Record(
+    (
+        *HEAD,
+        Column("session", int, get=lambda row: row, form=_first_after, sort="change.session", title="session", on="p"),
+        Column("start", get="start_s", form=format_start, title="started (UTC)", on="p"),
+        Column("change", get=lambda row: row, form=_change, sort="change.relative.value", title="change", on="p"),
+        Column(
+            "before", get=lambda row: row, form=_with_unit("before"), sort="change.before.value", title="before", on="p"
+        ),
+        Column(
+            "after", get=lambda row: row, form=_with_unit("after"), sort="change.after.value", title="after", on="p"
+        ),
+    )
+)
+
+
+def _within(row: CoefficientRow) -> tuple[int, int]:
+    """Return in how many sessions a change within the session is significant, and of how many it is known."""
+    every = (
+        one.within.get(row.found.coefficient, UNDETERMINED)
+        for session in row.arm.sessions
+        for one in session.joints
+        if one.joint == row.joint.joint
+    )
+    known = [one for one in every if not math.isnan(one.low + one.high)]
+    return sum(one.low > 0.0 or one.high < 0.0 for one in known), len(known)
+
+
+WITHIN = Record(
+    (
+        *HEAD,
+        Column("shape", str, get="found.shape", form=lambda shape: SHAPES[shape], title="described by", on="p"),
+        Column("within", Coefficient, get="found.within", form=format_percent, title="in a session", on="p"),
+        Column(
+            "seen",
+            get=_within,
+            form=lambda seen: f"{seen[0]} of {seen[1]}" if seen[1] else "",
+            sort=lambda row: _within(row)[0],
+            title="seen in",
+            on="p",
+        ),
+        Column("slope", Coefficient, get="found.temperature_slope", form=format_percent, title="per K", on="p"),
+        Column("temperature", get="found.temperature_c", form=".1f", unit="°C", title="at", on="p"),
+        Column("scatter", get="found.scatter", form=format_share, title="scatter", on="p"),
+    )
+)
+
+
+def _counts(names: Sequence[str]) -> str:
+    return ", ".join(f"{name} {count}" for name, count in Counter(names).most_common())
+
+
+class DiagnosisRow(NamedTuple):
+    """Verdicts and effects that the diagnosis gave for a joint, session by session."""
+
+    joint: JointDrift
+    verdicts: Sequence[str]
+    effects: Sequence[str]
+
+
+DIAGNOSED = Record(
+    (
+        joint_column("joint"),
+        Column("verdicts", str, get="verdicts", form=_counts, title="verdicts", on="p"),
+        Column("effects", str, get="effects", form=_counts, title="effects", on="p"),
+    )
+)
+SESSION_NUMBER = Column("session", str, get=lambda row: str(row.index + 1), sort="index", title="session", on="p")
+LEFT_OUT = Record(
+    (
+        SESSION_NUMBER,
+        Column("file", str, get="session.path", title="file", code=True, on="p"),
+        Column("reason", str, get="reason", title="reason", on="p"),
+    )
+)
+
+
+class LeftOutRow(NamedTuple):
+    """A session that was not compared."""
+
+    index: int
+    session: Session
+    reason: str
+
+
+def _read_as(session: Session) -> str:
+    read_as = session.conditions
+    return f"{read_as.drive}, {read_as.torque}, gravity {read_as.gravity}, inertia {read_as.inertia}"
+
+
+def _notes(session: Session) -> str:
+    damaged = ("damaged, part of it left out",) if session.damaged else ()
+    return "; ".join(text for text in (session.note, *damaged, *session.warnings) if text)
+
+
+def session_temperature(session: Session) -> float:
+    """Return the temperature of a session, from the manifest or the mean of its joints; NaN if unknown. [degC]"""
+    if session.temperature_c is not None:
+        return session.temperature_c
+    logged = [joint.temperature_c for joint in session.joints if joint.temperature_c is not None]
+    return math.fsum(logged) / len(logged) if logged else math.nan
+
+
+SESSIONS = Record(
+    (
+        SESSION_NUMBER,
+        Column("start", get="session.start_s", form=format_start, title="started (UTC)", on="p"),
+        Column("start_from", str, get="session.start_from", title="start from", on="p"),
+        Column("duration", get="session.duration_s", form=".0f", unit="s", title="length", on="p"),
+        Column("part", str, get="part", title="part", on="p"),
+        Column(
+            "temperature",
+            get=lambda row: session_temperature(row.session),
+            form=".1f",
+            unit="°C",
+            title="temperature",
+            on="p",
+        ),
+        Column("read_as", str, get="session", form=_read_as, title="recorded and read as", on="p"),
+        Column("payload", str, get="session.conditions.payload", title="payload", on="p"),
+        Column("file", str, get="session.path", title="file", code=True, on="p"),
+        Column("notes", str, get="session", form=_notes, title="notes", on="p"),
+    )
+)
+
+
+class PartRow(NamedTuple):
+    """A session, and what part it has in the comparison."""
+
+    index: int
+    session: Session
+    part: str
 
 
 def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET) -> str:
@@ -65,7 +290,7 @@ def write_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET)
 
     Args:
         summary: The batch.
-        drawn: Figures that somebody has drawn, by their anchors; the others are drawn here.
+        drawn: Figures that are drawn already, by their anchors; the others are drawn here.
     """
     return render_page(batch_page(summary, drawn))
 
@@ -90,7 +315,7 @@ def batch_page(summary: BatchSummary, drawn: Mapping[str, Figure] = NOTHING_YET)
 def _lead(summary: BatchSummary) -> str:
     drifting = [arm for arm in summary.arms if arm.drift]
     if not summary.arms:
-        return "No session could be read, so that nothing can be said of drift."
+        return "No session could be read: no statement on drift is possible."
     if not drifting:
         arms = "the arm" if len(summary.arms) == 1 else f"any of {len(summary.arms)} arms"
         return f"No drift of the friction was found on {arms}."
@@ -98,102 +323,152 @@ def _lead(summary: BatchSummary) -> str:
 
 
 def _drift_words(arm: ArmDrift) -> str:
-    joints = drifting_joints(arm)
+    joints = [joint.joint for joint in arm.joints if joint_verdict(joint) == DRIFT]
     word = "joint" if len(joints) == 1 else "joints"
     return f"friction drifts on {word} {enumerate_words(joints)}" if joints else "friction drifts"
 
 
 def _facts(summary: BatchSummary) -> tuple[tuple[str, str], ...]:
-    facts = [("Sessions", str(len(summary.sessions))), ("Arms", str(len(summary.arms)))]
     span = span_of(summary.sessions)
-    facts += [("Recorded (UTC)", span)] if span else []
-    facts += [("Files that failed", str(len(summary.failed)))]
-    return tuple(facts)
+    return (
+        ("Sessions", str(len(summary.sessions))),
+        ("Arms", str(len(summary.arms))),
+        *([("Recorded (UTC)", span)] if span else []),
+        ("Files that failed", str(len(summary.failed))),
+    )
 
 
 def _verdict_section(summary: BatchSummary) -> Section:
-    verdicts = Verdicts(verdicts=[_verdict(arm) for arm in summary.arms])
-    limits = [f"Limit exceeded: {one}" for one in summary.exceeded] + [
-        f"Cannot tell: {one}" for one in summary.cannot_tell
-    ]
+    verdicts = Verdicts(
+        verdicts=[
+            Verdict(name=arm.robot, word=arm_verdict(arm), tone=TONES[arm_verdict(arm)], sentence=arm_sentence(arm))
+            for arm in summary.arms
+        ]
+    )
+    limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
+    limits += [f"Cannot tell: {one}" for one in summary.cannot_tell]
     parts = (Text(lines=limits, listed=True, tone="alert"),) if limits else ()
     return Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
 
 
-def _verdict(arm: ArmDrift) -> Verdict:
-    word = arm_verdict(arm)
-    return Verdict(name=arm.robot, word=word, tone=TONES[word], sentence=arm_sentence(arm))
-
-
 def _arm_sections(summary: BatchSummary, drawn: Mapping[str, Figure]) -> Iterator[Section]:
     """Yield a section per arm; figures first of the arms that drift, as long as there is room."""
-    pictures, most = _pictures(summary.arms, drawn), rows_for(summary.arms)
+    pictures = _pictures(summary.arms, drawn)
+    cells = sum(len(UNITS) * max(len(arm.joints), 1) for arm in summary.arms)
+    most = max(1, MOST_CELLS // max(cells, 1))
     for number, arm in enumerate(summary.arms, start=1):
         yield _arm_section(arm, f"arm-{number}", pictures.get(number, ()), most)
 
 
 def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[int, tuple[Figure, ...]]:
     """Return the figures of each arm, by its number, as many arms as there is room for."""
-    order = sorted(range(len(arms)), key=lambda k: not arms[k].drift)
     found: dict[int, tuple[Figure, ...]] = {}
     left = MOST_BYTES
-    for k in order:
-        figures = tuple(_figures(arms[k], f"arm-{k + 1}", drawn))
-        left -= sum(figure.picture.size for figure in figures)
+    for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
+        drawings = (one for kind in TITLES for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
+        every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
+        figures = tuple(figure for figure in every if figure is not None)
+        left -= sum(len(figure.picture.svg) for figure in figures)
         if left < 0 and found:
             break
         found[k + 1] = figures
     return found
 
 
-def _figures(arm: ArmDrift, anchor: str, drawn: Mapping[str, Figure]) -> Iterator[Figure]:
-    """Yield the figures of an arm."""
-    for kind in TITLES:
-        for drawing in page_drawings(arm, anchor, kind):
-            figure = drawn.get(drawing.anchor) or draw(drawing).figure
-            if figure is not None:
-                yield figure
-
-
 def _arm_section(arm: ArmDrift, anchor: str, figures: tuple[Figure, ...], most: int) -> Section:
-    span = span_of(arm.sessions)
-    counts = f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared."
     notes: list[Part] = [Text(lines=arm.warnings, listed=True, tone="unsure")] if arm.warnings else []
+    no_room = Text(lines=(f"This page has no room for more figures; those of {arm.robot} are in files next to it.",))
+    rows = coefficient_rows(arm)
+    within = WITHIN.people(
+        rows,
+        caption="Kept apart from drift: the change from the first to the last third of a session, and in how many "
+        "sessions it is significant; the change with temperature that was taken out, and the temperature of the "
+        "comparison; the scatter between sessions",
+    )
     return Section(
         anchor=anchor,
         title=arm.robot,
-        parts=(Text(lines=(counts,)), *notes),
+        parts=(Text(lines=(f"{sessions_text(arm)}.",)), *notes),
         sections=(
-            Section(anchor=f"{anchor}-joints", title="Joints", parts=_joints(arm)),
-            Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (_no_room(arm),)),
-            Section(anchor=f"{anchor}-within", title="Within a session", parts=(within_table(arm),)),
+            Section(anchor=f"{anchor}-joints", title="Joints", parts=tuple(_joint_tables(arm, rows))),
+            Section(anchor=f"{anchor}-figures", title="Figures", parts=figures or (no_room,)),
+            Section(anchor=f"{anchor}-within", title="Within a session", parts=(within,)),
             *_diagnosis(arm, anchor),
-            Section(
-                anchor=f"{anchor}-sessions",
-                title="Sessions",
-                parts=(*left_out_table(arm), session_table(arm, most), *coefficient_tables(arm, most)),
-            ),
+            Section(anchor=f"{anchor}-sessions", title="Sessions", parts=tuple(_session_tables(arm, most))),
         ),
     )
 
 
-def _joints(arm: ArmDrift) -> tuple[Table, ...]:
-    """Return verdicts, steps, and the numbers behind them."""
-    verdicts, numbers = joint_tables(arm)
-    return verdicts, *step_table(arm), numbers
+def _joint_tables(arm: ArmDrift, rows: list[CoefficientRow]) -> Iterator[Table]:
+    """Yield verdicts, steps, and the numbers that they rest on."""
+    yield CHANGES.people(
+        rows, caption="Change of each coefficient from the reference to the last sessions; intervals are 95 %"
+    )
+    steps = [
+        StepRow(row.joint, row.found, change, arm.sessions[change.session].start_s)
+        for row in rows
+        for change in row.found.change_points
+    ]
+    if steps:
+        yield STEPS.people(
+            steps,
+            caption="Steps: the first session after each (with the range that holds it with 95 % confidence), and the "
+            "levels",
+        )
+    yield NUMBERS.people(rows, caption="Levels, trends and control charts in numbers", folded=True)
 
 
-def _no_room(arm: ArmDrift) -> Text:
-    return Text(lines=(f"This page has no room for more figures; those of {arm.robot} are in files beside it.",))
+def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[Section]:
+    """Yield how often each effect was found on each joint, if the sessions were diagnosed."""
+    rows = []
+    for joint in arm.joints:
+        own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
+        verdicts = [VERDICT_KEYS.get(one.verdict or "", "").replace("_", " ") for one in own]
+        if own:
+            rows.append(DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
+    if rows:
+        caption = "Verdicts and effects of the diagnosis, with the number of sessions"
+        table = DIAGNOSED.people(rows, caption=caption)
+        yield Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,))
 
 
-def _diagnosis(arm: ArmDrift, anchor: str) -> tuple[Section, ...]:
-    table = diagnosis_table(arm)
-    return (Section(anchor=f"{anchor}-diagnosis", title="What the model misses", parts=(table,)),) if table else ()
+def _session_tables(arm: ArmDrift, most: int) -> Iterator[Table]:
+    """Yield the sessions that were not compared, the last ``most`` sessions, and their coefficients."""
+    left_out = [LeftOutRow(k, arm.sessions[k], reason) for k, reason in arm.left_out]
+    if left_out:
+        yield LEFT_OUT.people(left_out, caption="Sessions that were not compared, and why")
+    count = len(arm.sessions)
+    rows = [PartRow(k, arm.sessions[k], _part(arm, k)) for k in range(max(0, count - most), count)]
+    cut = f"; the last {most} of {count}, all of them are in the file of sessions" if count > most else ""
+    caption = f"Sessions, in the order of their {arm.ordered_by}s{cut}"
+    yield SESSIONS.people(rows, caption=caption, folded=count > ACROSS)
+    for name, unit in UNITS.items():
+        for first in range(0, len(arm.joints), ACROSS):
+            joints = arm.joints[first : first + ACROSS]
+            kind = f"{coefficient_name(name)} coefficient"
+            which = f"{kind[:1].upper()}{kind[1:]} of each session, joints {joints[0].joint} to {joints[-1].joint}"
+            columns = (SESSION_NUMBER, *(_of_joint(joint, name) for joint in joints))
+            caption = f"{which}, with its 95 % interval [{unit}]{cut}"
+            yield Record(columns).people(rows, caption=caption, folded=True)
 
 
-def _failed_section(summary: BatchSummary) -> tuple[Section, ...]:
-    if not summary.failed:
-        return ()
-    lead = Text(lines=("These files gave no session. The others are not touched by it.",))
-    return (Section(anchor="failed", title="Files that failed", parts=(lead, failed_table(summary.failed))),)
+def _part(arm: ArmDrift, k: int) -> str:
+    return "reference" if k in arm.reference else "compared" if k in arm.compared else "left out"
+
+
+def _of_joint(joint: JointDrift, name: str) -> Column:
+    """Return the column of a coefficient of a joint in the table of sessions."""
+
+    def value(row: PartRow) -> Coefficient:
+        summary = next((one for one in row.session.joints if one.joint == joint.joint), None)
+        return UNDETERMINED if summary is None else summary.coefficients.get(name, UNDETERMINED)
+
+    title = shortened(joint_label(joint.joint, joint.name), LONGEST_NAME)
+    return Column(f"joint_{joint.joint}", Coefficient, get=value, title=title, on="p")
+
+
+def _failed_section(summary: BatchSummary) -> Iterator[Section]:
+    if summary.failed:
+        lead = Text(lines=("These files gave no session. They do not affect the others.",))
+        table = FAILED.people(summary.failed, caption="Files that gave no session")
+        yield Section(anchor="failed", title="Files that failed", parts=(lead, table))

@@ -1,48 +1,36 @@
 """LogReport -> the figures of its page: which there are, what they show, and how they are made small and safe."""
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol, TypeVar
+from collections.abc import Callable, Collection, Iterator
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from friction_audit.reporting.drift_words import count_of
+from friction_audit.errors import printable, shortened
+from friction_audit.pipeline import Estimate
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.reporting.diagnosis_words import verdict_words
 from friction_audit.reporting.figures.coefficients import draw_coefficients
 from friction_audit.reporting.figures.diagnose_contacts import draw_verdicts
 from friction_audit.reporting.figures.diagnose_evidence import draw_effects, draw_ladder
-from friction_audit.reporting.figures.diagnose_look import verdict_words
 from friction_audit.reporting.figures.diagnose_residual import draw_residual
 from friction_audit.reporting.figures.diagnose_simulation import draw_simulation
 from friction_audit.reporting.figures.energy import draw_energy
 from friction_audit.reporting.figures.replay import draw_log_replay, draw_log_replay_velocity_torque
 from friction_audit.reporting.figures.style import thin_extremes
 from friction_audit.reporting.figures.velocity_torque import draw_velocity_torque
-from friction_audit.reporting.html.log_part import part_of
 from friction_audit.reporting.html.page import Figure
-from friction_audit.reporting.html.svg import Picture, draw_inline
-from friction_audit.reporting.log_report import JointReport, LogReport
-from friction_audit.reporting.log_words import friction_words, removal_words
-from friction_audit.reporting.terminal.estimate import joint_label
+from friction_audit.reporting.html.svg import draw_inline
+from friction_audit.reporting.report import JointReport, LogReport, friction_words, removal_words
 from friction_audit.reporting.units import label_in_unit
+from friction_audit.reporting.words import LONGEST_NAME, count_of, in_unit, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
     from matplotlib.lines import Line2D
 
 T = TypeVar("T")
-
-
-class Draw(Protocol):
-    """Draws a figure for a page."""
-
-    def __call__(self, figure: "Drawing", *, prefix: str, description: str) -> Picture:
-        """Return the figure.
-
-        Args:
-            figure: The figure.
-            prefix: Unique among the figures of the page.
-            description: What it shows, for those who do not see it.
-        """
 
 
 FRICTION, COMPENSATOR, MISSING = "friction", "compensator", "missing"
@@ -70,7 +58,7 @@ class LogFigure:
         caption: How to read it.
         draw: Draws all joints of a report on a sheet.
         has: Whether it has something to show of a joint.
-        tell: What it shows of a joint in words, for those who do not see it.
+        describe: What it shows of a joint in words, for those who do not see it.
     """
 
     name: str
@@ -79,7 +67,7 @@ class LogFigure:
     caption: str
     draw: "Callable[[LogReport], Drawing]"
     has: Callable[[JointReport], bool]
-    tell: Callable[[JointReport], str]
+    describe: Callable[[JointReport], str]
 
 
 def _has_estimate(joint: JointReport) -> bool:
@@ -98,26 +86,28 @@ def _has_effects(joint: JointReport) -> bool:
     return joint.discrepancy is not None and bool(joint.discrepancy.effects)
 
 
-def _tell_friction(joint: JointReport) -> str:
+def _describe_friction(joint: JointReport) -> str:
     return friction_words(joint.friction)
 
 
-def _tell_energy(joint: JointReport) -> str:
+def _describe_energy(joint: JointReport) -> str:
     history = joint.friction.history
     taken = f", {history.dissipated_j.sum():.3g} J dissipated" if len(history.cycle) else ""
     return f"{count_of(joint.friction.cycles, 'cycle')}{taken}"
 
 
-def _tell_replay(joint: JointReport) -> str:
+def _describe_replay(joint: JointReport) -> str:
     return "" if joint.replay is None else removal_words(joint.replay)
 
 
-def _tell_verdict(joint: JointReport) -> str:
+def _describe_verdict(joint: JointReport) -> str:
     found = joint.discrepancy
     if found is None or found.gap is None:
         return ""
     after = f" to {found.gap.after:.3g}" if found.effects else ""
-    return f"{verdict_words(found)}, gap {found.gap.before:.3g}{after} N m rms, floor {found.gap.floor:.3g} N m"
+    return (
+        f"{verdict_words(found)}, residual RMS {found.gap.before:.3g}{after} N m, noise floor {found.gap.floor:.3g} N m"
+    )
 
 
 LOG_FIGURES = (
@@ -129,7 +119,7 @@ LOG_FIGURES = (
         "whole log with theirs. Intervals that are far wider than the rest are cut at the edge.",
         draw=lambda report: draw_coefficients(report.estimate, None),
         has=_has_estimate,
-        tell=_tell_friction,
+        describe=_describe_friction,
     ),
     LogFigure(
         name="velocity-torque",
@@ -139,17 +129,17 @@ LOG_FIGURES = (
         "the fitted line is the friction that is left.",
         draw=lambda report: draw_velocity_torque(report.estimate, None),
         has=_has_estimate,
-        tell=_tell_friction,
+        describe=_describe_friction,
     ),
     LogFigure(
         name="energy",
         section=FRICTION,
         title="Net energy and cycles",
         caption="Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from "
-        "dot to dot is what friction took. Hatched cycles were left out.",
+        "dot to dot is what friction took. Hatched cycles were rejected.",
         draw=lambda report: draw_energy(report.estimate, None),
         has=_has_estimate,
-        tell=_tell_energy,
+        describe=_describe_energy,
     ),
     LogFigure(
         name="replay",
@@ -159,7 +149,7 @@ LOG_FIGURES = (
         "Flat energy means that friction costs the person nothing.",
         draw=lambda report: draw_log_replay(_given(report.replay), None),
         has=_has_replay,
-        tell=_tell_replay,
+        describe=_describe_replay,
     ),
     LogFigure(
         name="replay-velocity-torque",
@@ -168,57 +158,57 @@ LOG_FIGURES = (
         caption="Torque that the person has to give, without the compensator and with it from its first estimate on.",
         draw=lambda report: draw_log_replay_velocity_torque(_given(report.replay), None),
         has=_has_replay,
-        tell=_tell_replay,
+        describe=_describe_replay,
     ),
     LogFigure(
         name="verdicts",
         section=MISSING,
-        title="Gap between model and measurement",
-        caption="What the declared model leaves of the torque, what is left with the effects named, and the floor of "
-        "the noise. The detection limit is the smallest effect that would have been seen.",
+        title="Residual of the model",
+        caption="Residual RMS of the nominal model, of the model augmented by the effects named, and of the noise. The "
+        "detection limit is the smallest effect that is detected with 90 % power.",
         draw=lambda report: draw_verdicts(_given(report.diagnosis), None),
         has=_has_gap,
-        tell=_tell_verdict,
+        describe=_describe_verdict,
     ),
     LogFigure(
         name="ladder",
         section=MISSING,
-        title="How the gap shrank",
-        caption="From the declared model by each effect that was added down to the floor of the noise, on cycles that "
-        "no choice was made on.",
+        title="Residual after each effect",
+        caption="Residual RMS from the nominal model by each effect that was added down to the noise floor, on "
+        "held-out cycles.",
         draw=lambda report: draw_ladder(_given(report.diagnosis), None),
         has=_has_gap,
-        tell=_tell_verdict,
+        describe=_describe_verdict,
     ),
     LogFigure(
         name="residual",
         section=MISSING,
         title="Where model and measurement disagree",
-        caption="Residual of the declared model, and with the effects named, against the quantity on which the "
+        caption="Residual of the nominal model, and with the effects named, against the quantity on which the "
         "strongest effect shows itself; dots are samples, markers means of bins with two standard errors.",
         draw=lambda report: draw_residual(_given(report.diagnosis), None),
         has=_has_gap,
-        tell=_tell_verdict,
+        describe=_describe_verdict,
     ),
     LogFigure(
         name="effects",
         section=MISSING,
         title="The effects named",
-        caption="Each effect as the log shows it, with its interval, and the fitted effect over it; what no one "
-        "quantity shows is drawn over its own fitted torque, so that on the diagonal all that it says is in the log.",
+        caption="Each effect as the log shows it, with its interval, and the fitted effect over it; an effect that "
+        "no single quantity shows is drawn over its own fitted torque: dots on the diagonal confirm it.",
         draw=lambda report: draw_effects(_given(report.diagnosis), None),
         has=_has_effects,
-        tell=_tell_verdict,
+        describe=_describe_verdict,
     ),
     LogFigure(
         name="simulation",
         section=MISSING,
         title="Measured and simulated",
-        caption="Torque and motion as measured, of the declared model and of the one grown by the effects named, on "
-        "cycles that no choice was made on.",
+        caption="Torque and motion as measured, of the nominal model and of the model augmented by the effects named, "
+        "on held-out cycles.",
         draw=lambda report: draw_simulation(_given(report.diagnosis), None),
         has=_has_gap,
-        tell=_tell_verdict,
+        describe=_describe_verdict,
     ),
 )
 """In the order in which they are read."""
@@ -242,18 +232,13 @@ class Drawn:
     left_out: dict[str, list[str]]
 
 
-def draw_figures(report: LogReport, draw: Draw = draw_inline) -> Drawn:
-    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room.
-
-    Args:
-        report: What the log says.
-        draw: Draws a figure for the page.
-    """
+def draw_figures(report: LogReport) -> Drawn:
+    """Draw the figures sheet by sheet, all kinds of the first joints before those of the next, while there is room."""
     drawn = Drawn(by_section={}, left_out={})
     left = MOST_BYTES
     for kind, part, title in _sheets(report):
-        figure = _figure(kind, part, title, draw) if left > 0 else None
-        left -= figure.picture.size if figure is not None else 0
+        figure = _figure(kind, part, title) if left > 0 else None
+        left -= len(figure.picture.svg) if figure is not None else 0
         if figure is None or left < 0:
             drawn.left_out.setdefault(kind.section, []).append(title)
         else:
@@ -263,24 +248,23 @@ def draw_figures(report: LogReport, draw: Draw = draw_inline) -> Drawn:
 
 def _sheets(report: LogReport) -> Iterator[tuple[LogFigure, LogReport, str]]:
     """Yield kind, joints and title of every figure."""
-    every = [one.friction.joint for one in report.joints if any(kind.has(one) for kind in LOG_FIGURES)]
+    every = [one.joint for one in report.joints if any(kind.has(one) for kind in LOG_FIGURES)]
     for first in range(0, len(every), ON_A_SHEET):
         own = every[first : first + ON_A_SHEET]
         for kind in LOG_FIGURES:
-            shown = [one.friction.joint for one in report.joints if one.friction.joint in own and kind.has(one)]
+            shown = [one.joint for one in report.joints if one.joint in own and kind.has(one)]
             which = "" if len(every) <= ON_A_SHEET else f", joints {own[0]} to {own[-1]}"
             if shown:
                 yield kind, part_of(report, shown), f"{kind.title}{which}"
 
 
-def _figure(kind: LogFigure, part: LogReport, title: str, draw: Draw) -> Figure:
-    drawing = label_in_unit(kind.draw(part), part.estimate.log.source.torque_unit)
+def _figure(kind: LogFigure, part: LogReport, title: str) -> Figure:
+    drawing = label_in_unit(kind.draw(part), part.unit)
     _make_small(drawing)
     joints = part.joints
-    words = [f"joint {joint_label(one.friction.joint, one.friction.name)}: {kind.tell(one)}" for one in joints]
-    picture = draw(
-        drawing, prefix=f"{kind.name}-{joints[0].friction.joint}", description=f"{title}. {'; '.join(words)}."
-    )
+    words = [f"joint {joint_label(one.joint, one.name)}: {kind.describe(one)}" for one in joints]
+    description = in_unit(f"{title}. {'; '.join(words)}.", part.unit)
+    picture = draw_inline(drawing, prefix=f"{kind.name}-{joints[0].joint}", description=description)
     return Figure(picture=picture, title=title, caption=kind.caption)
 
 
@@ -301,3 +285,68 @@ def _thin(line: "Line2D") -> None:
     if rising and line.get_drawstyle() == "default" and bool(np.isfinite(y).all()):
         line.set_data(*thin_extremes(x, y, MOST_POINTS))
     line.get_path().simplify_threshold = COARSE
+
+
+# Fields of EnergyCycles with one entry per joint.
+PER_JOINT = ("initiation", "termination", "fastest", "standstill_rad_s", "moving_s")
+# Letters of a name that fit along the left edge of a panel.
+ALONG = 9
+
+
+def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
+    """Return the report of some joints, given by their numbers for people; its estimate is for drawing only."""
+    diagnosis, replayed = report.diagnosis, report.replay
+    if diagnosis is not None:
+        joints = tuple(
+            replace(one, name=_fitting(one.joint, one.name))
+            for one in diagnosis.discrepancy.joints
+            if one.joint in numbers
+        )
+        diagnosis = replace(diagnosis, discrepancy=replace(diagnosis.discrepancy, joints=joints))
+    if replayed is not None:
+        own = tuple(
+            replace(one, name=_fitting(one.joint, one.name, ALONG))
+            for one in replayed.replay.joints
+            if one.joint in numbers
+        )
+        replayed = replace(replayed, replay=replace(replayed.replay, joints=own))
+    return replace(report, estimate=_estimate(report.estimate, numbers), diagnosis=diagnosis, replay=replayed)
+
+
+def _fitting(joint: int, name: str, most: int = LONGEST_NAME) -> str:
+    """Return a name in so many letters, by default what fits above a panel; none where it says only the number."""
+    return "" if joint_label(joint, name) == str(joint) else shortened(printable(name), most)
+
+
+def _estimate(estimate: Estimate, numbers: Collection[int]) -> Estimate:
+    columns = [k for k, number in enumerate(estimate.interaction.joint_numbers) if number in numbers]
+    joints = tuple(
+        replace(one, name=_fitting(one.joint, one.name)) for one in estimate.friction.joints if one.joint in numbers
+    )
+    return replace(
+        estimate,
+        interaction=_interaction(estimate.interaction, columns),
+        cycles=_cycles(estimate.cycles, columns),
+        friction=replace(estimate.friction, joints=joints),
+    )
+
+
+def _interaction(whole: Interaction, columns: list[int]) -> Interaction:
+    compensation, gravity = whole.compensation, whole.gravity_direction
+    return replace(
+        whole,
+        q=whole.q[:, columns],
+        dq=whole.dq[:, columns],
+        torque=whole.torque[:, columns],
+        compensation=None if compensation is None else compensation[:, columns],
+        gravity_direction=None if gravity is None else gravity[:, columns],
+        joint_numbers=tuple(whole.joint_numbers[k] for k in columns),
+        joint_names=tuple(_fitting(whole.joint_numbers[k], whole.joint_names[k]) for k in columns),
+    )
+
+
+def _cycles(cycles: EnergyCycles, columns: list[int]) -> EnergyCycles:
+    """Return the cycles of some columns, counted anew."""
+    kept = cycles.rows(np.isin(cycles.joint, columns))
+    own = {name: getattr(kept, name)[columns] for name in PER_JOINT}
+    return replace(kept, joint=np.searchsorted(columns, kept.joint), **own)

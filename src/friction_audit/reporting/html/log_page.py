@@ -1,25 +1,13 @@
-"""LogReport -> one HTML page: verdicts, the recording, friction, the compensator, what is missing, every setting."""
+"""LogReport -> one HTML page: verdicts, the recording, friction, the compensator, missing effects, every setting."""
 
 from collections.abc import Iterator
 
 from friction_audit.preprocessing.interaction import TorqueChoice
-from friction_audit.reporting.drift_words import count_of, format_start
-from friction_audit.reporting.html.log_figures import COMPENSATOR, FRICTION, MISSING, Draw, Drawn, draw_figures
-from friction_audit.reporting.html.log_part import settings_section
-from friction_audit.reporting.html.log_tables import (
-    TONES,
-    channel_table,
-    coefficient_table,
-    data_tables,
-    decision_table,
-    effect_table,
-    gap_table,
-    motion_table,
-    replay_table,
-    rival_table,
-    sign_table,
-    untestable_table,
-)
+from friction_audit.reporting.diagnosis import TONES, data_tables, page_tables
+from friction_audit.reporting.diagnosis_words import nominal_model
+from friction_audit.reporting.estimate import FRICTION as FRICTION_RECORD
+from friction_audit.reporting.estimate import sign_text
+from friction_audit.reporting.html.log_figures import COMPENSATOR, FRICTION, MISSING, Drawn, draw_figures
 from friction_audit.reporting.html.page import (
     Page,
     Part,
@@ -29,63 +17,78 @@ from friction_audit.reporting.html.page import (
     Verdict,
     Verdicts,
     citation_section,
-    render_page,
+    settings_section,
 )
-from friction_audit.reporting.html.svg import draw_inline
-from friction_audit.reporting.json.report import report_settings
-from friction_audit.reporting.log_report import JointReport, LogReport, report_notices
-from friction_audit.reporting.log_summary import LogSummary, summarize_log
-from friction_audit.reporting.log_words import lead_sentence, verdict_sentence, verdict_word
-from friction_audit.reporting.terminal.diagnose import declared_model
-from friction_audit.reporting.terminal.estimate import NOTHING, joint_label
-from friction_audit.reporting.terminal.plain import log_notices, notice_lines
-from friction_audit.reporting.terminal.replay import describe_compensator, shown_joint
-from friction_audit.reporting.units import in_unit
+from friction_audit.reporting.info import MOTION, LogSummary, summarize_log
+from friction_audit.reporting.notices import log_notices, notice_lines
+from friction_audit.reporting.replay import JOINT_REPLAY, describe_compensator
+from friction_audit.reporting.report import (
+    ESTIMATED,
+    NO_ESTIMATE,
+    LogReport,
+    lead_sentence,
+    report_notices,
+    report_settings,
+    verdict_sentence,
+    verdict_word,
+)
+from friction_audit.reporting.table import Column, JointName, Record, Table, joint_column
+from friction_audit.reporting.words import NOTHING, count_of, format_start, in_unit, joint_label
 
 NO_FIGURES = Drawn(by_section={}, left_out={})
 WORDS = {
     "interaction torque": "F_m, the torque at the joint's torque sensor that drives the joint against friction and "
     "inertia.",
     "energy cycle": "From one moment of rest to the next: no energy is stored in the motion at either end, so that "
-    "what was put in is what friction took.",
-    "Coulomb, viscous": "Friction that is there at any speed, and friction that grows with speed.",
-    "95 % interval": "Holds noise and what differs from stroke to stroke; not errors of the model, such as a wrong "
+    "the energy put in is the energy that friction dissipated.",
+    "Coulomb, viscous": "Friction that does not depend on the speed, and friction that grows with it.",
+    "95 % interval": "Holds noise and the differences between strokes; not errors of the model, such as a wrong "
     "payload.",
-    "condition number": "How well the cycles tell the two coefficients apart; from some hundreds on they do not.",
-    "nothing missing": "No effect of the catalogue is there that would have been seen: smaller than the detection "
-    "limit it may be.",
-    "effect named": "The joint does something that inertia, Coulomb and viscous friction do not explain, and the log "
-    "tells what.",
-    "ambiguous": "Something is missing, and this log does not tell it from something else.",
-    "unexplained": "Something is missing that nothing in the catalogue explains.",
-    "not testable": "The log lacks the motion that would tell.",
-    "data fault": "The data contradict themselves, or a channel is dead, so that nothing may be concluded from them.",
+    "condition number": "How well the cycles separate the two coefficients; from some hundreds on they do not.",
+    "adequate": "No effect of the catalogue above the detection limit is missing from the model; a smaller one may be.",
+    "named": "The joint shows an effect that inertia, Coulomb and viscous friction do not explain, and the log "
+    "identifies it.",
+    "ambiguous": "An effect is missing, and this log does not distinguish it from another one.",
+    "unexplained": "An effect is missing that the catalogue does not hold.",
+    "not testable": "The log lacks the motion that a test needs.",
+    "data fault": "The data are inconsistent, or a channel is dead: no conclusion is possible.",
     "failed": "A bug ended the diagnosis of the joint; the other joints are answered.",
-    "gap": "Torque that a model leaves unexplained, as root mean square, on cycles that were locked away before "
-    "anything was chosen.",
-    "floor": "What the noise leaves, below which no model of the motion gets.",
-    "removed": "Share of what friction took that the compensator would have given in the person's place.",
+    "residual RMS": "Torque that a model leaves unexplained, as root mean square, on held-out cycles, which were set "
+    "aside before anything was fitted.",
+    "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
+    "explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
+    "removed": "Share of the dissipated energy that the compensator would have given in the person's place.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }
-"""What the words of the page mean."""
+VERDICT_TONES = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
+CHANNEL = Record(
+    (
+        Column("channel", str, get=lambda row: row[0], title="channel", on="p"),
+        Column("name", str, get=lambda row: row[1], title="name in the log", code=True, on="p"),
+    )
+)
+SIGN = Record(
+    (
+        joint_column(lambda row: row[0]),
+        Column("energy", str, get=lambda row: row[1].verdict, title="energy", on="p"),
+        Column("moving", float, get=lambda row: row[1].moving_s, unit="s", title="moving", on="p"),
+        Column("path", float, get=lambda row: row[1].path_rad, unit="rad", title="path", on="p"),
+        Column(
+            "with_motion", get=lambda row: row[1].against_motion_nm, unit="N m", title="torque with the motion", on="p"
+        ),
+        Column(
+            "error", get=lambda row: row[1].standard_error_nm, form=".2g", unit="N m", title="standard error", on="p"
+        ),
+    )
+)
 
 
-def write_log_page(report: LogReport) -> str:
-    """Return the page of a log as HTML text, the same bytes for the same result."""
-    return render_page(log_page(report))
-
-
-def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
-    """Return what the page of a log is made of.
-
-    Args:
-        report: What the log says.
-        draw: Draws a figure for the page, or None for none.
-    """
-    drawn = NO_FIGURES if draw is None else draw_figures(report, draw)
-    page = Page(
+def log_page(report: LogReport, *, figures: bool = True) -> Page:
+    """Return what the page of a log is made of, with figures or without."""
+    drawn = draw_figures(report) if figures else NO_FIGURES
+    return Page(
         title=f"Joint friction: {report.file_name}",
-        lead=lead_sentence(report),
+        lead=in_unit(lead_sentence(report), report.unit),
         facts=tuple(_facts(report)),
         sections=(
             Section(anchor="verdicts", title="Verdict per joint", parts=(_verdicts(report),)),
@@ -99,8 +102,6 @@ def log_page(report: LogReport, draw: Draw | None = draw_inline) -> Page:
             citation_section(),
         ),
     )
-    in_its_unit: Page = in_unit(page, report.estimate.log.source.torque_unit)
-    return in_its_unit
 
 
 def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
@@ -115,33 +116,43 @@ def _facts(report: LogReport) -> Iterator[tuple[str, str]]:
 
 
 def _verdicts(report: LogReport) -> Verdicts:
-    return Verdicts(verdicts=[_verdict(one) for one in report.joints])
-
-
-def _verdict(joint: JointReport) -> Verdict:
-    word, friction = verdict_word(joint), joint.friction
-    name = f"Joint {joint_label(friction.joint, friction.name)}"
-    return Verdict(name=name, word=word, tone=TONES[word], sentence=verdict_sentence(joint))
+    return Verdicts(
+        verdicts=[
+            Verdict(
+                name=f"Joint {joint_label(one.joint, one.name)}",
+                word=verdict_word(one),
+                tone=VERDICT_TONES[verdict_word(one)],
+                sentence=in_unit(verdict_sentence(one), report.unit),
+            )
+            for one in report.joints
+        ]
+    )
 
 
 def _recording(report: LogReport) -> Section:
     estimate = report.estimate
     summary = summarize_log(estimate.log, estimate.interaction, estimate.cycles)
     found = notice_lines(log_notices(estimate.log))
-    reader: Part = (
-        Text(lines=found, listed=True, tone="unsure")
-        if found
-        else Text(lines=("The reader found nothing wrong with the recording.",))
+    fine = Text(lines=("The reader found nothing wrong with the recording.",))
+    channels = CHANNEL.people(
+        estimate.log.source.channels.items(),
+        caption="Channels as they are called in the log; {i} is the number of the joint",
+        folded=True,
     )
     return Section(
         anchor="recording",
         title="What was recorded",
-        parts=(Terms(pairs=tuple(_source(summary))), reader, motion_table(summary), channel_table(report)),
+        parts=(
+            Terms(pairs=tuple(_source(summary))),
+            Text(lines=found, listed=True, tone="unsure") if found else fine,
+            MOTION.people(summary.joints, caption="How the joints moved"),
+            channels,
+        ),
         sections=(
             Section(
                 anchor="torque",
                 title="Interaction torque",
-                parts=(Terms(pairs=tuple(_torque(estimate.interaction.choice))), *sign_table(report)),
+                parts=(Terms(pairs=tuple(_torque(estimate.interaction.choice, report.unit))), *_sign(report)),
             ),
             *_data_audit(report),
         ),
@@ -154,14 +165,13 @@ def _source(summary: LogSummary) -> Iterator[tuple[str, str]]:
     yield "SHA-256", source.sha256
     yield "Format", f"{source.format}, topic {source.topic}" if source.topic else source.format
     yield "Robot", f"{source.robot}, serial number {source.serial}" if source.serial else source.robot
-    gaps = f"{count_of(summary.gaps, 'gap')}, the longest {summary.longest_gap_s:.3g} s" if summary.gaps else "no gaps"
     yield "Samples", f"{len(log.t)} in {log.duration_s:.6g} s, {log.rate_hz:.6g} Hz"
-    yield "Clock", f"{source.clock}, {summary.jitter}, {gaps}, {summary.clock_check}"
+    yield "Clock", f"{source.clock}, {summary.steps_text}, {summary.clock_text}"
     yield "Repeated", f"{count_of(summary.stale_samples, 'repeated sample')} left out"
 
 
-def _torque(choice: TorqueChoice) -> Iterator[tuple[str, str]]:
-    yield "Formula", f"{choice.formula}; {choice.reason}" if choice.reason else choice.formula
+def _torque(choice: TorqueChoice, unit: str) -> Iterator[tuple[str, str]]:
+    yield "Formula", in_unit(f"{choice.formula}; {choice.reason}" if choice.reason else choice.formula, unit)
     yield "Source", choice.source
     yield "Driven by", "a hand on the arm" if choice.drive == "hand" else "the robot itself"
     yield "Gravity", choice.gravity
@@ -170,13 +180,20 @@ def _torque(choice: TorqueChoice) -> Iterator[tuple[str, str]]:
     yield "Rigid-body model", f"{choice.robot}{model}"
     payload = choice.payload
     yield "Payload", "none" if payload is None else f"{payload[0]:g} kg at {', '.join(f'{x:g}' for x in payload[1:])} m"
-    proof = "proved by the energy" if choice.sign_proved else "not proved by the energy"
     turned = "; turned against the first reading" if choice.sign_turned else ""
-    yield "Sign", f"{choice.sign:+d}, {proof}{turned}"
+    yield "Sign", f"{choice.sign:+d}, {sign_text(choice).removeprefix('sign ')}{turned}"
+
+
+def _sign(report: LogReport) -> tuple[Table, ...]:
+    """Return what the energy of each joint says about the sign of its torque, if that was looked at."""
+    choice, names = report.estimate.interaction.choice, report.estimate.log.joint_names
+    rows = [(JointName(one.joint, names[one.joint - 1]), one) for one in choice.sign_evidence]
+    caption = "Sign of the torque: friction dissipates energy, so the torque goes with the motion"
+    return (SIGN.people(rows, caption=caption, folded=True, unit=report.unit),) if rows else ()
 
 
 def _data_audit(report: LogReport) -> Iterator[Section]:
-    tables = tuple(data_tables(report))
+    tables = data_tables(report.diagnosis)
     if tables:
         fine = all(table.folded for table in tables)
         lead = (Text(lines=("No limit and no fault was found.",)),) if fine else ()
@@ -189,8 +206,9 @@ def _friction(report: LogReport, drawn: Drawn) -> Section:
         f"Estimator {found.estimator}, {settings.model} model; each point of the history is made of the last "
         f"{count_of(settings.cycles_per_point, 'cycle')}."
     )
-    parts = (Text(lines=(how,)), coefficient_table(report), *_pictures(drawn, FRICTION))
-    return Section(anchor=FRICTION, title="Friction", parts=parts)
+    caption = "Coefficients over the whole log with 95 % intervals, and a regression of the torque for comparison"
+    table = FRICTION_RECORD.people(found.joints, caption=caption, unit=report.unit).filled()
+    return Section(anchor=FRICTION, title="Friction", parts=(Text(lines=(how,)), table, *_pictures(drawn, FRICTION)))
 
 
 def _compensator(report: LogReport, drawn: Drawn) -> Section:
@@ -199,28 +217,22 @@ def _compensator(report: LogReport, drawn: Drawn) -> Section:
         return Section(anchor=COMPENSATOR, title=title, parts=_unanswered(report, "replay"))
     found = report.replay.replay
     lines = (
-        f"Compensator: {describe_compensator(shown_joint(found.joints))}.",
+        f"Compensator: {in_unit(describe_compensator(found.joints), report.unit)}.",
         f"Assumption {found.counterfactual.name}: {found.counterfactual.assumes}.",
     )
-    parts = (Text(lines=lines), replay_table(found.joints), *_pictures(drawn, COMPENSATOR))
-    return Section(anchor=COMPENSATOR, title=title, parts=parts)
+    caption = "Energy and torque of the person without the compensator and with it"
+    table = JOINT_REPLAY.people(found.joints, caption=caption, unit=report.unit).filled()
+    return Section(anchor=COMPENSATOR, title=title, parts=(Text(lines=lines), table, *_pictures(drawn, COMPENSATOR)))
 
 
 def _missing(report: LogReport, drawn: Drawn) -> Section:
     title = "What the model misses"
     if report.diagnosis is None:
         return Section(anchor=MISSING, title=title, parts=_unanswered(report, "diagnose"))
-    joints = report.diagnosis.discrepancy.joints
-    parts = (
-        Text(lines=(f"Declared model: {declared_model(report.diagnosis.settings.model)}.",)),
-        gap_table(joints),
-        *effect_table(joints),
-        *decision_table(joints),
-        *_pictures(drawn, MISSING),
-        *rival_table(joints),
-        *untestable_table(joints),
-    )
-    return Section(anchor=MISSING, title=title, parts=parts)
+    model = Text(lines=(f"Nominal model: {nominal_model(report.diagnosis.settings.model)}.",))
+    tables = page_tables(report.diagnosis)
+    shown, folded = ([table for table in tables if table.folded is later] for later in (False, True))
+    return Section(anchor=MISSING, title=title, parts=(model, *shown, *_pictures(drawn, MISSING), *folded))
 
 
 def _unanswered(report: LogReport, part: str) -> tuple[Text, ...]:
@@ -233,7 +245,7 @@ def _pictures(drawn: Drawn, section: str) -> Iterator[Part]:
     yield from drawn.by_section.get(section, ())
     left_out = drawn.left_out.get(section, ())
     if left_out:
-        more = "The command plot draws those of friction and compensator, diagnose those of what is missing"
+        more = "The command plot draws those of friction and compensator, diagnose those of missing effects"
         yield Text(lines=(f"This page has no room for more figures. {more}: {'; '.join(left_out)}.",))
 
 
@@ -241,5 +253,7 @@ def _warnings(report: LogReport) -> Section:
     read = set(log_notices(report.estimate.log))
     lines = notice_lines(one for one in report_notices(report) if one not in read)
     note = Text(lines=lines, listed=True, tone="unsure") if lines else Text(lines=("There are none.",))
-    lead = Text(lines=("What was noticed on the way from the log to these results, beside what the reader found.",))
+    lead = Text(
+        lines=("What was noticed on the way from the log to these results, in addition to the reader's findings.",)
+    )
     return Section(anchor="warnings", title="Warnings", parts=(lead, note))

@@ -1,82 +1,25 @@
-"""What a page is made of; every word in it is text and is escaped when the page is written."""
+"""What a page is made of, and its HTML; every word in it is text and is escaped when the page is written."""
 
 import base64
-import colorsys
 import hashlib
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from friction_audit import __version__
 from friction_audit.errors import printable
-from friction_audit.reporting.html.svg import InlinePicture, Picture
+from friction_audit.reporting.html.svg import Picture
+from friction_audit.reporting.table import Column, Record, Table, Tone
 
 if TYPE_CHECKING:
     from jinja2 import Environment
 
 
-Tone = Literal["", "alert", "fine", "unsure", "off"]
-"""How a verdict looks, beside its words."""
-
-
-LONG = 30
-"""Rows of a table above which it gets a window of its own."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Cell:
-    """A cell of a table.
-
-    Attributes:
-        text: What it says.
-        key: What it is sorted by: a number, or the text if None; NaN comes last.
-        tone: For a verdict.
-        code: Whether it is the name of a file or the like, which may break anywhere.
-        words: Whether it is a phrase, for which a column must leave room, or it is a tower of single words.
-    """
-
-    text: str
-    key: float | None = None
-    tone: Tone = ""
-    code: bool = False
-    words: bool = False
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Table:
-    """A table that can be sorted.
-
-    Attributes:
-        caption: What it shows.
-        titles: Heads of the columns.
-        rows: Cells, as many in a row as there are titles; the first heads the row.
-        numbers: Which columns hold numbers, from 0; they are set to the right.
-        folded: Whether it is shown only when asked for.
-    """
-
-    caption: str
-    titles: Sequence[str]
-    rows: Sequence[Sequence[Cell]]
-    numbers: frozenset[int] = frozenset()
-    folded: bool = False
-
-    @property
-    def long(self) -> bool:
-        """Whether it scrolls in a window of its own."""
-        return len(self.rows) > LONG
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Figure:
-    """A figure that can be enlarged.
-
-    Attributes:
-        picture: The drawing.
-        title: What it shows, in a line.
-        caption: How to read it.
-    """
+    """A figure that can be enlarged: the drawing, what it shows in a line, and how to read it."""
 
     picture: Picture
     title: str
@@ -85,14 +28,7 @@ class Figure:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Verdict:
-    """A verdict in words and a colour.
-
-    Attributes:
-        name: Of what.
-        word: The verdict.
-        tone: How it looks.
-        sentence: What is to be said of it.
-    """
+    """A verdict on something: in a word, as a colour, and in a sentence."""
 
     name: str
     word: str
@@ -109,13 +45,7 @@ class Verdicts:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Text:
-    """Sentences, a paragraph each, or the points of a list.
-
-    Attributes:
-        lines: The sentences.
-        listed: Whether they are points of a list.
-        tone: ``"alert"`` for what must not be missed.
-    """
+    """Sentences, a paragraph each, or the points of a list."""
 
     lines: Sequence[str]
     listed: bool = False
@@ -141,14 +71,7 @@ Part = Table | Figure | Verdicts | Text | Command | Terms
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Section:
-    """A section with a heading, and sections in it.
-
-    Attributes:
-        anchor: Unique name of ASCII letters, digits and hyphens, for the table of contents.
-        title: The heading.
-        parts: What is in it, in order.
-        sections: Sections in it.
-    """
+    """A section with a heading, and sections in it; the anchor is unique: ASCII letters, digits and hyphens."""
 
     anchor: str
     title: str
@@ -158,19 +81,12 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Page:
-    """A page.
-
-    Attributes:
-        title: Of the page.
-        lead: What it says, in a sentence or two.
-        facts: What it is about: names and values.
-        sections: What is in it.
-    """
+    """A page: its title, its answer in a sentence or two, names and values of what it is about, and its sections."""
 
     title: str
     lead: str
     facts: Sequence[tuple[str, str]] = ()
-    sections: Sequence[Section] = field(default=())
+    sections: Sequence[Section] = ()
 
 
 METHOD = (
@@ -187,81 +103,63 @@ def citation_section() -> Section:
     return Section(anchor="cite", title="How to cite", parts=parts)
 
 
-DARK_GROUND = "#14181d"
-READABLE = 4.5
-"""Contrast that text needs against its ground (WCAG 2.2, level AA)."""
-GREY = 0.3
-"""Saturation below which a colour counts as grey, or as the tint of a ground."""
-LIGHTEST, DARKEST = 0.92, 0.12
-"""Lightness of what is black on white, and of what is white."""
-STEP = 0.02
+UNSET = "not set"
+SETTING = Record(
+    (
+        Column("setting", str, get=lambda row: row[0], title="setting", code=True, on="p"),
+        Column("value", str, get=lambda row: row[1], title="value", code=True, on="p"),
+    )
+)
 
 
-def dark_colour(colour: str) -> str:
-    """Return what ``#rrggbb`` on white becomes on the dark ground, of the same hue."""
-    hue, lightness, saturation = colorsys.rgb_to_hls(*_channels(colour))
-    if saturation < GREY or lightness in (0.0, 1.0):
-        return _hex(colorsys.hls_to_rgb(hue, LIGHTEST + (DARKEST - LIGHTEST) * lightness, saturation))
-    while contrast(_hex(colorsys.hls_to_rgb(hue, lightness, saturation)), DARK_GROUND) < READABLE:
-        lightness += STEP
-    return _hex(colorsys.hls_to_rgb(hue, lightness, saturation))
+def settings_section(settings: Mapping[str, object], command: str) -> Section:
+    """Return every setting, defaults included, and the command."""
+    table = SETTING.people(flattened(settings), caption="Every setting, defaults included", folded=True)
+    again = (Text(lines=("This command makes the page again:",)), Command(line=command)) if command else ()
+    return Section(anchor="settings", title="Settings", parts=(*again, table))
 
 
-def contrast(colour: str, ground: str) -> float:
-    """Return the contrast ratio of two colours, 1 to 21 (WCAG 2.2)."""
-    light, dark = sorted((_luminance(colour), _luminance(ground)), reverse=True)
-    return (light + 0.05) / (dark + 0.05)
+def flattened(settings: Mapping[str, object], before: str = "") -> Iterator[tuple[str, str]]:
+    """Yield each setting with its full name, ``outer.inner``, and its value as text."""
+    for name, value in settings.items():
+        full = f"{before}{name}"
+        if isinstance(value, Mapping) and value:
+            yield from flattened(value, f"{full}.")
+        else:
+            yield full, _setting_text(value)
 
 
-def colour_rules(colours: Iterable[str], *, dark: bool) -> str:
-    """Return the page's names of figures' colours: ``--c-004c80:#004c80;...``."""
-    return "".join(f"--c-{one[1:]}:{dark_colour(one) if dark else one};" for one in sorted(set(colours)))
+def _setting_text(value: object) -> str:
+    match value:
+        case None | {}:
+            return UNSET
+        case bool():
+            return "yes" if value else "no"
+        case float():
+            return f"{value:g}"
+        case list() | tuple():
+            return ", ".join(map(_setting_text, value)) or UNSET
+    return str(value)
 
 
-def _luminance(colour: str) -> float:
-    red, green, blue = (_linear(channel) for channel in _channels(colour))
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+def render_page(page: Page, *, paper: bool = False) -> str:
+    """Return the page as HTML; the same page gives the same bytes.
 
-
-def _linear(channel: float) -> float:
-    return channel / 12.92 if channel <= 0.04045 else ((channel + 0.055) / 1.055) ** 2.4  # noqa: PLR2004 - sRGB
-
-
-def _channels(colour: str) -> tuple[float, float, float]:
-    red, green, blue = (int(colour[k : k + 2], 16) / 255.0 for k in (1, 3, 5))
-    return red, green, blue
-
-
-def _hex(channels: Iterable[float]) -> str:
-    return "#" + "".join(f"{round(255 * channel):02x}" for channel in channels)
-
-
-TEMPLATE, STYLE, SCRIPT = "page.html.j2", "page.css", "page.js"
-TEMPLATES = "templates"
-
-
-def render_page(page: Page) -> str:
-    """Return the page as text; the same page gives the same bytes."""
-    script = _resource(SCRIPT)
-    pictures = [figure.picture for figure in figures_of(page.sections)]
-    colours = {colour for one in pictures if isinstance(one, InlinePicture) for colour in one.colours}
-    text = _environment().get_template(TEMPLATE).render(
+    Args:
+        page: The page.
+        paper: Whether it is to be printed: nothing folded, no script.
+    """
+    script = "" if paper else _resource("page.js")
+    text = _environment().get_template("page.html.j2").render(
         page=page,
+        paper=paper,
         version=__version__,
-        style=_resource(STYLE),
+        style=_resource("page.css"),
         script=script,
-        script_hash=_hash(script),
-        light=colour_rules(colours, dark=False),
-        dark=colour_rules(colours, dark=True),
+        # Lets the browser run this script and no other.
+        script_hash=base64.b64encode(hashlib.sha256(script.encode()).digest()).decode(),
     )  # fmt: skip
     return printable(text)
-
-
-def figures_of(sections: Sequence[Section]) -> Iterator[Figure]:
-    """Yield the figures of sections and of the sections in them."""
-    for section in sections:
-        yield from (part for part in section.parts if isinstance(part, Figure))
-        yield from figures_of(section.sections)
 
 
 @cache
@@ -269,7 +167,7 @@ def _environment() -> "Environment":
     from jinja2 import Environment, PackageLoader, StrictUndefined
 
     environment = Environment(
-        loader=PackageLoader("friction_audit.reporting.html", TEMPLATES),
+        loader=PackageLoader("friction_audit.reporting.html"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
@@ -280,9 +178,4 @@ def _environment() -> "Environment":
 
 
 def _resource(name: str) -> str:
-    return files("friction_audit.reporting.html").joinpath(TEMPLATES, name).read_text(encoding="utf-8")
-
-
-def _hash(script: str) -> str:
-    """Return what lets the browser run this script and no other."""
-    return base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    return files("friction_audit.reporting.html").joinpath("templates", name).read_text(encoding="utf-8")

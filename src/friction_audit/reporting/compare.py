@@ -1,0 +1,228 @@
+"""Comparison of compensation methods, and claims of the paper: their documents and their text."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from math import inf, isnan
+from typing import Any
+
+from friction_audit.reporting.documents import HIDDEN
+from friction_audit.reporting.table import INTERVAL, Column, Document, Record
+from friction_audit.reporting.terminal_table import table_lines
+from friction_audit.reporting.words import NOTHING
+
+Row = Mapping[str, Any]
+ROLES = {"paper": "*", "best": "+", "other": " "}
+LEGEND = (
+    "* the paper's kind of tuning; + the best stable one of the sweeps, chosen for other persons",
+    "slope, peak and rms: means over the persons with whom the loop was stable, with 95 % intervals",
+)
+MARGIN = "margin: factor by which the gain may grow before the loop is unstable, 0 if it is unstable as it is;"
+# Margin above what is searched.
+ENDLESS = ">32"
+
+VALUE = Record((Column("value", float, "mean, or median"), Column("ci95", INTERVAL, "95 % interval")))
+
+
+def _shown(text: Callable[[Row], str], title: str) -> Column:
+    """Return a column of the terminal; rows that head a method have none of it."""
+    return Column(
+        "shown", float, get=lambda row: row, form=lambda row: text(row) if "tuning" in row else " ", title=title, on="t"
+    )
+
+
+def _with_interval(name: str, factor: float, digits: int) -> Callable[[Row], str]:
+    def text(row: Row) -> str:
+        value, low = row[name]["value"], row[name]["ci95"][0]
+        half = "" if isnan(low) else f" ± {factor * (value - low):.{digits}f}"
+        return NOTHING if isnan(value) else f"{factor * value:.{digits}f}{half}"
+
+    return text
+
+
+def _margin(row: Row) -> str:
+    """Return the bounds of a median, which need not lie evenly about it, or the median where it has none."""
+    found = row["stability_margin"]
+    bounds = [found["value"]] if isnan(found["ci95"][0]) else found["ci95"]
+    texts = (NOTHING if isnan(value) else ENDLESS if value == inf else f"{value:.2g}" for value in bounds)
+    return "..".join(dict.fromkeys(texts))
+
+
+def _name(row: Row) -> str:
+    return f"{ROLES[row['role']]} {row['tuning']}" if "tuning" in row else str(row["label"])
+
+
+METHOD = Record(
+    (
+        Column("method", str, "name of the method"),
+        Column("label", str, "in words"),
+        Column("tuning", str, "name of the tuning"),
+        Column("meaning", str, "what the tuning is"),
+        Column("role", tuple(ROLES), "why the tuning is there"),
+        Column("tuning_losses", int, "persons of the tuning with whom no setting was stable", null=True),
+        Column("energy_slope_w", VALUE, "mean power that the person gives"),
+        Column("peak_torque_nm", VALUE, "largest torque of the person"),
+        Column("rms_torque_nm", VALUE, "root mean square of it"),
+        Column("vibration_nm", VALUE, "torque above the person's band"),
+        Column("standstill_rad_s", VALUE, "speed left when the person holds still"),
+        Column("chatter_nm", VALUE, "torque at rest"),
+        Column("coulomb_left", VALUE, "share of the Coulomb friction that the person feels"),
+        Column("viscous_left", VALUE, "share of the viscous friction"),
+        Column("inertia_left", VALUE, "share of the inertia"),
+        Column("stable_share", float, "share of the persons with whom the loop was stable"),
+        Column("lost_s", [float], "when the loop became unstable, per person with whom it did"),
+        Column("stability_margin", VALUE, "median factor by which the gain may grow"),
+        Column("stability_margins", [float], "the factor per person"),
+        Column("row", str, get=_name, title="method and tuning", on="t"),
+        _shown(_with_interval("energy_slope_w", 1000.0, 1), "slope [mW]"),
+        _shown(_with_interval("peak_torque_nm", 1.0, 2), "peak [N m]"),
+        _shown(_with_interval("rms_torque_nm", 1.0, 3), "rms [N m]"),
+        _shown(lambda row: f"{row['stable_share']:.0%}", "stable"),
+        _shown(_margin, "margin"),
+    )
+)
+POINT = Record(
+    (
+        Column("value", float, "value of the swept setting"),
+        Column("tuning", str, "its name"),
+        Column("stable", bool, "whether the loop was stable with every person"),
+        Column("stable_share", float, "share of the persons with whom it was"),
+        Column("energy_slope_w", VALUE, "mean power that the person gives"),
+        Column("rms_torque_nm", VALUE, "root mean square of the person's torque"),
+    )
+)
+SWEEP = Record(
+    (
+        Column("method", str, "name of the method"),
+        Column("label", str, "in words"),
+        Column("sweep", str, "name of the sweep"),
+        Column("axis", str, "the swept setting"),
+        Column("boldest_stable", float, "the boldest stable value"),
+        Column("points", [POINT], "the values tried"),
+    )
+)
+FIGURE = Record((Column("figure", str, "name"), Column("path", str, "where it was written")))
+COMPARE = Document(
+    "compare",
+    1,
+    "Compensation methods side by side",
+    Record(
+        (
+            Column("arm", ("joint", "panda"), "what the methods were tried on"),
+            Column("duration", float, "length of a trial", unit="s"),
+            Column("seeds", [int], "persons"),
+            Column("tuning_seeds", [int], "persons that the tunings were chosen for"),
+            Column("margin_seeds", [int], "persons that were asked for the stability margin"),
+            Column("settings", dict, "settings of the simulation but the hidden effects"),
+            Column("effects", [HIDDEN], "hidden effects"),
+            Column("methods", [METHOD], "per method and tuning"),
+            Column("sweeps", [SWEEP], "per sweep"),
+            Column("figures", [FIGURE], "what was drawn"),
+        )
+    ),
+)
+
+
+def compare_document(
+    scene: Mapping[str, object],
+    methods: Sequence[Row],
+    sweeps: Sequence[Row],
+    figures: Iterable[tuple[str, str]],
+) -> dict[str, Any]:
+    """Return the document on a comparison.
+
+    Args:
+        scene: ``arm``, ``duration_s``, ``seeds``, ``tuning_seeds``, ``margin_seeds``, ``settings`` and ``effects``.
+        methods: Per method and tuning what came of it.
+        sweeps: Per sweep its points.
+        figures: Name and path of every figure.
+    """
+    drawn = [{"figure": name, "path": path} for name, path in figures]
+    return COMPARE.json({**scene, "methods": methods, "sweeps": sweeps, "figures": drawn})
+
+
+def compare_lines(rows: Sequence[Row], seeds: int, tuning_seeds: int) -> list[str]:
+    """Return a row per method and tuning, and the losses of those that were unstable.
+
+    Args:
+        rows: Entries of ``methods`` in the document.
+        seeds: How many persons.
+        tuning_seeds: How many persons the settings were chosen for.
+    """
+    headed: list[Row] = []
+    for before, row in zip((None, *rows), rows, strict=False):
+        if before is None or before["method"] != row["method"]:
+            headed.append({"label": row["label"]})
+        headed.append(row)
+    # A tuning that is both the paper's kind and the best one lost the same loops.
+    notes = dict.fromkeys(note for row in rows for note in _notes(row, seeds, tuning_seeds))
+    return [*table_lines(METHOD.people(headed, "t")), *LEGEND, *_margins(rows), *notes]
+
+
+def _margins(rows: Sequence[Row]) -> tuple[str, ...]:
+    """Return how the margins are to be read, if they were looked for."""
+    persons = max((len(row["stability_margins"]) for row in rows), default=0)
+    if not persons:
+        return ()
+    known = any(not isnan(row["stability_margin"]["ci95"][0]) for row in rows)
+    those = f"the median of {persons} persons" if persons > 1 else "one person"
+    return (MARGIN, f"{'95 % interval of ' if known else 'of '}{those}")
+
+
+def _notes(row: Row, seeds: int, tuning_seeds: int) -> Iterator[str]:
+    name, lost, in_tuning = f"{row['label']}, {row['tuning']}", row["lost_s"], row["tuning_losses"]
+    if lost:
+        first = f"first after {min(lost):.1f} s; figures end there"
+        yield f"{name}: the loop became unstable in {len(lost)} of {seeds} seeds, {first}"
+    if in_tuning:
+        yield f"{name}: no setting tried is stable; this one is unstable with {in_tuning} of {tuning_seeds} persons"
+
+
+CLAIM = Record(
+    (
+        Column("figure", str, "figure of the paper", title="fig", on="jt"),
+        Column("claim", str, "the claim", title="claim", words=True, on="jt"),
+        Column("paper", str, "what the paper states or shows", title="paper", words=True, on="jt"),
+        Column("ours", str, "our result, in words", title="ours", words=True, on="jt"),
+        Column("value", float, "the number that decides", on="j"),
+        Column(
+            "holds",
+            bool,
+            "whether the claim holds",
+            form=lambda holds: "yes" if holds else "NO",
+            title="holds",
+            on="jt",
+        ),
+        Column("note", str, "what to know about it, or empty", on="j"),
+    )
+)
+DRAWN = Record((FIGURE.columns[0], Column("title", str, "its title"), FIGURE.columns[1]))
+REPRODUCE = Document(
+    "reproduce",
+    1,
+    "The paper's figures: its claims and our results",
+    Record(
+        (
+            Column("seeds", int, "persons simulated"),
+            Column("claims", [CLAIM], "per claim"),
+            Column("figures", [DRAWN], "what was drawn"),
+        )
+    ),
+)
+
+
+def reproduce_document(claims: Sequence[Row], figures: Iterable[tuple[str, str, str]], seeds: int) -> dict[str, Any]:
+    """Return the document on the paper's figures.
+
+    Args:
+        claims: Per claim ``figure``, ``claim``, ``paper``, ``ours``, ``value``, ``holds`` and ``note``.
+        figures: Number, title and path of every figure.
+        seeds: Persons that were simulated where one moves the joint.
+    """
+    drawn = [{"figure": figure, "title": title, "path": path} for figure, title, path in figures]
+    return REPRODUCE.json({"seeds": seeds, "claims": claims, "figures": drawn})
+
+
+def claim_lines(claims: Sequence[Row]) -> list[str]:
+    """Return a row per claim, why those do not hold that do not, and how many hold."""
+    reasons = [f"{row['figure']}: {row['note']}" for row in claims if not row["holds"] and row["note"]]
+    count = f"{sum(bool(row['holds']) for row in claims)} of {len(claims)} claims hold"
+    return [*table_lines(CLAIM.people(claims, "t")), *reasons, count]

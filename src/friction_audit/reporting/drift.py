@@ -1,0 +1,563 @@
+"""Drift over the sessions of a batch: its document, the table of all sessions and its text."""
+
+import json
+import math
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from itertools import islice
+from typing import Any, NamedTuple
+
+from friction_audit import __version__
+from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, ControlPoint, DriftReport, JointDrift
+from friction_audit.drift.session import JointSummary, Session
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting.diagnosis import VERDICT_KEYS
+from friction_audit.reporting.drift_words import (
+    TONES,
+    UNITS,
+    VERDICTS,
+    arm_sentence,
+    arm_verdict,
+    change_text,
+    coefficient_name,
+    drift_verdict,
+    joint_sentence,
+    joint_verdict,
+    smallest_text,
+    span_of,
+    total_text,
+    trend_text,
+)
+from friction_audit.reporting.table import INTERVAL, JOINT, NAME, Column, Document, Get, Record, joint_column
+from friction_audit.reporting.terminal_table import table_lines
+from friction_audit.reporting.words import count_of, enumerate_words, format_slope, iso_start, joint_label
+
+# Sessions that a line names; more are counted.
+MOST_NAMED = 8
+CONDITIONS = ("drive", "torque", "gravity", "inertia", "payload")
+ROWS_AT_ONCE = 2000
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class FailedLog:
+    """A file that gave no session.
+
+    Attributes:
+        path: As found.
+        message: What was wrong with it, and what to do.
+    """
+
+    path: str
+    message: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class BatchSummary:
+    """A batch of recordings and how the friction in them drifts.
+
+    Attributes:
+        report: Drift, arm by arm.
+        failed: Files that gave no session.
+        exceeded: Limits that were exceeded, a sentence each.
+        cannot_tell: Limits that the sessions cannot test, a sentence each.
+        warnings: What was noticed about the logs as a whole, one sentence each.
+        settings: All settings by name, defaults included; values are numbers, words, lists or mappings of them.
+        command: The command that makes all of it again.
+        computed: Sessions computed in this run.
+        known: Sessions that the ledger already held.
+    """
+
+    report: DriftReport
+    failed: tuple[FailedLog, ...] = ()
+    exceeded: tuple[str, ...] = ()
+    cannot_tell: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+    settings: Mapping[str, object] = field(default_factory=dict)
+    command: str = ""
+    computed: int = 0
+    known: int = 0
+
+    @property
+    def arms(self) -> tuple[ArmDrift, ...]:
+        """The arms, in order."""
+        return self.report.arms
+
+    @property
+    def sessions(self) -> tuple[Session, ...]:
+        """The sessions of all arms, in order."""
+        return tuple(session for arm in self.arms for session in arm.sessions)
+
+
+class CoefficientRow(NamedTuple):
+    """A coefficient of a joint of an arm, and its place among those of the joint."""
+
+    arm: ArmDrift
+    joint: JointDrift
+    found: CoefficientDrift
+    place: int
+
+
+def coefficient_rows(arm: ArmDrift) -> list[CoefficientRow]:
+    """Return the coefficients of all joints of an arm."""
+    return [CoefficientRow(arm, joint, one, k) for joint in arm.joints for k, one in enumerate(joint.coefficients)]
+
+
+def _numbers(name: str, meaning: str, get: Get) -> Column:
+    """Return a column of sessions, which people count from 1."""
+    return Column(name, [int], meaning, lambda row: [index + 1 for index in Column(name, get=get).value(row)], on="j")
+
+
+def _steps(found: CoefficientDrift) -> str:
+    return ", ".join(str(_session(change)) for change in found.change_points)
+
+
+def _values(found: CoefficientDrift) -> Iterator[dict[str, Any]]:
+    for index, value in zip(found.sessions, found.values, strict=True):
+        yield {"session": index + 1, "value": value.value, "ci95": (value.low, value.high)}
+
+
+def diagnose_verdict(joint: JointSummary) -> str:
+    """Return the verdict of the diagnosis of a joint in a session, empty if it was not asked."""
+    return VERDICT_KEYS.get(joint.verdict or "", "")
+
+
+def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session
+    return int(row.session) + 1
+
+
+CHANGE_POINT = Record(
+    (
+        Column("session", int, "first session after the step", _session),
+        Column("ci95", INTERVAL, "sessions that may be it", lambda change: (change.low + 1, change.high + 1)),
+        Column("before", Coefficient, "level before"),
+        Column("after", Coefficient, "level after"),
+        Column("relative_change", Coefficient, "change over the level before", "relative"),
+        Column("p_value", float, "family-wise"),
+    )
+)
+CONTROL = Record(
+    (
+        Column("session", int, "number of the session", _session),
+        Column("deviation", float, "from the level of the reference", "deviation.value"),
+        Column("limits", INTERVAL, "where a session without drift lies", lambda p: (p.deviation.low, p.deviation.high)),
+        Column("relative_deviation", float, "over the level of the reference", "relative.value"),
+        Column("outside", bool, "whether it is outside the limits"),
+    )
+)
+VALUE = Record((Column("session", int), Column("value"), Column("ci95", INTERVAL)))
+FOUND = Record(
+    (
+        Column("drift", bool, "whether it drifts", on="j"),
+        Column("verdict", VERDICTS, "in a word", drift_verdict, on="j"),
+        Column("shape", SHAPES, "what describes it", on="j"),
+        Column("message", str, "one sentence", on="j"),
+        Column("p_value", float, "that nothing changes, family-wise", on="j"),
+        Column("level", Coefficient, "level in the reference", on="j"),
+        Column("change", Coefficient, "from the reference to the last sessions", on="j"),
+        Column("relative_change", Coefficient, "the same over the level", "total", on="j"),
+        Column("trend_per_session", Coefficient, "robust slope", on="j"),
+        Column("trend_per_day", Coefficient, "robust slope", on="j"),
+        Column("trend_p_value", float, "that there is no straight trend", on="j"),
+        Column("change_points", [CHANGE_POINT], "steps", on="j"),
+        Column("smallest_change", float, "minimum detectable change (90 % power)", on="j"),
+        Column("smallest_relative_change", float, "the same over the level", "smallest_drift", on="j"),
+        Column("relative_scatter", float, "standard deviation between sessions over the level", "scatter", on="j"),
+        Column("relative_change_within_session", Coefficient, "warm-up, no part of the drift", "within", on="j"),
+        Column(
+            "relative_change_per_k",
+            Coefficient,
+            "change with temperature that was taken out",
+            "temperature_slope",
+            on="j",
+        ),
+        Column("compared_at_temperature_c", float, "temperature of the comparison", "temperature_c", on="j"),
+        _numbers("isolated", "sessions that none of their neighbours comes near", "isolated"),
+        Column("values", [VALUE], "each session as compared", _values, on="j"),
+        Column("control", [CONTROL], "every session against the reference", on="j"),
+    )
+)
+# The same coefficients for people, a row per coefficient of a joint.
+CHANGES = Record(
+    (
+        Column(
+            "joint",
+            str,
+            get=lambda r: " " if r.place else joint_label(r.joint.joint, r.joint.name),
+            title="joint",
+            on="t",
+        ),
+        joint_column("joint", on="p"),
+        Column("friction", str, get="found.coefficient", form=coefficient_name, title="friction", on="tp"),
+        Column(
+            "verdict", str, get="found", form=drift_verdict, title="verdict", tone=lambda text: TONES[text], on="tp"
+        ),
+        Column("change", float, get="found", form=total_text, sort="found.total.value", title="change", on="tp"),
+        Column("step", str, get="found", form=_steps, title="step", words=True, on="t"),
+        Column("trend", float, get="found", form=trend_text, title="trend\n/session", on="t"),
+        Column(
+            "smallest",
+            float,
+            get="found",
+            form=smallest_text,
+            sort="found.smallest_drift",
+            title="minimum\ndetectable",
+            on="tp",
+        ),
+        Column("message", str, get="found.message", title="message", on="p"),
+    )
+)
+ARM = Record(
+    (
+        Column("robot", str, "which arm"),
+        Column("drift", bool, "whether a joint drifts"),
+        Column("verdict", VERDICTS, "the strongest of its joints", arm_verdict),
+        Column("message", str, "one sentence"),
+        Column("sessions", int, "number of sessions", lambda arm: len(arm.sessions)),
+        _numbers("compared", "sessions compared", "compared"),
+        _numbers("reference", "sessions of the reference", "reference"),
+        Column(
+            "left_out",
+            [Record((Column("session", int), Column("reason", str)))],
+            "sessions not compared, with the reason",
+            lambda arm: [{"session": index + 1, "reason": reason} for index, reason in arm.left_out],
+        ),
+        Column("ordered_by", str, "`start` or `name`"),
+        Column("autocorrelation", float, "of one session's scatter with the next one's"),
+        Column("warnings", [str], "what limits the comparison"),
+    )
+)
+
+
+class JointRow(NamedTuple):
+    """A joint of an arm."""
+
+    arm: ArmDrift
+    joint: JointDrift
+
+
+def _trend(name: str) -> Callable[[JointRow], Coefficient | None]:
+    return lambda row: next((one.trend_per_session for one in row.joint.coefficients if one.coefficient == name), None)
+
+
+def _by_name(row: JointRow) -> dict[str, CoefficientDrift]:
+    return {one.coefficient: one for one in row.joint.coefficients}
+
+
+def _change_points(row: JointRow) -> list[int]:
+    return sorted({_session(change) for one in row.joint.coefficients for change in one.change_points})
+
+
+JOINT_DRIFT = Record(
+    (
+        Column("robot", str, "which arm", "arm.robot"),
+        Column("joint", int, "number, from 1", "joint.joint"),
+        Column("name", str, "name in the log", "joint.name"),
+        Column("drift", bool, "whether a coefficient drifts", "joint.drift"),
+        Column("verdict", VERDICTS, "the strongest of its coefficients", lambda row: joint_verdict(row.joint)),
+        Column("message", str, "one sentence", "joint.message"),
+        Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
+        Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
+        Column("change_points", [int], "first sessions after a step", _change_points),
+        Column("coefficients", {"*": FOUND}, "by name", _by_name),
+    )
+)
+CURVE = Record(
+    (
+        Column("speed_rad_s", [float], "mean speed in each bin"),
+        Column("torque_nm", [float], "mean interaction torque in it"),
+        Column("spread_nm", [float], "its standard deviation"),
+    )
+)
+SESSION_JOINT = Record(
+    (
+        JOINT,
+        NAME,
+        Column("coulomb", Coefficient, "estimate", lambda one: one.coefficients.get("coulomb_nm"), unit="N m"),
+        Column(
+            "viscous",
+            Coefficient,
+            "estimate",
+            lambda one: one.coefficients.get("viscous_nms_per_rad"),
+            unit="N m s/rad",
+        ),
+        Column("cycles", int, "cycles that count"),
+        Column("moving", float, "time in motion", unit="s"),
+        Column("speed_quartiles_rad_s", [float], "quartiles of the speed in motion", "speed_rad_s"),
+        Column("temperature", float, "mean of the logged temperature", unit="°C"),
+        Column("relative_change_within_session", {"*": Coefficient}, "from the first to the last third", "within"),
+        Column("reason", str, "why there is no estimate", null=True),
+        Column(
+            "verdict",
+            str,
+            "of `diagnose`, null if it was not asked",
+            lambda one: diagnose_verdict(one) or None,
+            null=True,
+        ),
+        Column("effects", [str], "effects that it named"),
+        Column("curve", CURVE, "torque against speed"),
+    )
+)
+
+
+class SessionRow(NamedTuple):
+    """A session and its place among those of its arm, from 0."""
+
+    index: int
+    session: Session
+
+
+SESSION = Record(
+    (
+        Column("robot", str, "which arm", "session.robot"),
+        Column("session", int, "number within the arm, from 1", lambda row: row.index + 1),
+        Column("path", str, "as found", "session.path"),
+        Column("sha256", str, "of the file", "session.sha256"),
+        Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s), null=True),
+        Column("start", float, "Unix time", "session.start_s", unit="s"),
+        Column("start_from", str, "`manifest`, `log`, `name` or `nothing`", "session.start_from"),
+        Column("duration", float, "length", "session.duration_s", unit="s"),
+        Column("conditions", dict, "how it was recorded and read", "session.conditions"),
+        Column("temperature", float, "from the manifest", "session.temperature_c", unit="°C"),
+        Column("note", str, "from the manifest", "session.note"),
+        Column("damaged", bool, "whether part of the file was left out", "session.damaged"),
+        Column("warnings", [str], "what was noticed", "session.warnings"),
+        Column("joints", [SESSION_JOINT], "per joint", "session.joints"),
+    )
+)
+
+
+def _joint_rows(summary: BatchSummary) -> Iterator[JointRow]:
+    return (JointRow(arm, joint) for arm in summary.arms for joint in arm.joints)
+
+
+def _session_rows(summary: BatchSummary) -> Iterator[SessionRow]:
+    return (SessionRow(k, session) for arm in summary.arms for k, session in enumerate(arm.sessions))
+
+
+FAILED = Record(
+    (
+        Column("path", str, "as found", title="file", code=True, on="jp"),
+        Column("message", str, "what was wrong", title="what was wrong", on="jp"),
+    )
+)
+BATCH = Document(
+    "batch",
+    2,
+    "How the friction of each arm changes between recordings; sessions count from 1 within their arm",
+    Record(
+        (
+            Column("command", str, "the command that makes all of it again", null=True),
+            Column("settings", dict, "every setting, defaults included"),
+            Column("computed", int, "sessions computed in this run"),
+            Column("known", int, "sessions that the ledger held"),
+            Column("drift", bool, "whether an arm drifts", "report.drift"),
+            Column("exceeded", [str], "limits that were exceeded, a sentence each"),
+            Column("cannot_tell", [str], "limits that the sessions cannot test"),
+            Column("warnings", [str], "what was noticed about the logs as a whole"),
+            Column("failed", [FAILED], "files that gave no session"),
+            Column("robots", [ARM], "per arm", "arms"),
+            Column("joints", [JOINT_DRIFT], "per joint of every arm", _joint_rows),
+            Column("sessions", [SESSION], "per session of every arm", _session_rows),
+        )
+    ),
+)
+
+
+def write_batch_document(summary: BatchSummary) -> Iterator[str]:
+    """Yield the document as text in ASCII, a line for each key, arm, joint and session.
+
+    It is never held as a whole: that of a thousand sessions takes tens of megabytes.
+    """
+    yield f'{{\n  "schema": "{BATCH.name}",\n  "version": {json.dumps(__version__)}'
+    for column in BATCH.record.columns:
+        yield f',\n  "{column.key}": '
+        if column.key not in ("robots", "joints", "sessions"):
+            yield json.dumps(column.json(summary), allow_nan=False)
+            continue
+        (record,) = column.kind
+        lines = (json.dumps(record.json(row), allow_nan=False) for row in column.value(summary))
+        first = next(lines, None)
+        yield "[]" if first is None else f"[\n    {first}"
+        yield from (f",\n    {line}" for line in lines)
+        yield "" if first is None else "\n  ]"
+    yield "\n}\n"
+
+
+class ValueRow(NamedTuple):
+    """A coefficient of a joint in a session.
+
+    Attributes:
+        index: Place of the session among those of its arm, from 0.
+        session: The session.
+        joint: The joint in it.
+        coefficient: Name of the coefficient.
+        own: As the session has it.
+        within: Relative change within the session.
+        left_out: Why the session was not compared; empty if it was.
+        flags: Whether it was compared, and whether it is part of the reference.
+        compared: As it was compared, at like temperature.
+        isolated: Whether none of its neighbours comes near it, None if it was not compared.
+        control: Its place on the control chart, or None.
+    """
+
+    index: int
+    session: Session
+    joint: JointSummary
+    coefficient: str
+    own: Coefficient
+    within: Coefficient
+    left_out: str
+    flags: tuple[bool, bool]
+    compared: Coefficient
+    isolated: bool | None
+    control: ControlPoint | None
+
+
+SESSIONS = Record(
+    (
+        Column("robot", str, get="session.robot"),
+        Column("session", int, get=lambda row: row.index + 1),
+        Column("start", str, get=lambda row: iso_start(row.session.start_s) or ""),
+        Column("start", float, get="session.start_s", unit="s"),
+        Column("start_from", str, get="session.start_from"),
+        Column("path", str, get="session.path"),
+        Column("sha256", str, get="session.sha256"),
+        Column("duration", float, get="session.duration_s", unit="s"),
+        Column("rate", float, get="session.conditions.rate_hz", unit="Hz"),
+        *(Column(name, str, get=f"session.conditions.{name}") for name in CONDITIONS),
+        Column("session_temperature", float, get="session.temperature_c", unit="°C"),
+        Column("note", str, get="session.note"),
+        Column("damaged", bool, get="session.damaged"),
+        Column("compared", bool, get=lambda row: row.flags[0]),
+        Column("reference", bool, get=lambda row: row.flags[1]),
+        Column("left_out", str),
+        Column("joint", int, get="joint.joint"),
+        Column("name", str, get="joint.name"),
+        Column("cycles", int, get="joint.cycles"),
+        Column("moving", float, get="joint.moving_s", unit="s"),
+        *(
+            Column(f"speed_{name}", float, get=lambda row, k=k: row.joint.speed_rad_s[k], unit="rad/s")
+            for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
+        ),
+        Column("temperature", float, get="joint.temperature_c", unit="°C"),
+        Column("reason", str, get="joint.reason"),
+        Column("verdict", str, get=lambda row: diagnose_verdict(row.joint)),
+        Column("effects", str, get=lambda row: " ".join(row.joint.effects)),
+        Column("coefficient", str),
+        Column("unit", str, get=lambda row: UNITS[row.coefficient]),
+        Column("value", float, get="own.value"),
+        Column("ci95_low", float, get="own.low"),
+        Column("ci95_high", float, get="own.high"),
+        Column("relative_change_within_session", Coefficient, get="within"),
+        Column("compared_value", float, get="compared.value"),
+        Column("compared_ci95_low", float, get="compared.low"),
+        Column("compared_ci95_high", float, get="compared.high"),
+        Column("relative_deviation", float, get="control.relative.value"),
+        Column("outside", bool, get="control.outside"),
+        Column("isolated", bool),
+    ),
+    name="sessions",
+    summary="a coefficient of a joint in a session, as the session has it and as it was compared, at like temperature",
+)
+
+
+def session_columns(summary: BatchSummary) -> tuple[dict[str, type], Iterator[dict[str, list[Any]]]]:
+    """Return the table of all sessions: what is in its columns, and the columns of some rows after the other."""
+    columns = SESSIONS.file_columns()
+    rows = (row for arm in summary.arms for row in _value_rows(arm))
+    lots = iter(lambda: list(islice(rows, ROWS_AT_ONCE)), [])
+    return (
+        {column.key: column.kind for column in columns},
+        ({column.key: [_finite(column.value(row)) for row in lot] for column in columns} for lot in lots),
+    )
+
+
+def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
+    compared, control = {}, {}
+    for joint in arm.joints:
+        for one in joint.coefficients:
+            for index, value in zip(one.sessions, one.values, strict=True):
+                compared[joint.joint, one.coefficient, index] = value, index in one.isolated
+            control |= {(joint.joint, one.coefficient, point.session): point for point in one.control}
+    used, reference, left_out = set(arm.compared), set(arm.reference), dict(arm.left_out)
+    for k, session in enumerate(arm.sessions):
+        for joint in session.joints:
+            for name in UNITS:
+                key = joint.joint, name, k
+                value, isolated = compared.get(key, (UNDETERMINED, None))
+                yield ValueRow(
+                    index=k,
+                    session=session,
+                    joint=joint,
+                    coefficient=name,
+                    own=joint.coefficients.get(name, UNDETERMINED),
+                    within=joint.within.get(name, UNDETERMINED),
+                    left_out=left_out.get(k, ""),
+                    flags=(k in used, k in reference),
+                    compared=value,
+                    isolated=isolated,
+                    control=control.get(key),
+                )
+
+
+def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
+    """Return how many sessions there were, per arm a table and its verdict in words, and the files that failed.
+
+    Args:
+        summary: The batch.
+        verbose: If True, also the message of joints without drift, and why each session was left out.
+    """
+    sessions, arms = count_of(len(summary.sessions), "session"), count_of(len(summary.arms), "arm")
+    done = f"{summary.computed} computed, {summary.known} known from the ledger, {len(summary.failed)} failed"
+    lines = [f"{sessions} of {arms}: {done}"]
+    for arm in summary.arms:
+        lines += ["", *_arm_lines(arm, verbose=verbose)]
+    lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
+    lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
+    lines += [f"cannot tell: {sentence}" for sentence in summary.cannot_tell]
+    return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
+
+
+def _arm_lines(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
+    yield f"{arm.robot}: {sessions_text(arm)}; {arm_sentence(arm)}"
+    yield "changes are from the reference to the last sessions; intervals are 95 %"
+    yield from table_lines(CHANGES.people(coefficient_rows(arm), "t"))
+    for joint in arm.joints:
+        if joint.drift or verbose:
+            yield f"joint {joint.joint}: {joint_sentence(joint)}"
+            yield from (line for found in joint.coefficients for line in _details(arm, found))
+    yield from _left_out(arm, verbose=verbose)
+    yield from (f"note: {warning}" for warning in arm.warnings)
+
+
+def sessions_text(arm: ArmDrift) -> str:
+    """Return how many sessions an arm has, when they were recorded, and how many were compared."""
+    span = span_of(arm.sessions)
+    return f"{count_of(len(arm.sessions), 'session')}{f', {span}' if span else ''}, {len(arm.compared)} compared"
+
+
+def _details(arm: ArmDrift, found: CoefficientDrift) -> Iterator[str]:
+    """Yield the steps of a coefficient, or its slope if it drifts without one."""
+    name = coefficient_name(found.coefficient)
+    yield from (f"  {name}: step at {change_text(arm, change)}" for change in found.change_points)
+    if found.drift and not found.change_points:
+        per_session = f"{format_slope(found.trend_per_session)} {UNITS.get(found.coefficient, '')} per session"
+        yield f"  {name}: {per_session}, {format_slope(found.trend_per_day)} per day"
+
+
+def _left_out(arm: ArmDrift, *, verbose: bool) -> Iterator[str]:
+    """Yield which sessions were not compared, and why: those alike in one line, or each with its file."""
+    if verbose:
+        yield from (f"not compared: {arm.sessions[k].path}: {reason}" for k, reason in arm.left_out)
+        return
+    alike: dict[str, list[int]] = {}
+    for session, reason in arm.left_out:
+        alike.setdefault(reason, []).append(session + 1)
+    for reason, numbers in alike.items():
+        word = "session" if len(numbers) == 1 else "sessions"
+        which = enumerate_words(numbers) if len(numbers) <= MOST_NAMED else f"{len(numbers)} of them"
+        yield f"not compared: {word} {which}: {reason}"

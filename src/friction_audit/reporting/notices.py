@@ -1,0 +1,141 @@
+"""Everything the user must know about a result, from every step of the chain, in one list."""
+
+from collections.abc import Iterable
+from typing import NamedTuple, Protocol
+
+from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.reporting.words import NEWTON_METRES, in_unit, joints_label
+
+IN_AMPERE = (
+    "{0}: the torque column is a motor current: coefficients are in {1} and {1} s/rad, energies in {1} rad; keys of "
+    "the JSON document that end in _nm hold {1}; gravity and inertia of a model are not removed; for newton metres, "
+    "multiply the column by torque constant and gear ratio"
+)
+
+
+class Notice(NamedTuple):
+    """A warning: stable short name, joint number for people or None, one sentence."""
+
+    code: str
+    joint: int | None
+    message: str
+
+    def __str__(self) -> str:
+        """Return the sentence, led by the joint that it is about unless it names it already."""
+        if self.joint is None or self.message.lower().startswith(f"joint {self.joint}"):
+            return self.message
+        return f"joint {self.joint}: {self.message}"
+
+
+class Found(Protocol):
+    """A caution or a finding of any step."""
+
+    @property
+    def code(self) -> str:
+        """Stable short name."""
+
+    @property
+    def joint(self) -> int | None:
+        """Number of the joint, or None."""
+
+    @property
+    def message(self) -> str:
+        """One sentence."""
+
+
+class Reasoned(Protocol):
+    """A joint that may have no result."""
+
+    @property
+    def joint(self) -> int:
+        """Its number."""
+
+    @property
+    def reason(self) -> str:
+        """Why it has none; empty if it has one."""
+
+
+def notices(found: Iterable[Found]) -> tuple[Notice, ...]:
+    """Return cautions and findings as notices."""
+    return tuple(Notice(one.code, one.joint, one.message) for one in found)
+
+
+def log_notices(log: JointLog) -> tuple[Notice, ...]:
+    """Return what was noticed while the log was read."""
+    unit = log.source.torque_unit
+    own = () if unit == NEWTON_METRES else (Notice("torque_in_ampere", None, IN_AMPERE.format(log.source.path, unit)),)
+    return own + notices(log.source.findings)
+
+
+def estimate_notices(estimate: Estimate) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the coefficients, each once."""
+    return _on_the_way(estimate, notices(estimate.friction.warnings))
+
+
+def replay_notices(found: LogReplay) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the replay, each once; not what only concerns the estimate."""
+    return _on_the_way(found.estimate, notices(found.replay.warnings))
+
+
+def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to the diagnosis, each once.
+
+    With limits of the data, and where energy and torque give different friction: where an effect was found, it is what
+    makes the two differ. Of joints without an answer nothing: what is wrong with them is their answer.
+    """
+    own = [
+        Notice(finding.code, joint.joint, finding.message)
+        for joint in found.discrepancy.joints
+        for finding in joint.findings
+        if finding.verdict == "limit" and joint.gap is not None
+    ]
+    own += [
+        Notice("energy_against_torque", joint.joint, sentence)
+        for joint in found.discrepancy.joints
+        for sentence in joint.disagreements
+        if not joint.effects
+    ]
+    return _on_the_way(found.estimate, own)
+
+
+def interaction_notices(interaction: Interaction) -> tuple[Notice, ...]:
+    """Return what was noticed while the interaction torque was made."""
+    return notices(interaction.warnings)
+
+
+def _on_the_way(estimate: Estimate, own: Iterable[Notice]) -> tuple[Notice, ...]:
+    unit = estimate.log.source.torque_unit
+    every = (*log_notices(estimate.log), *interaction_notices(estimate.interaction), *own)
+    return tuple(dict.fromkeys(one._replace(message=in_unit(one.message, unit)) for one in every))
+
+
+def left_out_notices(path: str, dialect: str, left_out: Iterable[str]) -> tuple[Notice, ...]:
+    """Return the warning about channels that the format of a written log has no place for."""
+    names = ", ".join(left_out)
+    message = f"{path}: the dialect {dialect} has no place for {names}; left out"
+    return (Notice("channels_left_out", None, message),) if names else ()
+
+
+def notice_lines(notices: Iterable[Notice]) -> list[str]:
+    """Return one line per sentence, led by the joints that it is about."""
+    about: dict[str, list[Notice]] = {}
+    for notice in notices:
+        about.setdefault(notice.message, []).append(notice)
+    return [_line(message, same) for message, same in about.items()]
+
+
+def _line(message: str, same: list[Notice]) -> str:
+    joints = [notice.joint for notice in same]
+    numbers = [joint for joint in joints if joint is not None]
+    return str(same[0]) if len(set(joints)) == 1 or None in joints else f"{joints_label(numbers)}: {message}"
+
+
+def reason_lines(joints: Iterable[Reasoned]) -> list[str]:
+    """Return one line per reason, led by the joints that it holds for; none for joints with a result."""
+    reasons: dict[str, list[int]] = {}
+    for joint in joints:
+        if joint.reason:
+            reasons.setdefault(joint.reason, []).append(joint.joint)
+    return [f"{joints_label(numbers)}: {reason}" for reason, numbers in reasons.items()]

@@ -1,1 +1,0 @@
-"""Page -> PDF, for paper and for the file of an arm."""

@@ -1,0 +1,327 @@
+"""LogReport: what a log says, from one reading and one estimate, all parts of it; its document and tables for files."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+from friction_audit.compensation.result import JointReplay
+from friction_audit.compensation.settings import ReplaySettings
+from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
+from friction_audit.friction.history import JointFriction
+from friction_audit.io.tidy_table import TidyTable
+from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
+from friction_audit.reporting.diagnosis import DIAGNOSE, WORDS, diagnose_tables
+from friction_audit.reporting.diagnosis_words import names_of
+from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
+from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
+from friction_audit.reporting.notices import Notice, diagnose_notices, estimate_notices, replay_notices
+from friction_audit.reporting.replay import REPLAY, replay_tables, replay_values
+from friction_audit.reporting.table import JOINT, NAME, Column, Document, Record, to_json
+from friction_audit.reporting.words import count_of, enumerate_words, with_unit
+
+T = TypeVar("T")
+Step = Callable[[str], AbstractContextManager[object]]
+"""Takes the name of a step and returns what is entered while it is under way."""
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Unanswered:
+    """A part of the report that has no answer: its name and why; the traceback if a bug ended it."""
+
+    part: str
+    message: str
+    traceback: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class JointReport:
+    """What is reported of one joint, None where a part has no answer."""
+
+    friction: JointFriction
+    discrepancy: JointDiscrepancy | None
+    replay: JointReplay | None
+
+    @property
+    def joint(self) -> int:
+        """Number for people."""
+        return self.friction.joint
+
+    @property
+    def name(self) -> str:
+        """Name in the log."""
+        return self.friction.name
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class LogReport:
+    """What a log says.
+
+    Attributes:
+        estimate: Friction.
+        diagnosis: What the nominal model misses, or None without an answer.
+        replay: What a compensator would have done, or None without an answer.
+        unanswered: Why there is no answer, of the parts that are None.
+        reading: How the log was read: options of the reader by name.
+        command: The command that makes the report again; empty if there was none.
+    """
+
+    estimate: Estimate
+    diagnosis: Diagnosis | None = None
+    replay: LogReplay | None = None
+    unanswered: tuple[Unanswered, ...] = ()
+    reading: Mapping[str, object] = field(default_factory=dict)
+    command: str = ""
+
+    @property
+    def file_name(self) -> str:
+        """What the log's file, or folder, is called."""
+        return name_of_log(Path(self.estimate.log.source.path))
+
+    @property
+    def unit(self) -> str:
+        """Unit of the torque."""
+        return self.estimate.log.source.torque_unit
+
+    @property
+    def joints(self) -> tuple[JointReport, ...]:
+        """What is reported of each joint."""
+        missing = {} if self.diagnosis is None else {one.joint: one for one in self.diagnosis.discrepancy.joints}
+        replayed = {} if self.replay is None else {one.joint: one for one in self.replay.replay.joints}
+        return tuple(
+            JointReport(friction=one, discrepancy=missing.get(one.joint), replay=replayed.get(one.joint))
+            for one in self.estimate.friction.joints
+        )
+
+
+def report_estimate(
+    estimate: Estimate,
+    replay_settings: ReplaySettings,
+    diagnosis_settings: DiagnosisSettings,
+    *,
+    reading: Mapping[str, object] | None = None,
+    command: str = "",
+    step: Step = nullcontext,
+) -> LogReport:
+    """Run what follows an estimate; a part without an answer leaves the others as they are.
+
+    Args:
+        estimate: The estimate.
+        replay_settings: Of the replay.
+        diagnosis_settings: Of the diagnosis.
+        reading: How the log was read: options of the reader by name.
+        command: The command that makes the report again.
+        step: Called with the part that is under way.
+    """
+    unanswered: list[Unanswered] = []
+    with step("replay"):
+        replay = _answer("replay", lambda: replay_estimate(estimate, replay_settings), unanswered)
+    with step("diagnose"):
+        diagnosis = _answer("diagnose", lambda: diagnose_estimate(estimate, diagnosis_settings), unanswered)
+    return LogReport(
+        estimate=estimate,
+        diagnosis=diagnosis,
+        replay=replay,
+        unanswered=tuple(unanswered),
+        reading=reading or {},
+        command=command,
+    )
+
+
+def _answer(part: str, compute: Callable[[], T], unanswered: list[Unanswered]) -> T | None:
+    """Return a part of the report, or None and why: the page shows it in the part's place."""
+    try:
+        return compute()
+    except AnalysisError as error:
+        unanswered.append(Unanswered(part=part, message=str(error)))
+    except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
+        raise
+    except Exception as error:  # noqa: BLE001 - reported as a bug: on the page, with traceback and exit code 1
+        unanswered.append(Unanswered(part=part, message=bug_sentence(part, error), traceback=traced(error)))
+    return None
+
+
+def name_of_log(path: Path) -> str:
+    """Return what a file or folder is called, also where it is given as ``.`` or ``..``."""
+    return path.name if path.name not in ("", "..") else path.resolve().name
+
+
+def report_notices(report: LogReport) -> tuple[Notice, ...]:
+    """Return what was noticed on the way from the log to all parts of the report, each once."""
+    every = estimate_notices(report.estimate)
+    every += () if report.diagnosis is None else diagnose_notices(report.diagnosis)
+    every += () if report.replay is None else replay_notices(report.replay)
+    return tuple(dict.fromkeys(every))
+
+
+ESTIMATED, NO_ESTIMATE = "estimated", "no estimate"
+# Answers that a lead gives for joints one by one; more are counted.
+MOST_GROUPS = 4
+EFFECT_NAMES = frozenset(candidate.name for candidate in CANDIDATES)
+
+
+def verdict_word(joint: JointReport) -> str:
+    """Return the verdict of a joint in a word or two."""
+    if joint.discrepancy is not None and joint.discrepancy.verdict != "not_testable":
+        return WORDS[joint.discrepancy.verdict]
+    if joint.friction.reason:
+        return NO_ESTIMATE
+    return ESTIMATED if joint.discrepancy is None else WORDS["not_testable"]
+
+
+def verdict_sentence(joint: JointReport) -> str:
+    """Return the answer for a joint in a line: its friction, missing effects, what a compensator would have saved."""
+    found, parts = joint.discrepancy, [friction_words(joint.friction)]
+    # That a joint did not move needs to be reported once.
+    if found is not None and not (joint.friction.reason and found.verdict == "not_testable"):
+        parts.append(found.message)
+    if joint.replay is not None:
+        parts.append(removal_words(joint.replay))
+    return " ".join(_as_sentence(part) for part in parts if part)
+
+
+def friction_words(friction: JointFriction) -> str:
+    """Return the coefficients with their intervals, or why there are none."""
+    if friction.reason:
+        return f"{NO_ESTIMATE}: {friction.reason}"
+    found = (("Coulomb", friction.coulomb, "N m"), ("viscous", friction.viscous, "N m s/rad"))
+    return ", ".join(f"{name} {with_unit(value, unit)}" for name, value, unit in found if not math.isnan(value.value))
+
+
+def removal_words(joint: JointReplay) -> str:
+    """Return how much of the dissipation a compensator would have removed; nothing where that is not known."""
+    numbers = joint.numbers
+    if joint.reason or numbers is None or math.isnan(numbers.dissipation_removed):
+        return ""
+    if not math.isnan(numbers.diverged_s):
+        return f"the compensator would have diverged after {numbers.diverged_s:.3g} s"
+    if numbers.dissipation_removed < 0.0:
+        left = 100 * (1.0 - numbers.dissipation_removed)
+        return f"a compensator would have left the person with {left:.0f} % of the energy that friction dissipated"
+    removed = 100 * numbers.dissipation_removed
+    return f"a compensator would have removed {removed:.0f} % of the energy that friction dissipated"
+
+
+def _as_sentence(text: str) -> str:
+    """Return a text with a capital at its start, unless that is the name of an effect, and a full stop."""
+    start = text if text.partition(" ")[0] in EFFECT_NAMES else f"{text[:1].upper()}{text[1:]}"
+    return start if start.endswith((".", "!", "?")) else f"{start}."
+
+
+def lead_sentence(report: LogReport) -> str:
+    """Return the answer for the whole log, in two sentences."""
+    joints = report.joints
+    known = [one for one in joints if not one.friction.reason]
+    if not known:
+        return "Friction is estimated on no joint."
+    of_all = "" if len(known) == len(joints) else f" of {len(joints)}"
+    estimated = f"Friction is estimated on {_joints(known, len(joints))}{of_all}."
+    groups: dict[str, list[JointReport]] = {}
+    for one in known:
+        if one.discrepancy is not None:
+            groups.setdefault(_missing(one.discrepancy), []).append(one)
+    if len(groups) > MOST_GROUPS:
+        words = [verdict_word(one) for one in known]
+        counts = "; ".join(f"{word}: {count_of(words.count(word), 'joint')}" for word in dict.fromkeys(words))
+        return f"{estimated} {_as_sentence(counts)}"
+    parts = "; ".join(f"{words} on {_joints(own, len(joints))}" for words, own in groups.items())
+    return f"{estimated} {_as_sentence(parts)}" if parts else estimated
+
+
+def _missing(found: JointDiscrepancy) -> str:
+    names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
+    return {
+        "none": "the model is adequate",
+        "named": f"the model misses {names}",
+        "ambiguous": f"the model misses {names}",
+        "unexplained": f"an unexplained effect is missing{f' in addition to {names}' if names else ''}",
+        "not_testable": "the model cannot be tested",
+        "data_fault": "the data are inconsistent",
+        "failed": "the diagnosis failed",
+    }[found.verdict]
+
+
+def _joints(joints: Sequence[JointReport], every: int) -> str:
+    """Return which joints are meant."""
+    if len(joints) == every:
+        return "the joint" if every == 1 else f"all {every} joints"
+    return f"{'joint' if len(joints) == 1 else 'joints'} {enumerate_words(one.joint for one in joints)}"
+
+
+def report_settings(report: LogReport) -> dict[str, Any]:
+    """Return every setting of every part, defaults included."""
+    settings = settings_document(report.estimate, report.reading)
+    if report.diagnosis is not None:
+        settings |= {"diagnosis": to_json(report.diagnosis.settings)}
+    if report.replay is not None:
+        settings |= {"replay": to_json(report.replay.settings)}
+    return settings
+
+
+# Keys of the documents of the parts that the whole document has once.
+SHARED = ("source", "settings", "warnings")
+UNANSWERED = Record((Column("part", str, "the command"), Column("message", str, "why it has no answer")))
+VERDICT = Record(
+    (
+        JOINT,
+        NAME,
+        Column("verdict", str, "the verdict of the page", verdict_word),
+        Column("message", str, "what the page says of the joint, in a line", verdict_sentence),
+    )
+)
+
+
+def _part(document: Document) -> Record:
+    return Record(tuple(column for column in document.record.columns if column.name not in SHARED))
+
+
+REPORT = Document(
+    "report",
+    2,
+    "All parts of a report, as on its page",
+    Record(
+        (
+            Column("command", str, "the command that makes the report again", null=True),
+            SOURCE,
+            SETTINGS,
+            WARNINGS,
+            Column("message", str, "the lead of the page"),
+            Column("unanswered", [UNANSWERED], "parts without an answer; each is null"),
+            Column("joints", [VERDICT], "per joint"),
+            Column("estimate", _part(ESTIMATE), "document of `estimate` without the shared keys"),
+            Column("diagnose", _part(DIAGNOSE), "document of `diagnose` likewise", null=True),
+            Column("replay", _part(REPLAY), "document of `replay` likewise", null=True),
+        )
+    ),
+)
+
+
+def report_document(report: LogReport) -> dict[str, Any]:
+    """Return the document of a report."""
+    return REPORT.json(
+        {
+            "command": report.command,
+            "source": report.estimate.log,
+            "settings": report_settings(report),
+            "warnings": report_notices(report),
+            "message": lead_sentence(report),
+            "unanswered": report.unanswered,
+            "joints": report.joints,
+            "estimate": report.estimate.friction,
+            "diagnose": report.diagnosis and report.diagnosis.discrepancy,
+            "replay": report.replay and replay_values(report.replay),
+        },
+        report.unit,
+    )
+
+
+def report_tables(report: LogReport) -> tuple[TidyTable, ...]:
+    """Return the tables of all parts for files; a part without an answer has none."""
+    replayed = () if report.replay is None else replay_tables(report.replay)
+    missing = () if report.diagnosis is None else diagnose_tables(report.diagnosis)
+    return (*estimate_tables(report.estimate), *replayed, *missing)

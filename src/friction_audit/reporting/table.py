@@ -1,0 +1,398 @@
+"""Specification of a result's tables: every column once.
+
+JSON documents, their schemas, files (CSV, Parquet, MCAP) and tables for people are derived from the same columns.
+"""
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import KW_ONLY, asdict, dataclass, is_dataclass, replace
+from pathlib import Path
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from friction_audit import __version__
+from friction_audit.friction.history import Coefficient
+from friction_audit.io.tidy_table import JointRows, TidyTable, as_column
+from friction_audit.reporting.words import NEWTON_METRES, NOTHING, format_coefficient, in_unit, joint_label
+
+Form = Literal["j", "f", "t", "p"]
+Tone = Literal["", "alert", "fine", "unsure", "off"]
+Row = Any
+Get = str | Callable[[Row], Any]
+INTERVAL = "interval"
+"""Kind of a pair of bounds."""
+PEOPLE, ALL = "tp", "jftp"
+
+SUFFIXES = {
+    "N m": "nm", "N m s/rad": "nms_per_rad", "N m/rad": "nm_per_rad", "N m/s": "nm_s", "kg m²": "kg_m2", "J": "j",
+    "s": "s", "rad": "rad", "rad/s": "rad_s", "Hz": "hz", "°C": "c", "W": "w", "1/K": "per_k",
+}  # fmt: skip
+# Where a log holds motor currents, {} is a or ma.
+OF_CURRENT = {
+    "N m": "{}", "N m s/rad": "{}s_per_rad", "N m/rad": "{}_per_rad", "N m/s": "{}_s", "J": "{}_rad",
+}  # fmt: skip
+TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column of a table, or a key of a document.
+
+    Attributes:
+        name: Its name without the unit.
+        kind: str, int, float, bool, Coefficient, INTERVAL, dict, a tuple of the words that it may hold, a Record, a
+            list of one kind (``[float]``) or a mapping of names to one kind (``{"*": Coefficient}``).
+        meaning: One line for people.
+        get: Path of attributes and keys from a row, or a function of the row; the key if None.
+        unit: Unit of the value; its suffix ends the key.
+        title: Head of the column for people, without the unit.
+        form: Format of a number, or a function from the value to its text.
+        sort: What the column is sorted by, like ``get``, if not by the value.
+        on: Forms in which the column appears, by letter: JSON document, file, terminal, page.
+        null: Whether the value may be missing in a document; an empty text is then null.
+        tone: Tone of the badge around a text, by the text.
+        code: Whether it is the name of a file or the like, which may break anywhere.
+        words: Whether it is a phrase for which the page leaves room.
+    """
+
+    name: str
+    kind: Any = float
+    meaning: str = ""
+    get: Get | None = None
+    _: KW_ONLY
+    unit: str = ""
+    title: str = ""
+    form: str | Callable[[Any], str] = ".3g"
+    sort: Get | None = None
+    on: str = "jf"
+    null: bool = False
+    tone: Callable[[str], Tone] | None = None
+    code: bool = False
+    words: bool = False
+
+    @property
+    def key(self) -> str:
+        """Name with the unit, as in documents."""
+        return f"{self.name}_{SUFFIXES[self.unit]}" if self.unit in SUFFIXES else self.name
+
+    def key_in(self, torque_unit: str) -> str:
+        """Return the name with the unit that follows from that of the torque, as in files."""
+        if torque_unit == NEWTON_METRES or self.unit not in OF_CURRENT:
+            return self.key
+        return f"{self.name}_{OF_CURRENT[self.unit].format(torque_unit.lower())}"
+
+    def head(self, torque_unit: str, before_unit: str = " ") -> str:
+        """Return the head of the column for people."""
+        unit = in_unit(self.unit, torque_unit)
+        return f"{self.title}{before_unit}[{unit}]" if unit else self.title
+
+    @property
+    def number(self) -> bool:
+        """Whether people read it as a number, set to the right."""
+        return self.kind in (int, float, Coefficient)
+
+    def value(self, row: Row) -> Any:  # noqa: ANN401 - any value of a result
+        """Return the value in a row."""
+        return _found(row, self.key if self.get is None else self.get)
+
+    def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401
+        """Return the value in a row as a document has it."""
+        value = self.value(row)
+        return None if self.null and value == "" else _json(self.kind, value, torque_unit)
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of the value."""
+        found = _schema(self.kind)
+        if self.null and "oneOf" not in found:
+            if isinstance(kind := found.get("type"), str):
+                found["type"] = [kind, "null"]
+            elif "type" not in found:
+                found = {"oneOf": [{"type": "null"}, found]}
+        return found | ({"description": self.meaning} if self.meaning else {})
+
+    def text(self, row: Row) -> str:
+        """Return the value in a row for people, a dash for none."""
+        value = self.value(row)
+        if value is None or (isinstance(value, float) and math.isnan(value)):
+            return NOTHING
+        if callable(self.form):
+            return self.form(value) or NOTHING
+        if isinstance(value, Coefficient):
+            return format_coefficient(value)
+        if isinstance(value, bool):
+            return "yes" if value else "no"
+        return (
+            str(value) or NOTHING if isinstance(value, str) else format(value, "d" if self.kind is int else self.form)
+        )
+
+    def sort_key(self, row: Row) -> float | None:
+        """Return the number that a row is sorted by, NaN for none; None if the column is sorted by its text."""
+        if not self.number and self.sort is None:
+            return None
+        value = _found(row, self.sort) if self.sort is not None else self.value(row)
+        value = value.value if isinstance(value, Coefficient) else value
+        return math.nan if value is None else float(value)
+
+
+class JointName(NamedTuple):
+    """Number and name of a joint."""
+
+    joint: int
+    name: str
+
+
+def joint_column(get: Get = lambda row: row, on: str = PEOPLE) -> Column:
+    """Return the column that heads the rows of joints for people; ``get`` gives what has ``joint`` and ``name``."""
+    return Column(
+        "joint",
+        str,
+        get=get,
+        title="joint",
+        form=lambda one: joint_label(one.joint, one.name),
+        sort=lambda row: _found(row, get).joint,
+        on=on,
+    )
+
+
+JOINT, NAME = Column("joint", int, "number, from 1", on="j"), Column("name", str, "name in the log", on="j")
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Columns of one kind of row.
+
+    Attributes:
+        columns: In order.
+        name: Name of the table in files.
+        summary: What a row is, in one line.
+        time: Key of the column that holds the moment at which a row was known, or None.
+        arrays: Whether a value is the whole column of a joint: an array instead of one cell.
+    """
+
+    columns: tuple[Column, ...]
+    _: KW_ONLY
+    name: str = ""
+    summary: str = ""
+    time: str | None = None
+    arrays: bool = False
+
+    def on(self, form: Form) -> tuple[Column, ...]:
+        """Return the columns of a form."""
+        return tuple(column for column in self.columns if form in column.on)
+
+    def json(self, row: Row, torque_unit: str = NEWTON_METRES) -> Any:  # noqa: ANN401 - an object, or a list of them
+        """Return a row as an object, or the rows of a table of arrays as a list."""
+        columns = self.on("j")
+        if not self.arrays:
+            return {column.key: column.json(row, torque_unit) for column in columns}
+        cells = zip(*(_plain(column.value(row)) for column in columns), strict=True)
+        keys = [column.key for column in columns]
+        return [dict(zip(keys, map(to_json, values), strict=True)) for values in cells]
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of a row."""
+        properties = {column.key: column.schema() for column in self.on("j")}
+        return {"type": "object", "required": list(properties), "properties": properties}
+
+    def file(self, joints: Iterable[tuple[int, str, Any]], torque_unit: str = NEWTON_METRES) -> TidyTable:
+        """Return the table for files.
+
+        Args:
+            joints: Of each joint number, name, and its rows (or what has its arrays); None for none.
+            torque_unit: Unit of the torque.
+        """
+        columns = self.file_columns()
+        return TidyTable(
+            name=self.name,
+            summary=self.summary,
+            types={
+                column.key_in(torque_unit): str if isinstance(column.kind, tuple) else column.kind for column in columns
+            },
+            time=None if self.time is None else next(c.key_in(torque_unit) for c in columns if c.key == self.time),
+            rows=tuple(
+                JointRows(
+                    joint=joint, name=name, columns={c.key_in(torque_unit): self._cells(c, rows) for c in columns}
+                )
+                for joint, name, rows in joints
+                if rows is not None and (self.arrays or rows)
+            ),
+        )
+
+    def file_columns(self) -> list[Column]:
+        """Return the columns of files: a coefficient is a value and the two ends of its interval."""
+        return [one for column in self.on("f") for one in _flat(column)]
+
+    def _cells(self, column: Column, rows: Any) -> Any:  # noqa: ANN401
+        if self.arrays:
+            return column.value(rows)
+        values = [column.value(row) for row in rows]
+        return as_column(
+            ["" if value is None else value for value in values] if column.kind is str else values, column.kind
+        )
+
+    def people(
+        self,
+        rows: Iterable[Row],
+        form: Form = "p",
+        *,
+        caption: str = "",
+        folded: bool = False,
+        unit: str = NEWTON_METRES,
+    ) -> "Table":
+        """Return the table for people: on the terminal or on a page."""
+        return Table(columns=self.on(form), rows=tuple(rows), caption=caption, folded=folded, unit=unit)
+
+
+LONG = 30
+"""Rows of a table above which the page gives it a window of its own."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Table:
+    """A table for people.
+
+    Attributes:
+        columns: Its columns; the first heads the row.
+        rows: Its rows.
+        caption: What it shows.
+        folded: Whether a page shows it only when asked for.
+        unit: Unit of the torque.
+    """
+
+    columns: Sequence[Column]
+    rows: Sequence[Row]
+    caption: str = ""
+    folded: bool = False
+    unit: str = NEWTON_METRES
+
+    def text(self, column: Column, row: Row) -> str:
+        """Return the text of a cell."""
+        return in_unit(column.text(row), self.unit)
+
+    @property
+    def long(self) -> bool:
+        """Whether it scrolls in a window of its own."""
+        return len(self.rows) > LONG
+
+    def filled(self) -> "Table":
+        """Return the table without the columns that hold nothing in any row."""
+        kept = [column for column in self.columns if any(column.text(row) != NOTHING for row in self.rows)]
+        return replace(self, columns=kept)
+
+
+@dataclass(frozen=True, eq=False)
+class Document:
+    """A JSON document: ``schema`` and ``version``, then its columns."""
+
+    kind: str
+    number: int
+    title: str
+    record: Record
+
+    @property
+    def name(self) -> str:
+        """Kind and version."""
+        return f"friction-audit/{self.kind}/{self.number}"
+
+    def json(self, values: Mapping[str, Any], torque_unit: str = NEWTON_METRES) -> dict[str, Any]:
+        """Return the document of values by name."""
+        return {
+            "schema": self.name,
+            "version": __version__,
+            **self.record.json(values, torque_unit),
+        }
+
+    def schema(self) -> dict[str, Any]:
+        """Return the JSON Schema of the document."""
+        head = {"schema": {"const": self.name}, "version": {"type": "string"}}
+        body = self.record.schema()
+        return {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": self.title,
+            "description": "Numbers carry their unit in the key; null where there is no number.",
+            "type": "object",
+            "required": [*head, *body["required"]],
+            "properties": head | body["properties"],
+        }
+
+
+def to_json(value: Any) -> Any:  # noqa: ANN401, PLR0911 - any value of a result or of settings
+    """Return the value as JSON knows it: NaN and infinity as null, arrays and tuples as lists, paths as text."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return to_json(asdict(value))
+    match value:
+        case Mapping():
+            return {str(key): to_json(item) for key, item in value.items()}
+        case np.ndarray() | np.generic():
+            return to_json(value.tolist())
+        case list() | tuple():
+            return [to_json(item) for item in value]
+        case float():
+            return value if math.isfinite(value) else None
+        case Path():
+            return str(value)
+    return value
+
+
+def _found(row: Row, get: Get) -> Any:  # noqa: ANN401
+    """Return what a path leads to, None where a part of it is None."""
+    if not isinstance(get, str):
+        return get(row)
+    for name in get.split("."):
+        if row is None:
+            return None
+        row = row[name] if isinstance(row, Mapping) else getattr(row, name)
+    return row
+
+
+def _plain(values: Any) -> list[Any]:  # noqa: ANN401
+    return values.tolist() if isinstance(values, np.ndarray) else list(values)
+
+
+def _json(kind: Any, value: Any, torque_unit: str) -> Any:  # noqa: ANN401, PLR0911
+    if isinstance(kind, Record):
+        return ([] if kind.arrays else None) if value is None else kind.json(value, torque_unit)
+    if value is None:
+        return None
+    if isinstance(kind, list):
+        return [_json(kind[0], item, torque_unit) for item in value]
+    if isinstance(kind, dict):
+        return {name: _json(kind["*"], item, torque_unit) for name, item in value.items()}
+    if kind is str:
+        return in_unit(value, torque_unit)
+    if kind is Coefficient:
+        number = to_json(value.value)
+        return None if number is None else {"value": number, "ci95": to_json([value.low, value.high])}
+    return to_json(value)
+
+
+def _schema(kind: Any) -> dict[str, Any]:  # noqa: ANN401, PLR0911 - a return per kind
+    if isinstance(kind, Record):
+        return {"type": "array", "items": kind.schema()} if kind.arrays else kind.schema()
+    if isinstance(kind, tuple):
+        return {"enum": list(kind)}
+    if isinstance(kind, list):
+        return {"type": "array", "items": _schema(kind[0])}
+    if isinstance(kind, dict):
+        return {"type": "object", "additionalProperties": _schema(kind["*"])}
+    interval = {"type": "array", "items": {"type": ["number", "null"]}, "minItems": 2, "maxItems": 2}
+    if kind is Coefficient:
+        properties = {"value": {"type": "number"}, "ci95": interval}
+        found = {"type": "object", "required": ["value", "ci95"], "properties": properties}
+        return {"oneOf": [{"type": "null"}, found]}
+    if kind is INTERVAL:
+        return dict(interval)
+    return {"type": ["number", "null"] if kind is float else TYPES[kind]}
+
+
+def _flat(column: Column) -> list[Column]:
+    if column.kind is not Coefficient:
+        return [column]
+    get = column.key if column.get is None else column.get
+    return [
+        replace(
+            column, name=f"{column.name}{end}", kind=float, get=lambda row, end=field: _found(_found(row, get), end)
+        )
+        for end, field in (("", "value"), ("_low", "low"), ("_high", "high"))
+    ]

@@ -1,0 +1,41 @@
+"""Table specification -> lines of a terminal."""
+
+from friction_audit.joint_log import JointLog
+from friction_audit.reporting.table import Table
+
+# Characters of a line.
+WIDEST = 1000
+
+
+def table_lines(table: Table) -> list[str]:
+    """Return a table as text, without spaces at the ends of its lines.
+
+    It is as wide as the terminal, and wider where numbers would be cut: a terminal breaks long lines, and half a number
+    is worse. Columns of phrases give way.
+    """
+    from rich.box import SIMPLE_HEAD
+    from rich.console import Console
+    from rich.table import Table as RichTable
+    from rich.text import Text
+
+    drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
+    for column in table.columns:
+        head = Text(column.head(table.unit, before_unit="\n"))
+        drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
+    for row in table.rows:
+        drawn.add_row(*(Text(column.text(row)) for column in table.columns))
+    console = Console(highlight=False, markup=False, color_system=None)
+    roomy = console.options.update(max_width=WIDEST)
+    for part in drawn.columns:
+        if part.no_wrap:
+            part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
+    console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
+    with console.capture() as captured:
+        console.print(drawn)
+    return [line.rstrip() for line in captured.get().splitlines()]
+
+
+def log_line(log: JointLog) -> str:
+    """Return which log it is and how much of it there is."""
+    samples = f"{len(log.t)} samples, {log.rate_hz:.6g} Hz, {log.duration_s:.6g} s"
+    return f"{log.source.path}: {log.source.format}, {samples}"
