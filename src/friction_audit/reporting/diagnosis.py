@@ -197,11 +197,11 @@ EFFECT = Record(
 )
 PARAMETER = Record(
     (
-        Column("effect", str, get=lambda row: row[0]),
-        Column("parameter", str, get=lambda row: row[1]),
-        Column("value", float, get=lambda row: row[2].value),
-        Column("ci95_low", float, get=lambda row: row[2].low),
-        Column("ci95_high", float, get=lambda row: row[2].high),
+        Column("effect", str, get="0"),
+        Column("parameter", str, get="1"),
+        Column("value", float, get="2.value"),
+        Column("ci95_low", float, get="2.low"),
+        Column("ci95_high", float, get="2.high"),
     ),
     name="effect_parameters",
     summary="a parameter of an effect, with its 95 % interval",
@@ -215,18 +215,18 @@ DECISION = Record(
 )
 RIVAL = Record(
     (
-        joint_column(lambda row: row[0].joint),
-        Column("effect", str, get=lambda row: row[0].effect.name, title="effect", on="p"),
-        Column("rival", str, get=lambda row: row[1].name, title="competing effect", on="p"),
-        Column("delta_bic", float, get=lambda row: row[1].delta_bic, form="+.0f", title="difference in BIC", on="p"),
-        Column("correlation", float, get=lambda row: row[1].correlation, form=".2f", title="correlation", on="p"),
+        joint_column("0.joint"),
+        Column("effect", str, get="0.effect.name", title="effect", on="p"),
+        Column("rival", str, get="1.name", title="competing effect", on="p"),
+        Column("delta_bic", float, get="1.delta_bic", form="+.0f", title="difference in BIC", on="p"),
+        Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
     )
 )
 UNTESTABLE = Record(
     (
-        joint_column(lambda row: row[0]),
+        joint_column("0"),
         Column("effects", str, get=lambda row: ", ".join(row[1]), title="effects", on="p"),
-        Column("why", str, get=lambda row: row[2], title="why", on="p"),
+        Column("why", str, get="2", title="why", on="p"),
     )
 )
 STEP = Record(
@@ -267,21 +267,21 @@ VIBRATION = Record(
 )
 FINDING = Record(
     (
-        joint_column(lambda row: row[0]),
-        Column("code", str, "stable short name", lambda row: row[1].code, title="check", code=True, on="jp"),
+        joint_column("0"),
+        Column("code", str, "stable short name", "1.code", title="check", code=True, on="jp"),
         Column(
             "verdict",
             ("fine", "limit", "fault"),
             "`limit`: less can be identified; `fault`: nothing can",
-            lambda row: row[1].verdict,
+            "1.verdict",
             title="verdict",
             tone=lambda text: FINDING_TONES[text],
             on="jp",
         ),
-        Column("value", float, "what was found", lambda row: row[1].value, title="found", on="jp"),
-        Column("bound", float, "what it was held against", lambda row: row[1].bound, title="bound", on="jp"),
-        Column("unit", str, "its unit", lambda row: row[1].unit, title="unit", on="jp"),
-        Column("message", str, "what it means", lambda row: row[1].message, title="what it means", on="jp"),
+        Column("value", float, "what was found", "1.value", title="found", on="jp"),
+        Column("bound", float, "what it was held against", "1.bound", title="bound", on="jp"),
+        Column("unit", str, "its unit", "1.unit", title="unit", on="jp"),
+        Column("message", str, "what it means", "1.message", title="what it means", on="jp"),
     )
 )
 
@@ -450,7 +450,7 @@ SIMULATED = Record(
     time="time_s",
     arrays=True,
 )
-DIAGNOSE = Document(
+DIAGNOSE: Document = Document(
     "diagnose",
     2,
     "Which effects the model of each joint misses, and how much of the residual they explain",
@@ -589,8 +589,8 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
             yield f"    where: {effect.where}"
         if effect.decide:
             yield f"    to decide: {effect.decide}"
-    if (gap := first.simulation) is not None:
-        yield f"  forward-simulation velocity error {gap.before:.3g} -> {gap.after:.3g} {gap.unit} RMS"
+    if (error := first.simulation) is not None:
+        yield f"  forward-simulation velocity error {error.before:.3g} -> {error.after:.3g} {error.unit} RMS"
 
 
 def _details(joint: JointDiscrepancy) -> Iterator[str]:

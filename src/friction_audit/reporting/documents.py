@@ -34,7 +34,7 @@ def log_columns(count: str) -> tuple[Column, ...]:
     )
 
 
-SOURCE = Column("source", Record(log_columns("joints")), "the log")
+SOURCE: Column = Column("source", Record(log_columns("joints")), "the log")
 WARNING = Record(
     (
         Column("code", str, "stable short name"),
@@ -42,8 +42,8 @@ WARNING = Record(
         Column("message", str, "one sentence"),
     )
 )
-WARNINGS = Column("warnings", [WARNING], "what the user must know")
-SETTINGS = Column("settings", dict, "every setting, defaults included, and what the log chose")
+WARNINGS: Column = Column("warnings", [WARNING], "what the user must know")
+SETTINGS: Column = Column("settings", dict, "every setting, defaults included, and what the log chose")
 
 
 def write_document(document: Mapping[str, Any]) -> str:

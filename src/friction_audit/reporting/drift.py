@@ -302,14 +302,14 @@ SESSION_JOINT = Record(
 class SessionRow(NamedTuple):
     """A session and its place among those of its arm, from 0."""
 
-    index: int
+    place: int
     session: Session
 
 
 SESSION = Record(
     (
         Column("robot", str, "which arm", "session.robot"),
-        Column("session", int, "number within the arm, from 1", lambda row: row.index + 1),
+        Column("session", int, "number within the arm, from 1", lambda row: row.place + 1),
         Column("path", str, "as found", "session.path"),
         Column("sha256", str, "of the file", "session.sha256"),
         Column("start", str, "ISO 8601, UTC", lambda row: iso_start(row.session.start_s), null=True),
@@ -387,7 +387,7 @@ class ValueRow(NamedTuple):
     """A coefficient of a joint in a session.
 
     Attributes:
-        index: Place of the session among those of its arm, from 0.
+        place: Place of the session among those of its arm, from 0.
         session: The session.
         joint: The joint in it.
         coefficient: Name of the coefficient.
@@ -400,7 +400,7 @@ class ValueRow(NamedTuple):
         control: Its place on the control chart, or None.
     """
 
-    index: int
+    place: int
     session: Session
     joint: JointSummary
     coefficient: str
@@ -416,7 +416,7 @@ class ValueRow(NamedTuple):
 SESSIONS = Record(
     (
         Column("robot", str, get="session.robot"),
-        Column("session", int, get=lambda row: row.index + 1),
+        Column("session", int, get=lambda row: row.place + 1),
         Column("start", str, get=lambda row: iso_start(row.session.start_s) or ""),
         Column("start", float, get="session.start_s", unit="s"),
         Column("start_from", str, get="session.start_from"),
@@ -428,15 +428,15 @@ SESSIONS = Record(
         Column("session_temperature", float, get="session.temperature_c", unit="°C"),
         Column("note", str, get="session.note"),
         Column("damaged", bool, get="session.damaged"),
-        Column("compared", bool, get=lambda row: row.flags[0]),
-        Column("reference", bool, get=lambda row: row.flags[1]),
+        Column("compared", bool, get="flags.0"),
+        Column("reference", bool, get="flags.1"),
         Column("left_out", str),
         Column("joint", int, get="joint.joint"),
         Column("name", str, get="joint.name"),
         Column("cycles", int, get="joint.cycles"),
         Column("moving", float, get="joint.moving_s", unit="s"),
         *(
-            Column(f"speed_{name}", float, get=lambda row, k=k: row.joint.speed_rad_s[k], unit="rad/s")
+            Column(f"speed_{name}", float, get=f"joint.speed_rad_s.{k}", unit="rad/s")
             for k, name in enumerate(("lower_quartile", "median", "upper_quartile"))
         ),
         Column("temperature", float, get="joint.temperature_c", unit="°C"),
@@ -477,20 +477,21 @@ def _finite(value: Any) -> Any:  # noqa: ANN401 - any cell
 
 
 def _value_rows(arm: ArmDrift) -> Iterator[ValueRow]:
-    compared, control = {}, {}
-    for joint in arm.joints:
-        for one in joint.coefficients:
+    compared: dict[tuple[int, str, int], tuple[Coefficient, bool]] = {}
+    control: dict[tuple[int, str, int], ControlPoint] = {}
+    for drift in arm.joints:
+        for one in drift.coefficients:
             for index, value in zip(one.sessions, one.values, strict=True):
-                compared[joint.joint, one.coefficient, index] = value, index in one.isolated
-            control |= {(joint.joint, one.coefficient, point.session): point for point in one.control}
+                compared[drift.joint, one.coefficient, index] = value, index in one.isolated
+            control |= {(drift.joint, one.coefficient, point.session): point for point in one.control}
     used, reference, left_out = set(arm.compared), set(arm.reference), dict(arm.left_out)
     for k, session in enumerate(arm.sessions):
         for joint in session.joints:
             for name in UNITS:
                 key = joint.joint, name, k
-                value, isolated = compared.get(key, (UNDETERMINED, None))
+                value, isolated = compared.get(key) or (UNDETERMINED, None)
                 yield ValueRow(
-                    index=k,
+                    place=k,
                     session=session,
                     joint=joint,
                     coefficient=name,

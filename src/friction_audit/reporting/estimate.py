@@ -144,7 +144,7 @@ INTERACTION = Record(
     time="time_s",
     arrays=True,
 )
-ESTIMATE = Document(
+ESTIMATE: Document = Document(
     "estimate",
     1,
     "Friction coefficients of the joints of one log",

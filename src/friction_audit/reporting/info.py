@@ -1,7 +1,8 @@
 """What is in a log: its summary, document and text."""
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -133,7 +134,7 @@ def _motions(log: JointLog, interaction: Interaction | None, cycles: EnergyCycle
         )
 
 
-def _extent(q: Float, dq: Float) -> dict[str, float]:
+def _extent(q: Float, dq: Float) -> dict[str, Any]:
     return {"peak_speed_rad_s": float(np.abs(dq).max()), "range_rad": float(np.ptp(q))}
 
 
@@ -179,21 +180,17 @@ TOPIC = Record(
     )
 )
 PATH, TOPICS = Column("path", str, "path as given"), Column("topics", [TOPIC], "topics or tables of the file")
+
+
+def _of_log(column: Column, entry: InfoEntry) -> object:
+    return None if entry.summary is None else column.value(entry.summary.log)
+
+
 LOG = Record(
     (
         PATH,
         TOPICS,
-        *(
-            Column(
-                one.name,
-                one.kind,
-                one.meaning,
-                lambda entry, one=one: one.value(entry.summary.log),
-                unit=one.unit,
-                null=one.null,
-            )
-            for one in log_columns("joint_count")[1:]
-        ),
+        *(replace(one, get=partial(_of_log, one)) for one in log_columns("joint_count")[1:]),
         Column("jitter", float, "standard deviation of the time steps", "summary.jitter_s", unit="s"),
         Column("gaps", int, "steps longer than five median ones", "summary.gaps"),
         Column("longest_gap", float, "the longest of them", "summary.longest_gap_s", unit="s"),

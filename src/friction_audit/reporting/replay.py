@@ -230,7 +230,7 @@ SIGNALS = Record(
     time="time_s",
     arrays=True,
 )
-REPLAY = Document(
+REPLAY: Document = Document(
     "replay",
     1,
     "What a friction compensator would have done on one log",

@@ -32,6 +32,8 @@ SUFFIXES = {
 OF_CURRENT = {
     "N m": "{}", "N m s/rad": "{}s_per_rad", "N m/rad": "{}_per_rad", "N m/s": "{}_s", "J": "{}_rad",
 }  # fmt: skip
+# Ends of the names of a coefficient's columns in files, and its fields.
+ENDS = (("", "value"), ("_low", "low"), ("_high", "high"))
 TYPES = {str: "string", int: "integer", float: "number", bool: "boolean", dict: "object"}
 
 
@@ -44,7 +46,7 @@ class Column:
         kind: str, int, float, bool, Coefficient, INTERVAL, dict, a tuple of the words that it may hold, a Record, a
             list of one kind (``[float]``) or a mapping of names to one kind (``{"*": Coefficient}``).
         meaning: One line for people.
-        get: Path of attributes and keys from a row, or a function of the row; the key if None.
+        get: Path of attributes, keys and places from a row, or a function of the row; the key if None.
         unit: Unit of the value; its suffix ends the key.
         title: Head of the column for people, without the unit.
         form: Format of a number, or a function from the value to its text.
@@ -342,7 +344,8 @@ def _found(row: Row, get: Get) -> Any:  # noqa: ANN401
     for name in get.split("."):
         if row is None:
             return None
-        row = row[name] if isinstance(row, Mapping) else getattr(row, name)
+        key = int(name) if name.isdigit() else name
+        row = row[key] if isinstance(row, Mapping) or key != name else getattr(row, name)
     return row
 
 
@@ -389,10 +392,8 @@ def _schema(kind: Any) -> dict[str, Any]:  # noqa: ANN401, PLR0911 - a return pe
 def _flat(column: Column) -> list[Column]:
     if column.kind is not Coefficient:
         return [column]
-    get = column.key if column.get is None else column.get
-    return [
-        replace(
-            column, name=f"{column.name}{end}", kind=float, get=lambda row, end=field: _found(_found(row, get), end)
-        )
-        for end, field in (("", "value"), ("_low", "low"), ("_high", "high"))
-    ]
+    return [replace(column, name=f"{column.name}{end}", kind=float, get=_end(column, field)) for end, field in ENDS]
+
+
+def _end(column: Column, field: str) -> Get:
+    return lambda row: getattr(column.value(row), field, None)

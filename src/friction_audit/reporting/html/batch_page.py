@@ -218,7 +218,7 @@ DIAGNOSED = Record(
         Column("effects", str, get="effects", form=_counts, title="effects", on="p"),
     )
 )
-SESSION_NUMBER = Column("session", str, get=lambda row: str(row.index + 1), sort="index", title="session", on="p")
+SESSION_NUMBER = Column("session", str, get=lambda row: str(row.place + 1), sort="place", title="session", on="p")
 LEFT_OUT = Record(
     (
         SESSION_NUMBER,
@@ -231,7 +231,7 @@ LEFT_OUT = Record(
 class LeftOutRow(NamedTuple):
     """A session that was not compared."""
 
-    index: int
+    place: int
     session: Session
     reason: str
 
@@ -280,7 +280,7 @@ SESSIONS = Record(
 class PartRow(NamedTuple):
     """A session, and what part it has in the comparison."""
 
-    index: int
+    place: int
     session: Session
     part: str
 

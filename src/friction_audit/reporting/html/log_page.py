@@ -63,22 +63,18 @@ WORDS = {
 VERDICT_TONES = {**TONES, NO_ESTIMATE: "off", ESTIMATED: "fine"}
 CHANNEL = Record(
     (
-        Column("channel", str, get=lambda row: row[0], title="channel", on="p"),
-        Column("name", str, get=lambda row: row[1], title="name in the log", code=True, on="p"),
+        Column("channel", str, get="0", title="channel", on="p"),
+        Column("name", str, get="1", title="name in the log", code=True, on="p"),
     )
 )
 SIGN = Record(
     (
-        joint_column(lambda row: row[0]),
-        Column("energy", str, get=lambda row: row[1].verdict, title="energy", on="p"),
-        Column("moving", float, get=lambda row: row[1].moving_s, unit="s", title="moving", on="p"),
-        Column("path", float, get=lambda row: row[1].path_rad, unit="rad", title="path", on="p"),
-        Column(
-            "with_motion", get=lambda row: row[1].against_motion_nm, unit="N m", title="torque with the motion", on="p"
-        ),
-        Column(
-            "error", get=lambda row: row[1].standard_error_nm, form=".2g", unit="N m", title="standard error", on="p"
-        ),
+        joint_column("0"),
+        Column("energy", str, get="1.verdict", title="energy", on="p"),
+        Column("moving", float, get="1.moving_s", unit="s", title="moving", on="p"),
+        Column("path", float, get="1.path_rad", unit="rad", title="path", on="p"),
+        Column("with_motion", get="1.against_motion_nm", unit="N m", title="torque with the motion", on="p"),
+        Column("error", get="1.standard_error_nm", form=".2g", unit="N m", title="standard error", on="p"),
     )
 )
 

@@ -106,8 +106,8 @@ def citation_section() -> Section:
 UNSET = "not set"
 SETTING = Record(
     (
-        Column("setting", str, get=lambda row: row[0], title="setting", code=True, on="p"),
-        Column("value", str, get=lambda row: row[1], title="value", code=True, on="p"),
+        Column("setting", str, get="0", title="setting", code=True, on="p"),
+        Column("value", str, get="1", title="value", code=True, on="p"),
     )
 )
 
