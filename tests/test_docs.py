@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from friction_audit.reporting.json.estimate import estimate_document
 
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED
@@ -21,7 +22,6 @@ from friction_audit.io.writers import WRITERS
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.figures import FIGURES
-from friction_audit.reporting.json.estimate import estimate_document
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same

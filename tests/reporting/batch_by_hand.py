@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+from friction_audit.reporting.batch_summary import BatchSummary, FailedLog
 
 from friction_audit.drift.report import (
     ArmDrift,
@@ -15,7 +16,6 @@ from friction_audit.drift.report import (
 )
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting.batch_summary import BatchSummary, FailedLog
 
 NAN = float("nan")
 DAY_S = 86400.0

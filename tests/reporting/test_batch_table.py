@@ -3,10 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from friction_audit.reporting.batch_summary import BatchSummary
+from friction_audit.reporting.terminal.batch import batch_table
 
 from friction_audit.drift.report import ArmDrift
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting.batch_summary import BatchSummary
 from friction_audit.reporting.drift_words import (
     change_text,
     enumerate_words,
@@ -20,7 +21,6 @@ from friction_audit.reporting.drift_words import (
     total_text,
     trend_text,
 )
-from friction_audit.reporting.terminal.batch import batch_table
 from tests.reporting import batch_by_hand as by_hand
 
 ARM = by_hand.arm()

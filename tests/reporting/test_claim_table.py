@@ -1,9 +1,8 @@
 """The table of claims."""
 
 import pytest
-from rich.text import Text
-
 from friction_audit.reporting.terminal.compare import claim_table
+from rich.text import Text
 
 ROW = {"figure": "7b", "claim": "it holds", "paper": "yes", "ours": "1 N m", "value": 1.0, "holds": True, "note": "why"}
 

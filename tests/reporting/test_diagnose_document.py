@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import pytest
+from friction_audit.reporting.json.diagnose import diagnose_document
 
 from friction_audit.diagnosis.result import VERDICTS, JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
-from friction_audit.reporting.json.diagnose import diagnose_document
 from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, VERDICTS_BY_HAND, diagnosis
 from tests.reporting.test_documents import checked
 

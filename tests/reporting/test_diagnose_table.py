@@ -6,13 +6,13 @@ from dataclasses import replace
 from itertools import takewhile
 
 import pytest
+from friction_audit.reporting.terminal.diagnose import diagnose_table, format_quantity
+from friction_audit.reporting.terminal.plain import Notice, diagnose_notices, notice_lines
 from rich.text import Text
 
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.friction.history import Coefficient
-from friction_audit.reporting.terminal.diagnose import diagnose_table, format_quantity
-from friction_audit.reporting.terminal.plain import Notice, diagnose_notices, notice_lines
 from tests.reporting.diagnosis_by_hand import (
     ALONE,
     BIAS,

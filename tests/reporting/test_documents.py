@@ -9,14 +9,14 @@ from dataclasses import asdict
 import jsonschema
 import numpy as np
 import pytest
-
-from friction_audit import __version__
-from friction_audit.pipeline import Estimate
 from friction_audit.reporting.json.document import Document, convert_document, plot_document, to_json, write_document
 from friction_audit.reporting.json.estimate import InfoEntry, TopicSummary, estimate_document, info_document
 from friction_audit.reporting.log_summary import summarize_log
-from friction_audit.reporting.schemas import KINDS, load_schema
 from friction_audit.reporting.tables.of_estimate import HEADER, history_csv
+
+from friction_audit import __version__
+from friction_audit.pipeline import Estimate
+from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.reporting.conftest import COULOMB, EstimateFactory
 
 

@@ -1,9 +1,8 @@
 """Tables as text: no number is ever cut."""
 
 import pytest
-from rich.table import Table
-
 from friction_audit.reporting.terminal.plain import plain_lines
+from rich.table import Table
 
 
 def table_of(number: str) -> Table:

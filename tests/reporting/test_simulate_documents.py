@@ -6,10 +6,10 @@ from hashlib import sha256
 from typing import Any
 
 import jsonschema
-
-from friction_audit.pipeline import Estimate
 from friction_audit.reporting.json.document import Document, write_document
 from friction_audit.reporting.json.simulate import SimulatedLog, simulate_document, truth_document
+
+from friction_audit.pipeline import Estimate
 from friction_audit.reporting.schemas import load_schema
 
 EFFECT = {"joint": 2, "name": "stribeck", "form": None, "parameters": {"excess_nm": 0.2}}

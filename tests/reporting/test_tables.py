@@ -7,14 +7,14 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import pytest
-from rich.console import Console
-
-from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.pipeline import Estimate
 from friction_audit.reporting.json.estimate import InfoEntry, TopicSummary
 from friction_audit.reporting.log_summary import summarize_log
 from friction_audit.reporting.terminal.estimate import estimate_table, format_coefficient, info_table, joint_label
 from friction_audit.reporting.terminal.plain import reason_lines
+from rich.console import Console
+
+from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.pipeline import Estimate
 
 if TYPE_CHECKING:
     from rich.console import RenderableType

@@ -8,11 +8,6 @@ from functools import cache
 import jsonschema
 import numpy as np
 import pytest
-
-from friction_audit.reporting.figures.style import joint_title
-from friction_audit.reporting.html import log_figures
-from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
-from friction_audit.reporting.html.log_page import log_page, write_log_page
 from friction_audit.reporting.html.log_part import part_of
 from friction_audit.reporting.html.log_tables import gap_table
 from friction_audit.reporting.json.diagnose import diagnose_document
@@ -23,6 +18,11 @@ from friction_audit.reporting.json.report import log_document
 from friction_audit.reporting.log_report import LogReport, Unanswered, report_notices
 from friction_audit.reporting.log_words import lead_sentence, removal_words, verdict_sentence, verdict_word
 from friction_audit.reporting.markdown import write_markdown
+
+from friction_audit.reporting.figures.style import joint_title
+from friction_audit.reporting.html import log_figures
+from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures
+from friction_audit.reporting.html.log_page import log_page, write_log_page
 from friction_audit.reporting.schemas import load_schema
 from tests.reporting import diagnosis_by_hand
 from tests.reporting import log_report_by_hand as by_hand

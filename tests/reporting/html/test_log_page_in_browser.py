@@ -5,11 +5,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from friction_audit.reporting.html.log_part import part_of
 
 from friction_audit.reporting.html import log_figures
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
 from friction_audit.reporting.html.log_page import write_log_page
-from friction_audit.reporting.html.log_part import part_of
 from tests.opened_page import Opened
 from tests.reporting import log_report_by_hand as by_hand
 from tests.reporting.html.conftest import Open

@@ -5,6 +5,7 @@ from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
+from friction_audit.reporting.html.log_part import flattened
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -13,7 +14,6 @@ from friction_audit.reporting.figures.batch_drift import draw_drift
 from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW, REJECTED, SHADE
 from friction_audit.reporting.html import batch_page
 from friction_audit.reporting.html.batch_page import write_page
-from friction_audit.reporting.html.log_part import flattened
 from friction_audit.reporting.html.page import (
     DARK_GROUND,
     Cell,

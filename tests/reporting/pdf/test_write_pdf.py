@@ -5,6 +5,11 @@ import re
 from functools import cache
 
 import pytest
+from friction_audit.reporting.html.log_part import part_of
+from friction_audit.reporting.pdf.sheet import draw_sheet
+from friction_audit.reporting.pdf.tables import column_widths
+from friction_audit.reporting.pdf.write_pdf import write_pdf
+from friction_audit.reporting.report_bytes import REPORT_FORMATS
 from pypdf import PdfReader
 from reportlab.lib.pagesizes import A4
 
@@ -12,12 +17,7 @@ from friction_audit.cli import choices
 from friction_audit.reporting.html import log_figures
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
 from friction_audit.reporting.html.log_page import log_page
-from friction_audit.reporting.html.log_part import part_of
 from friction_audit.reporting.html.page import Cell, Page, Section, Table, Text
-from friction_audit.reporting.pdf.sheet import draw_sheet
-from friction_audit.reporting.pdf.tables import column_widths
-from friction_audit.reporting.pdf.write_pdf import write_pdf
-from friction_audit.reporting.report_bytes import REPORT_FORMATS
 from tests.reporting import log_report_by_hand as by_hand
 
 LONG = "a" * 300
