@@ -9,8 +9,7 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
-from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.effects.registry import effects
 from friction_audit.simulation import EFFECTS, SCENARIOS
 from friction_audit.simulation.effects.effect import Effect, Parameter
 from tests.documented_commands import ROOT, blocks, commands
@@ -86,8 +85,8 @@ def test_effects_it_is_confused_with_exist(effect: Effect) -> None:
     assert set(names) <= {other.name for other in EFFECTS} - {effect.name}
 
 
-@pytest.mark.parametrize("candidate", CANDIDATES, ids=lambda candidate: candidate.name)
-def test_page_says_where_diagnose_looks(candidate: Candidate) -> None:
+@pytest.mark.parametrize("candidate", effects(), ids=lambda candidate: candidate.name)
+def test_page_says_where_diagnose_looks(candidate: Effect) -> None:
     seen = (PAGES / f"{candidate.name}.md").read_text().partition("## In `diagnose`")[2].partition("## Example")[0]
     rows = dict(re.findall(r"^\| (axis|looked for|untestable where) \| (.+) \|$", seen, re.MULTILINE))
     assert rows["axis"] == candidate.axis

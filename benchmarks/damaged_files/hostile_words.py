@@ -8,7 +8,7 @@ from pathlib import Path
 import pyarrow.parquet as pq
 
 from benchmarks.damaged_files.case import REFUSED, Case, estimate, good
-from friction_audit.effects.terms import TERMS
+from friction_audit.effects.registry import terms
 
 
 def _config(text: str) -> Callable[[Path], Sequence[str]]:
@@ -96,7 +96,7 @@ def _link(folder: Path) -> Sequence[str]:
 
 
 def _terms() -> Iterator[str]:
-    for term in TERMS:
+    for term in terms():
         numbers = "\n".join(f"{parameter.name} = 1{'0' * 400}" for parameter in term.parameters)
         yield f"{MODEL.format(inertia='0.1')}[joint.terms.{term.name}]\n{numbers}\n"
 

@@ -23,15 +23,15 @@ from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_o
 from benchmarks.hidden_effects.run import SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared, scales_for
 from benchmarks.hidden_effects.table import CLEAR, Row, held, sets_of, share, table
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.declared import declare, least_squares
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.ranking import BY_CHANCE
 from friction_audit.diagnosis.rows import Rows, make_rows
+from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
 from friction_audit.simulation.dispatch import simulate
 
-PRICE = float(chdtri(1, BY_CHANCE / len(CANDIDATES)))
+PRICE = float(chdtri(1, BY_CHANCE / len(effects())))
 """Of an effect whose torque is known but for its factor."""
 MUCH = 2.0
 """Times the price from which on an effect is plain."""
@@ -56,13 +56,13 @@ def limits_of(row: Row) -> Iterator[dict[str, object]]:
     torques = [_torque_alone(case, k, ground) for k in range(len(names))]
     told = set().union(*sets_of(row))
     for k, name in enumerate(names):
-        candidate = next(one for one in CANDIDATES if one.name == name)
+        candidate = next(one for one in effects() if one.name == name)
         yield {
             "truth": row["truth"], "seed": seed, "effect": name, "partial": case.partial,
             "n_eff": round(_worth(ground, torques), 0),
             "holds": round(held_by(ground, torques, k), 1),
             "in_the_answer": name in told,
-            "untestable": candidate.untestable(data, ground.baseline()) is not None,
+            "untestable": candidate.not_identifiable(data, ground.baseline()) is not None,
         }  # fmt: skip
 
 
@@ -125,7 +125,7 @@ def counts(row: Row, strength: float | None) -> bool:
 
 def judged(rows: Sequence[Row], strength: float | None) -> list[Row]:
     """Rows with an answer to effects of the catalogue, of the joint that their strength is measured in."""
-    names = {candidate.name for candidate in CANDIDATES}
+    names = {candidate.name for candidate in effects()}
     return [
         row
         for row in rows

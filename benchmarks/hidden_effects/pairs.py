@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 
 from benchmarks.hidden_effects.draw import MOTIONS, ONE_JOINT
-from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.effects.registry import effects
 
 NOT_PAIRED = ("unlogged_compensation", "contact_event")
 """Not to be seen without a declared model; hidden as an event, not as torque."""
@@ -13,9 +13,9 @@ NOT_PAIRED = ("unlogged_compensation", "contact_event")
 
 def can_be_seen_together() -> list[str]:
     """All pairs of effects that share a scenario of one joint, as ``first+second``."""
-    names = [c.name for c in CANDIDATES if c.name not in NOT_PAIRED]
+    names = [c.name for c in effects() if c.name not in NOT_PAIRED]
     places = {name: set(MOTIONS.get(name, ONE_JOINT)) & set(ONE_JOINT) for name in names}
-    same = {c.name: set(c.same_as) for c in CANDIDATES}
+    same = {c.name: set(c.indistinguishable) for c in effects()}
     return [
         f"{one}+{two}"
         for one, two in combinations(names, 2)

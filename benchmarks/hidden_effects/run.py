@@ -22,7 +22,6 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.result import Effect, JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
@@ -110,7 +109,7 @@ def _numbers(case: Case, found: Iterable[Effect]) -> list[dict[str, object]]:
 
 def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
     """Truth and seed of every log."""
-    names = [c.name for c in CANDIDATES] if effects == "all" else effects.split(",")
+    names = [c.name for c in effects()] if effects == "all" else effects.split(",")
     every = range(first, first + seeds)
     return [
         one for name in names for one in (draw_pairs(first, seeds) if name == "pairs" else [(name, s) for s in every])

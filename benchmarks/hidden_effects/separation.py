@@ -20,13 +20,13 @@ from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from benchmarks.hidden_effects.strength import prepared, scales_for
 from friction_audit.diagnosis.alternatives import ALIKE, WRONG_NAME
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidates import CANDIDATES
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import Entry, Library, build_library
 from friction_audit.diagnosis.naming import free_numbers
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
+from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
 from friction_audit.simulation.dispatch import simulate
 
@@ -146,8 +146,8 @@ def _ideal(case: Case, scales: tuple[float, ...]) -> tuple[Ground, Ground]:
 
 def _library(ground: Ground, truth: str) -> Library:
     """The truth and what may be taken for it."""
-    same = next(candidate.same_as for candidate in CANDIDATES if candidate.name == truth)
-    asked = [candidate for candidate in CANDIDATES if candidate.name not in {CONTACT.name, *same}]
+    same = next(candidate.indistinguishable for candidate in effects() if candidate.name == truth)
+    asked = [candidate for candidate in effects() if candidate.name not in {CONTACT.name, *same}]
     return with_scanned_orders(ground, build_library(asked, ground.data, ground.baseline(), ground.rows))
 
 
@@ -173,7 +173,7 @@ def _refined(ground: Ground, entry: Entry, at: int) -> float:
     """What a shape leaves once it is refined, and leans on the declared model as fitted beside it."""
     candidate, baseline = entry.candidate, ground.baseline(entry.columns[at])
     shape = refine(candidate, entry.shapes[at], entry.shapes, ground, baseline, ground.base)
-    columns = ground.rows.of(candidate.columns(ground.data, baseline, shape))
+    columns = ground.rows.of(candidate.regressor(ground.data, baseline, shape))
     return _fits(ground, replace(entry, shapes=(shape,), columns=(columns,)))[0]
 
 

@@ -14,7 +14,7 @@ from scipy.stats import binomtest
 
 from benchmarks.hidden_effects.outside import OUTSIDE
 from benchmarks.marked_page import write_between
-from friction_audit.diagnosis.candidates import CANDIDATES
+from friction_audit.effects.registry import effects
 
 Row = dict[str, str]
 CLEAR = 0.3
@@ -77,7 +77,7 @@ def by_effect(rows: Sequence[Row]) -> str:
         "in the answer at 0.2 [%]",
     )  # fmt: skip
     lines = []
-    for name in (candidate.name for candidate in CANDIDATES):
+    for name in (candidate.name for candidate in effects()):
         own = [row for row in rows if row["truth"] == name]
         lines += [_effect_line(label, part) for label, part in _by_place(name, own) if part]
     pairs = [row for row in rows if "+" in row["truth"]]
@@ -104,7 +104,7 @@ def by_strength(rows: Sequence[Row]) -> str:
         "one effect, strength", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]",
         "only wrong names [%]", "`none` [%]",
     )  # fmt: skip
-    single = [row for row in rows if row["truth"] in {candidate.name for candidate in CANDIDATES}]
+    single = [row for row in rows if row["truth"] in {candidate.name for candidate in effects()}]
     sizes = sorted({float(row["partial"]) for row in single})
     parts = [(f"{size:g}", [row for row in single if float(row["partial"]) == size]) for size in sizes]
     parts.append((f"from {CLEAR:g}", [row for row in single if float(row["partial"]) >= CLEAR]))

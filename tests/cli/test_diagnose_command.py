@@ -10,8 +10,8 @@ import pytest
 
 from friction_audit.cli import choices
 from friction_audit.diagnosis import data_audit
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.effects.model_file import load_model
+from friction_audit.effects.registry import effects
 from friction_audit.io.writers import write_log
 from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
 from tests.cli.conftest import Run
@@ -22,7 +22,7 @@ WRITTEN = {"diagnose.json", "model.toml", *(f"{name}.png" for name in choices.DI
 
 
 def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
-    assert tuple(candidate.name for candidate in CANDIDATES) == choices.EFFECTS
+    assert tuple(candidate.name for candidate in effects()) == choices.EFFECTS
 
 
 def test_names_of_the_figures_are_those_of_the_report() -> None:

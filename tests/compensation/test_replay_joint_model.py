@@ -16,7 +16,7 @@ from friction_audit.compensation.settings import ModelFile, OperatorImpedance, R
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
-from friction_audit.effects.terms import TERMS
+from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, replay_log
@@ -227,7 +227,7 @@ def test_tables_go_on_in_a_straight_line() -> None:
 
 
 def test_every_term_runs_or_is_refused_by_name() -> None:
-    assert sorted([*VALUES, *UNABLE, "inertia"]) == sorted(term.name for term in TERMS)
+    assert sorted([*VALUES, *UNABLE, "inertia"]) == sorted(term.name for term in terms())
     motion = motion_of(log_of(SIMPLE))
     for name in VALUES:
         joint = modelled_joint(with_term(name), motion)
@@ -236,7 +236,7 @@ def test_every_term_runs_or_is_refused_by_name() -> None:
 
 @pytest.mark.parametrize("name", sorted(UNABLE))
 def test_a_term_that_cannot_run_is_refused_by_name(name: str) -> None:
-    term = next(term for term in TERMS if term.name == name)
+    term = next(term for term in terms() if term.name == name)
     values = tuple(min(max(0.01, parameter.lower), parameter.upper) for parameter in term.parameters)
     model = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, values)))
     joint = run(log_of(SIMPLE), "same-torque", model)

@@ -1,22 +1,20 @@
 """Shapes go on to where all cycles are fitted best, and no further than the log tells."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
 from friction_audit.diagnosis.all_cycles import settled
-from friction_audit.diagnosis.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
-from friction_audit.diagnosis.candidates.warm_up import CANDIDATE as WARM_UP
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.shape_steps import steps_of
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.position_dependent_friction import EFFECT as PLACE_FRICTION
+from friction_audit.effects.warm_up import EFFECT as WARM_UP
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import moved_joint
-from tests.diagnosis.toy_candidates import BUMP
+from tests.diagnosis.toy_candidates import BUMP, altered
 
 PLACE, WIDTH = 0.2, 0.2
 
@@ -39,7 +37,7 @@ def test_without_noise_a_shape_is_found_from_a_tenth_of_the_range_away() -> None
 def test_all_cycles_have_no_better_shape_though_the_working_ones_do() -> None:
     ground = make_ground(moved_joint(bump, noise_nm=0.03, duration_s=20.0), None, 0)
     shape = refine(
-        BUMP, {"place_rad": 0.3, "width_rad": 0.2}, BUMP.tried(ground.data), ground, ground.baseline(), ground.base
+        BUMP, {"place_rad": 0.3, "width_rad": 0.2}, BUMP.grid(ground.data), ground, ground.baseline(), ground.base
     )
     first = found_effect(ground, BUMP, shape)
     (one,) = settled(ground, [first], ground.baseline())
@@ -71,7 +69,7 @@ def test_no_step_leads_to_what_is_not_possible() -> None:
     ground = make_ground(moved_joint(bump, noise_nm=0.01, duration_s=20.0), None, 0)
     first = found_effect(
         ground,
-        replace(BUMP, admissible=lambda _factors, shape: shape["place_rad"] >= 0.25),
+        altered(BUMP, admissible=lambda _factors, shape: shape["place_rad"] >= 0.25),
         {"place_rad": 0.26, "width_rad": 0.2},
     )
     (one,) = settled(ground, [first], ground.baseline())

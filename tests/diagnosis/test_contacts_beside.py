@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.contact_event import Contact, find_contacts, overlap
 from friction_audit.diagnosis.contacts import Undisturbed, contacts_beside
+from friction_audit.diagnosis.find_contacts import find_contacts
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.naming import Names
+from friction_audit.effects.backlash import EFFECT as BACKLASH
+from friction_audit.effects.contact_event import Contact, overlap
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import GRID_HZ, moved_joint
 
@@ -20,7 +21,7 @@ LATE_BY_S, PUSH_NM = 0.04, 0.6
 
 def test_a_strike_at_another_moment_is_no_contact_and_a_push_is() -> None:
     quiet = moved_joint(noise_nm=0.01, duration_s=40.0)
-    play = BACKLASH.columns(quiet, make_ground(quiet, None, 0).baseline(), PLAY)[:, 0]
+    play = BACKLASH.regressor(quiet, make_ground(quiet, None, 0).baseline(), PLAY)[:, 0]
     late = (quiet.t > LATE.start_s) & (quiet.t < LATE.stop_s)
     struck = np.where(late, np.roll(play, round(LATE_BY_S * GRID_HZ)), play)
     push = PUSH_NM * np.sin(np.pi * np.clip((quiet.t - PUSHED.start_s) / (PUSHED.stop_s - PUSHED.start_s), 0.0, 1.0))

@@ -8,9 +8,9 @@ import pytest
 from friction_audit.diagnosis.contacts import _of_a_file
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import make_ground
+from friction_audit.effects.backlash import EFFECT as TERM
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel
-from friction_audit.effects.terms.backlash import TERM
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 
@@ -21,7 +21,7 @@ MODEL = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(*SIMPLE, PLAY))
 
 def play(data: JointData) -> Float:
     motion = data.motion()
-    return TERM.torque(PLAY.values, replace(motion, rest=MODEL.rest(motion)))
+    return TERM.torque(replace(motion, rest=MODEL.rest(motion)), PLAY.values)
 
 
 def left(data: JointData, model: JointModel) -> float:

@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.ground import make_ground
@@ -15,12 +14,13 @@ from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.naming import search_library
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import INERTIA_KG_M2, TRUTH, moved_joint
-from tests.diagnosis.toy_candidates import BUMP, LOCKED_OUT, SQUARE, STEP, TOYS
+from tests.diagnosis.toy_candidates import BUMP, LOCKED_OUT, SQUARE, STEP, TOYS, altered
 
 NOISE_NM = 0.02
 ENERGY = {
@@ -106,7 +106,10 @@ def test_what_comes_late_is_taken_by_what_the_rows_are_worth_and_noise_is_not() 
 
 
 def test_a_name_with_a_twin_is_ambiguous() -> None:
-    twins = [replace(BUMP, name="torque_bias", same_as=("gravity_error",)), replace(SQUARE, name="gravity_error")]
+    twins = [
+        altered(BUMP, name="torque_bias", indistinguishable=("gravity_error",)),
+        altered(SQUARE, name="gravity_error"),
+    ]
     found = diagnose_joint(subject(bump), twins, DiagnosisSettings())
     assert found.verdict == "ambiguous"
     assert found.effects[0].alternatives == ("gravity_error",)
@@ -168,7 +171,7 @@ def waves(data: JointData) -> Float:
 
 @pytest.mark.parametrize(("duration_s", "verdict"), [(16.0, "unexplained"), (60.0, "named")])
 def test_as_many_numbers_as_cycles_are_no_explanation(duration_s: float, verdict: str) -> None:
-    toy = replace(SQUARE, name="waves", columns=lambda data, _baseline, _shape: waves(data), column_units=("nm",) * 16)
+    toy = altered(SQUARE, name="waves", regressor=lambda data, _baseline, _shape: waves(data), units=("nm",) * 16)
     one = subject(lambda data: np.asarray(waves(data) @ np.resize([0.1, -0.07, 0.05], 16)), duration_s=duration_s)
     found = diagnose_joint(one, (toy,), DiagnosisSettings())
     assert [effect.name for effect in found.effects] == ["waves"]
@@ -199,10 +202,10 @@ def test_what_stood_in_for_the_truth_and_does_not_hold_is_left_out_of_another_se
     ground = make_ground(joint.data, None, 0)
     locked = np.unique(ground.rows.cycle[ground.locked])
 
-    def turned(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
+    def turned(data: JointData, _baseline: Nominal, _shape: Nonlinear) -> Float:
         return np.asarray(missing(data) * np.where(np.isin(data.cycle, locked), -1.0, 1.0))[:, None]
 
-    stand_in = replace(STEP, name="stand_in", shapes=({},), columns=turned, moment="")
+    stand_in = altered(STEP, name="stand_in", grid=({},), regressor=turned, moment="")
     found = diagnose_joint(joint, (*TOYS, stand_in), DiagnosisSettings())
     assert [effect.name for effect in found.effects] == names
     assert found.verdict == "named"

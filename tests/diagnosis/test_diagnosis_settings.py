@@ -2,13 +2,13 @@
 
 import pytest
 
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import effects
 from friction_audit.errors import UsageError
 
 
 def test_every_effect_may_be_asked_for() -> None:
-    names = tuple(candidate.name for candidate in CANDIDATES)
+    names = tuple(candidate.name for candidate in effects())
     assert DiagnosisSettings(candidates=names).candidates == names
 
 

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
-from friction_audit.diagnosis.candidates.stribeck import CANDIDATE as STRIBECK
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.jointly import fit_jointly
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
+from friction_audit.effects.stribeck import EFFECT as STRIBECK
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 
@@ -46,7 +46,7 @@ def left_by(ground: Ground, columns: Float) -> float:
 @pytest.mark.parametrize("begin", [0.7, 1.4])
 def test_width_friction_and_inertia_are_found_beside_an_offset(ground: Ground, begin: float) -> None:
     shape = {"gap_rad": begin * GAP_RAD, "contact_hz": 22.0}
-    own = ground.rows.of(BACKLASH.columns(ground.data, ground.baseline(offset(ground)), shape))
+    own = ground.rows.of(BACKLASH.regressor(ground.data, ground.baseline(offset(ground)), shape))
     found = fit_jointly(BACKLASH, shape, own, ground, offset(ground))
     assert found is not None
     # Softer flanks strike as a wider play would, so that the valley is a long one.
@@ -66,7 +66,7 @@ def soft_ground() -> Ground:
 def test_stiffness_stiffening_friction_and_inertia_are_found(soft_ground: Ground, begin: float) -> None:
     shape = {"spring_nm_per_rad": begin * STIFFNESS_NM_PER_RAD, "soft_nm": 0.4}
     nothing = np.zeros((len(soft_ground.y), 0))
-    own = soft_ground.rows.of(ELASTICITY.columns(soft_ground.data, soft_ground.baseline(), shape))
+    own = soft_ground.rows.of(ELASTICITY.regressor(soft_ground.data, soft_ground.baseline(), shape))
     found = fit_jointly(ELASTICITY, shape, own, soft_ground, nothing)
     assert found is not None
     assert found.shape["spring_nm_per_rad"] == pytest.approx(STIFFNESS_NM_PER_RAD, rel=0.05)
@@ -79,10 +79,10 @@ def test_stiffness_stiffening_friction_and_inertia_are_found(soft_ground: Ground
 
 def test_columns_are_those_of_the_shape_and_the_declared_model_that_are_told(ground: Ground) -> None:
     shape = {"gap_rad": GAP_RAD, "contact_hz": 50.0}
-    own = ground.rows.of(BACKLASH.columns(ground.data, ground.baseline(offset(ground)), shape))
+    own = ground.rows.of(BACKLASH.regressor(ground.data, ground.baseline(offset(ground)), shape))
     found = fit_jointly(BACKLASH, shape, own, ground, offset(ground))
     assert found is not None
-    again = ground.rows.of(BACKLASH.columns(ground.data, found.baseline, found.shape))
+    again = ground.rows.of(BACKLASH.regressor(ground.data, found.baseline, found.shape))
     np.testing.assert_allclose(again, found.columns, atol=1e-6)
 
 
@@ -94,5 +94,5 @@ def test_where_nothing_leaves_less_there_is_no_answer(ground: Ground) -> None:
 
 def test_an_effect_with_nothing_behind_it_is_none_of_its() -> None:
     ground = make_ground(moved_joint(duration_s=20.0), None, 0)
-    (shape, *_) = STRIBECK.tried(ground.data)
+    (shape, *_) = STRIBECK.grid(ground.data)
     assert fit_jointly(STRIBECK, shape, np.zeros((len(ground.y), 1)), ground, np.zeros((len(ground.y), 0))) is None

@@ -1,7 +1,5 @@
 """A factor whose shape the log leaves open reaches over all shapes that it does not rule out, and no further."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -14,9 +12,9 @@ from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
-from tests.diagnosis.toy_candidates import BUMP
+from tests.diagnosis.toy_candidates import BUMP, altered
 
-FAR = replace(BUMP, shapes=tuple({"place_rad": 3.0, "width_rad": width} for width in (1.0, 1.3, 1.6, 2.0)))
+FAR = altered(BUMP, grid=tuple({"place_rad": 3.0, "width_rad": width} for width in (1.0, 1.3, 1.6, 2.0)))
 """Its top lies where the joint never comes: the log sees a flank, and the wider the bump the smaller it is."""
 HEIGHT, WIDTH = 1.0, 1.3
 
@@ -31,7 +29,7 @@ def reach(ground: Ground, width: float) -> tuple[Coefficient, Coefficient]:
     own = Found(
         candidate=FAR,
         shape=shape,
-        columns=ground.rows.of(FAR.columns(ground.data, ground.baseline(), shape)),
+        columns=ground.rows.of(FAR.regressor(ground.data, ground.baseline(), shape)),
         naming=Naming(name=FAR.name, rivals=(), alternatives=()),
         p_value=0.01,
     )

@@ -1,17 +1,15 @@
 """Candidates as columns: those that the log can show, without columns that are zero."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.library import build_library, plainer
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
-from tests.diagnosis.toy_candidates import BUMP, TOYS, WAVE
+from tests.diagnosis.toy_candidates import BUMP, TOYS, WAVE, altered
 
 GROUND = make_ground(moved_joint(noise_nm=0.02, duration_s=20.0), None, 0)
 LIBRARY = build_library(TOYS, GROUND.data, GROUND.baseline(), GROUND.rows)
@@ -24,9 +22,9 @@ def test_what_the_log_cannot_show_is_told_and_not_tried() -> None:
 
 def test_columns_are_those_of_the_candidate_through_the_filter() -> None:
     entry = LIBRARY.entry("bump")
-    assert entry.shapes == BUMP.tried(GROUND.data)
+    assert entry.shapes == BUMP.grid(GROUND.data)
     for shape, columns in zip(entry.shapes, entry.group.shapes, strict=True):
-        assert columns == pytest.approx(GROUND.rows.of(BUMP.columns(GROUND.data, GROUND.baseline(), shape)))
+        assert columns == pytest.approx(GROUND.rows.of(BUMP.regressor(GROUND.data, GROUND.baseline(), shape)))
     assert LIBRARY.entry("wave").group.shapes[0].shape == (len(GROUND.y), 2)
 
 
@@ -39,14 +37,14 @@ def test_rules_are_those_of_the_candidate() -> None:
 def test_a_column_of_zeros_is_left_out_and_its_factor_is_zero_for_the_rule() -> None:
     asked: list[list[float]] = []
 
-    def columns(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
+    def columns(data: JointData, _baseline: Nominal, _shape: Nonlinear) -> Float:
         return np.column_stack([np.zeros(len(data.t)), data.q, np.zeros(len(data.t))])
 
-    def admissible(factors: Float, _shape: Shape) -> bool:
+    def admissible(factors: Float, _shape: Nonlinear) -> bool:
         asked.append(factors.tolist())
         return True
 
-    half = replace(WAVE, columns=columns, admissible=admissible, shapes=({},))
+    half = altered(WAVE, regressor=columns, admissible=admissible, grid=({},))
     (entry,) = build_library([half], GROUND.data, GROUND.baseline(), GROUND.rows).entries
     assert entry.group.shapes[0] == pytest.approx(GROUND.rows.of(GROUND.data.q)[:, None])
     assert entry.group.admissible(np.array([0.7]), 0)
@@ -54,7 +52,7 @@ def test_a_column_of_zeros_is_left_out_and_its_factor_is_zero_for_the_rule() -> 
 
 
 def test_richer_shapes_are_left_out_of_one_candidate() -> None:
-    rich = replace(WAVE, richer=lambda shape: shape["rate"] > 0.2)
+    rich = altered(WAVE, needs_gain=lambda shape: shape["rate"] > 0.2)
     library = build_library((rich, BUMP), GROUND.data, GROUND.baseline(), GROUND.rows)
     kept = plainer(library, "wave")
     assert kept.entry("wave").shapes == ({"rate": 0.1},)

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.motion_noise import noise_in_columns, noisier
 from friction_audit.effects.joint_data import JointData, grid_noise
+from friction_audit.effects.registry import effects
 from tests.diagnosis.moved_joint import moved_joint
 
 
@@ -49,7 +49,7 @@ def test_a_velocity_of_its_own_gets_its_own_noise(still: JointData) -> None:
 
 
 def changes(ground: Ground, name: str, **shape: float) -> np.ndarray:
-    candidate = next(one for one in CANDIDATES if one.name == name)
+    candidate = next(one for one in effects() if one.name == name)
     return noise_in_columns(ground, candidate, ground.baseline(), shape, np.random.default_rng(3))
 
 

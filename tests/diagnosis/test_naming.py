@@ -6,17 +6,18 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.cross_products import cross_products
 from friction_audit.diagnosis.evidence import evidence
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.naming import Names, find_names, with_moments_of_all_cycles, worth
 from friction_audit.diagnosis.ranking import Ranking
+from friction_audit.effects.effect import Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
+from friction_audit.effects.registry import effect_of
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
-from tests.diagnosis.toy_candidates import BUMP, SQUARE, STEP, TOYS
+from tests.diagnosis.toy_candidates import BUMP, SQUARE, STEP, TOYS, altered
 
 
 def bump(data: JointData) -> Float:
@@ -84,13 +85,13 @@ def test_what_was_there_on_the_working_cycles_only_is_dropped() -> None:
     assert names.disproved == ("bump",)
 
 
-def spring(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
+def spring(data: JointData, _baseline: Nominal, _shape: Nonlinear) -> Float:
     return np.column_stack([data.q, np.ones(len(data.q))])
 
 
-SPRING = replace(SQUARE, name="spring", columns=spring, column_units=("nm_per_rad", "nm"))
-SPRING = replace(SPRING, admissible=lambda factors, _shape: bool(factors[0] > 0), axis="position")
-OFFSET = replace(SQUARE, name="offset", columns=lambda data, _baseline, _shape: np.ones((len(data.q), 1)))
+SPRING = altered(SQUARE, name="spring", regressor=spring, units=("nm_per_rad", "nm"))
+SPRING = altered(SPRING, admissible=lambda factors, _shape: bool(factors[0] > 0), axis="position")
+OFFSET = altered(SQUARE, name="offset", regressor=lambda data, _baseline, _shape: np.ones((len(data.q), 1)))
 
 
 @pytest.mark.parametrize(("elsewhere", "name"), [(1.0, "spring"), (-8.0, "offset")])
@@ -121,7 +122,7 @@ def test_an_effect_that_is_small_beside_another_is_not_named() -> None:
 
 def test_one_that_is_small_beside_an_offset_is_for_an_offset_has_no_formula_to_be_wrong() -> None:
     ground = ground_of(lambda data: 2.0 + bump(data))
-    toys = (replace(OFFSET, exact=True), BUMP)
+    toys = (altered(OFFSET, traits=Trait.EXACT), BUMP)
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     names = find_names(ground, toys, library, 0.05, np.random.default_rng(0))
     assert [found.candidate.name for found in names.found] == ["offset", "bump"]
@@ -130,7 +131,9 @@ def test_one_that_is_small_beside_an_offset_is_for_an_offset_has_no_formula_to_b
 @pytest.mark.parametrize(("names", "kept"), [(("gravity_error", "stribeck"), 2), (("presliding", "stribeck"), 1)])
 def test_friction_that_is_small_beside_what_knows_no_direction_is_named(names: tuple[str, str], kept: int) -> None:
     """Gravity that nobody took away is ten times what the joint misses; it turns with no direction."""
-    large, small = replace(BUMP, name=names[0]), replace(SQUARE, name=names[1])
+    large, small = (
+        altered(toy, name=name, traits=effect_of(name).traits) for toy, name in zip((BUMP, SQUARE), names, strict=True)
+    )
     ground = ground_of(lambda data: 20.0 * bump(data) + square(data))
     library = build_library((large, small), ground.data, ground.baseline(), ground.rows)
     found = find_names(ground, (large, small), library, 0.05, np.random.default_rng(0)).found
@@ -142,23 +145,23 @@ def test_a_richer_shape_is_told_where_it_adds_a_good_deal(share: float, rich: bo
     def both(data: JointData) -> Float:
         return 3.0 * bump(data) + share * 3.0 * wave(data)
 
-    def columns(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
+    def columns(data: JointData, _baseline: Nominal, shape: Nonlinear) -> Float:
         return np.column_stack([bump(data), shape["form"] * wave(data)])
 
     def wave(data: JointData) -> Float:
         return 0.1 * np.sin(9.0 * data.q)
 
-    forms = replace(
+    forms = altered(
         SQUARE,
         name="forms",
-        shapes=({"form": 0.0}, {"form": 1.0}),
-        columns=columns,
-        column_units=("1", "1"),
+        grid=({"form": 0.0}, {"form": 1.0}),
+        regressor=columns,
+        units=("1", "1"),
         admissible=lambda _factors, _shape: True,
-        richer=lambda shape: shape["form"] > 0.0,
+        needs_gain=lambda shape: shape["form"] > 0.0,
     )
     ground = make_ground(moved_joint(both, noise_nm=0.01, duration_s=40.0), None, 0)
-    for toy, told in ((forms, rich), (replace(forms, richer=lambda _shape: False), True)):
+    for toy, told in ((forms, rich), (altered(forms, needs_gain=lambda _shape: False), True)):
         library = build_library((toy,), ground.data, ground.baseline(), ground.rows)
         (found,) = find_names(ground, (toy,), library, 0.05, np.random.default_rng(0)).found
         assert (found.shape["form"] > 0.0) == told
@@ -169,7 +172,7 @@ def test_what_an_effect_may_be_a_part_of_is_an_alternative_where_it_was_found(
     size: float, alternatives: tuple[str, ...]
 ) -> None:
     ground = ground_of(lambda data: 2.0 + size * bump(data))
-    toys = (replace(OFFSET, exact=True, part_of=("bump",)), BUMP)
+    toys = (altered(OFFSET, traits=Trait.EXACT, part_of=("bump",)), BUMP)
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     found = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
     assert {one.candidate.name: one.naming.alternatives for one in found}["offset"] == alternatives
@@ -177,14 +180,14 @@ def test_what_an_effect_may_be_a_part_of_is_an_alternative_where_it_was_found(
 
 def test_twins_are_alternatives() -> None:
     ground = ground_of(square)
-    toys = (replace(SQUARE, same_as=("bump",)), BUMP)
+    toys = (altered(SQUARE, indistinguishable=("bump",)), BUMP)
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
     assert found.naming.alternatives == ("bump",)
 
 
 def test_rivals_are_judged_on_all_cycles() -> None:
-    cube = replace(SQUARE, name="cube", columns=lambda data, _baseline, _shape: data.dq[:, None] ** 3)
+    cube = altered(SQUARE, name="cube", regressor=lambda data, _baseline, _shape: data.dq[:, None] ** 3)
     ground, toys = ground_of(square), (SQUARE, cube)
     library = build_library(toys, ground.data, ground.baseline(), ground.rows)
     (found,) = find_names(ground, toys, library, 0.05, np.random.default_rng(0)).found
@@ -231,7 +234,7 @@ def test_no_effect_makes_coulomb_friction_drive(factor: float, named: bool) -> N
     def missing(data: JointData) -> Float:
         return factor * curve(data) - max(factor - 0.5, 0.0) * mean_sign(data.t, data.dq, data.ddq)
 
-    toy = replace(SQUARE, name="curve", columns=lambda data, _baseline, _shape: curve(data)[:, None])
+    toy = altered(SQUARE, name="curve", regressor=lambda data, _baseline, _shape: curve(data)[:, None])
     ground = ground_of(missing)
     library = build_library((toy,), ground.data, ground.baseline(), ground.rows)
     found = find_names(ground, (toy,), library, 0.05, np.random.default_rng(0)).found

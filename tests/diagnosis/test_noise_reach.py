@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.alternatives import Naming
-from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.noise_reach import Reach, reach_of_noise
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.joint_elasticity import EFFECT as CANDIDATE
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
@@ -30,7 +30,7 @@ def reach(data: JointData) -> Reach:
     found = Found(
         candidate=CANDIDATE,
         shape=shape,
-        columns=ground.rows.of(CANDIDATE.columns(data, ground.baseline(), shape)),
+        columns=ground.rows.of(CANDIDATE.regressor(data, ground.baseline(), shape)),
         naming=Naming(name=CANDIDATE.name, rivals=(), alternatives=()),
         p_value=0.01,
     )

@@ -1,20 +1,19 @@
 """Intervals of factors and shapes of a grown model: exact without noise, and they cover."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.position_dependent_friction import CANDIDATE as PLACE_FRICTION
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.parameters import Parameters, parameters_of
 from friction_audit.diagnosis.refine import refine
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.position_dependent_friction import EFFECT as PLACE_FRICTION
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
-from tests.diagnosis.toy_candidates import BUMP, WAVE
+from tests.diagnosis.toy_candidates import BUMP, WAVE, altered
 
 PLACE, SIZE = 0.2, 0.1
 
@@ -27,7 +26,7 @@ def bump(data: JointData) -> Float:
 def fitted(seed: int, noise_nm: float) -> Parameters:
     ground = make_ground(moved_joint(bump, noise_nm=noise_nm, duration_s=20.0, seed=seed), None, 0)
     start = {"place_rad": 0.3, "width_rad": 0.2}
-    shape = refine(BUMP, start, BUMP.tried(ground.data), ground, ground.baseline(), ground.base)
+    shape = refine(BUMP, start, BUMP.grid(ground.data), ground, ground.baseline(), ground.base)
     return parameters_of(ground, [found_effect(ground, BUMP, shape)], ground.baseline())
 
 
@@ -69,7 +68,7 @@ def test_several_effects_keep_their_own_numbers() -> None:
 def test_what_a_shape_assumes_widens_the_interval_on_its_side() -> None:
     ground = make_ground(moved_joint(bump, noise_nm=0.02, duration_s=20.0), None, 0)
     shape = {"place_rad": PLACE, "width_rad": 0.2}
-    loose = replace(BUMP, loose=lambda _shape: {"factor_1_nm": (1.0, 4.0)})
+    loose = altered(BUMP, factor_ranges=lambda _shape: {"factor_1_nm": (1.0, 4.0)})
     (told,), (wider,) = (
         parameters_of(ground, [found_effect(ground, candidate, shape)], ground.baseline()).effects
         for candidate in (BUMP, loose)

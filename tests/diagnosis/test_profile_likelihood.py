@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.backlash import flank_twist
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.profile_likelihood import profile_number
 from friction_audit.diagnosis.valleys import FARTHEST
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
@@ -44,5 +43,5 @@ def test_no_value_is_tried_beyond_the_farthest() -> None:
 
 def test_flanks_give_way_by_friction_over_stiffness() -> None:
     ground = make_ground(moved_joint(duration_s=20.0), None, 0)
-    soft = flank_twist(ground.baseline(), {"gap_rad": 1e-3, "contact_hz": 20.0})
+    soft = 0.5 * BACKLASH.systematic_error(ground.baseline(), {"gap_rad": 1e-3, "contact_hz": 20.0})
     assert soft == pytest.approx(COULOMB_NM / (INERTIA_KG_M2 * (2.0 * np.pi * 20.0) ** 2), rel=0.01)

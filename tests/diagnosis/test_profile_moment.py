@@ -2,9 +2,9 @@
 
 import pytest
 
-from friction_audit.diagnosis.candidates.friction_step import CANDIDATE
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.profile_moment import moment_interval
+from friction_audit.effects.friction_step import EFFECT as CANDIDATE
 from friction_audit.effects.joint_data import JointData
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float

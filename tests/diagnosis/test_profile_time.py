@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.alternatives import Naming
-from friction_audit.diagnosis.candidates.warm_up import CANDIDATE
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.profile_time import time_interval
 from friction_audit.diagnosis.refine import refine
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.warm_up import EFFECT as CANDIDATE
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, VISCOUS_NMS_PER_RAD, moved_joint
@@ -32,8 +32,8 @@ def falls_faster_at_first(data: JointData) -> Float:
 
 def told(ground: Ground) -> tuple[Found, Coefficient]:
     start = {"warm_up_time_s": TIME_S, "warm_up_per_k": 1e-6}
-    shape = refine(CANDIDATE, start, CANDIDATE.tried(ground.data), ground, ground.baseline(), ground.base)
-    columns = ground.rows.of(CANDIDATE.columns(ground.data, ground.baseline(), shape))
+    shape = refine(CANDIDATE, start, CANDIDATE.grid(ground.data), ground, ground.baseline(), ground.base)
+    columns = ground.rows.of(CANDIDATE.regressor(ground.data, ground.baseline(), shape))
     found = Found(
         candidate=CANDIDATE,
         shape=shape,

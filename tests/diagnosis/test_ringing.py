@@ -6,16 +6,16 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.alternatives import Naming
-from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.naming import Found, Names
 from friction_audit.diagnosis.result import Vibration
 from friction_audit.diagnosis.ringing import CORNER_HZ, find_ringing, on_every_sample, rings, shaking
 from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.effects.backlash import EFFECT as BACKLASH
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
@@ -59,7 +59,7 @@ def test_a_spring_that_rings_above_the_corner_is_named() -> None:
     assert ringing.effect.torque.shape == ground.y.shape
 
 
-def found(candidate: Candidate, ground: Ground, shape: dict[str, float]) -> Names:
+def found(candidate: Effect, ground: Ground, shape: dict[str, float]) -> Names:
     """What the rows would have found."""
     one = found_effect(ground, candidate, shape)
     return Names(found=(one,), library=Library(entries=(), untestable={}), baseline=ground.baseline())
@@ -67,7 +67,7 @@ def found(candidate: Candidate, ground: Ground, shape: dict[str, float]) -> Name
 
 def test_a_play_that_the_rows_tell_is_not_given_up_for_a_spring_that_rings_above() -> None:
     quiet, _ = joint("spring")
-    column = BACKLASH.columns(quiet.data, quiet.baseline(), PLAY)[:, 0]
+    column = BACKLASH.regressor(quiet.data, quiet.baseline(), PLAY)[:, 0]
     ground = make_ground(replace(quiet.data, torque=quiet.data.torque + 0.4 * column), None, 0)
     told = found(BACKLASH, ground, PLAY)
     assert shaking(ground, told) is not None

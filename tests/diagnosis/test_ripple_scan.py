@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.candidates import torque_ripple
-from friction_audit.diagnosis.candidates.torque_ripple import CANDIDATE
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import Library, build_library
 from friction_audit.diagnosis.naming import find_names
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
+from friction_audit.effects import torque_ripple
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.torque_ripple import EFFECT as CANDIDATE
 from tests.diagnosis.moved_joint import moved_joint
 from tests.diagnosis.toy_candidates import SQUARE
 
@@ -26,7 +26,7 @@ def ground_with(order: float, size_nm: float) -> Ground:
     return make_ground(moved_joint(lambda data: size_nm * np.cos(order * data.q), noise_nm=0.02), None, 0)
 
 
-def library_of(ground: Ground, *candidates: Candidate) -> Library:
+def library_of(ground: Ground, *candidates: Effect) -> Library:
     return build_library(candidates, ground.data, ground.baseline(), ground.rows)
 
 

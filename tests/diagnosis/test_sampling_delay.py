@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.presliding import CANDIDATE as PRESLIDING
-from friction_audit.diagnosis.candidates.time_delay import CANDIDATE as TIME_DELAY
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import mean_sign
+from friction_audit.effects.presliding import EFFECT as PRESLIDING
+from friction_audit.effects.time_delay import EFFECT as TIME_DELAY
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
 
 LATE_S = 4e-4

@@ -8,13 +8,13 @@ from numpy.testing import assert_allclose
 from scipy.signal import lfilter
 
 from friction_audit.diagnosis.alternatives import Naming
-from friction_audit.diagnosis.candidates.torque_ripple import CANDIDATE as RIPPLE
 from friction_audit.diagnosis.confirmation import confirm
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import Library, build_library, prewhitened_library
 from friction_audit.diagnosis.naming import Names
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.diagnosis.slow_noise import news_of, prewhitened, slow_noise, told_by_both
+from friction_audit.effects.torque_ripple import EFFECT as RIPPLE
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
@@ -138,7 +138,7 @@ RIPPLING = ground_with(0.01 * np.cos(ORDER * QUIET.q) + NOISE_NM * slow(MEMORY_S
 
 def test_what_the_rows_tell_too_stays_with_its_columns_on_them() -> None:
     (kept,) = told_by_both(RIPPLING, EMPTY, nothing(RIPPLING), named(RIPPLING, ORDER)).found
-    column = RIPPLE.columns(RIPPLING.data, RIPPLING.baseline(), {"ripple_order": ORDER})
+    column = RIPPLE.regressor(RIPPLING.data, RIPPLING.baseline(), {"ripple_order": ORDER})
     assert kept.columns == pytest.approx(RIPPLING.rows.of(column))
 
 

@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.backlash import SOUGHT_CONTACTS_HZ, SOUGHT_TIMES
-from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.sought import FAR_OFF, OFF, seek
 from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.backlash import CONTACT_DAMPING_RATIO, SOUGHT_CONTACTS_HZ, SOUGHT_TIMES
+from friction_audit.effects.backlash import EFFECT as BACKLASH
+from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
 from friction_audit.effects.joint_model import simple_model
-from friction_audit.effects.terms.backlash import CONTACT_DAMPING_RATIO
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
 
 SHAPE = {"gap_rad": 1e-3, "contact_hz": 30.0}

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import stribeck, unlogged_compensation
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects import stribeck, unlogged_compensation
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import JointModel, simple_model
 from friction_audit.joint_log import Float
@@ -32,7 +32,7 @@ def rising(data: JointData) -> Float:
 
 def diagnosed(data: JointData, model: JointModel | None) -> JointDiscrepancy:
     one = Subject(data=data, number=1, name="elbow", findings=(), from_energy={}, model=model)
-    return diagnose_joint(one, (stribeck.CANDIDATE, unlogged_compensation.CANDIDATE), DiagnosisSettings())
+    return diagnose_joint(one, (stribeck.EFFECT, unlogged_compensation.EFFECT), DiagnosisSettings())
 
 
 def test_a_compensator_beside_stated_coulomb_friction_is_named_with_its_size() -> None:

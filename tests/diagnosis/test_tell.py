@@ -114,7 +114,7 @@ def missing(bump: float, square: float) -> tuple[Effect, ...]:
         Found(
             candidate=candidate,
             shape=shape,
-            columns=ground.rows.of(candidate.columns(data, baseline, shape)),
+            columns=ground.rows.of(candidate.regressor(data, baseline, shape)),
             naming=Naming(name=candidate.name, rivals=rivals, alternatives=()),
             p_value=0.01,
         )

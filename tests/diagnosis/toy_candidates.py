@@ -1,77 +1,72 @@
-"""Candidates by hand: a bump over position whose place and width are shapes, a slow wave in time, a needless one."""
+"""Effects by hand: a bump over position of unknown place and width, a slow wave in time, one that is not needed."""
+
+from collections.abc import Callable, Sequence
+from copy import copy
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Candidate, Shape
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
 from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
 
-def _bump(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
-    return np.exp(-(((data.q - shape["place_rad"]) / shape["width_rad"]) ** 2))[:, None]
+class Bump(Effect):
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:  # noqa: ARG002
+        return bool(coefficients[0] > 0)
 
 
-def _wave(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
-    return np.column_stack([np.sin(shape["rate"] * data.t), np.cos(shape["rate"] * data.t)])
+class Step(Effect):
+    moment = "moment_s"
 
 
-def _step(data: JointData, _baseline: Nominal, shape: Shape) -> Float:
-    return (np.sign(data.dq) * (data.t >= shape["moment_s"]))[:, None]
+class Impossible(Effect):
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:  # noqa: ARG002
+        return "move the moon"
 
 
-def _square(data: JointData, _baseline: Nominal, _shape: Shape) -> Float:
-    return (data.dq * np.abs(data.dq))[:, None]
+COLUMNS: dict[str, Callable[[JointData, Nonlinear], Float]] = {
+    "bump": lambda data, at: np.exp(-(((data.q - at["place_rad"]) / at["width_rad"]) ** 2))[:, None],
+    "wave": lambda data, at: np.column_stack([np.sin(at["rate"] * data.t), np.cos(at["rate"] * data.t)]),
+    "square": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
+    "step": lambda data, at: (np.sign(data.dq) * (data.t >= at["moment_s"]))[:, None],
+    "locked_out": lambda data, _: (data.dq * np.abs(data.dq))[:, None],
+}
 
 
-BUMP = Candidate(
-    name="bump",
-    label="a bump",
-    shapes=tuple({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 0.3, 0.6)),
-    columns=_bump,
-    column_units=("nm",),
-    untestable=lambda _data, _baseline: None,
-    admissible=lambda factors, _shape: bool(factors[0] > 0),
-    axis="position",
-)
-WAVE = Candidate(
-    name="wave",
-    label="a wave",
-    shapes=({"rate": 0.1}, {"rate": 0.5}),
-    columns=_wave,
-    column_units=("nm", "nm"),
-    untestable=lambda _data, _baseline: None,
-    admissible=lambda _factors, _shape: True,
-    axis="time",
-)
-SQUARE = Candidate(
-    name="square",
-    label="friction that grows with the square of the speed",
-    shapes=({},),
-    columns=_square,
-    column_units=("nms2_per_rad2",),
-    untestable=lambda _data, _baseline: None,
-    admissible=lambda _factors, _shape: True,
-    axis="speed",
-)
-STEP = Candidate(
-    name="step",
-    label="friction changes at one moment",
-    shapes=tuple({"moment_s": moment} for moment in (10.0, 20.0, 30.0, 40.0, 50.0)),
-    columns=_step,
-    column_units=("nm",),
-    untestable=lambda _data, _baseline: None,
-    admissible=lambda _factors, _shape: True,
-    axis="time",
-    moment="moment_s",
-)
-LOCKED_OUT = Candidate(
-    name="locked_out",
-    label="what no log shows",
-    shapes=({},),
-    columns=_square,
-    column_units=("nm",),
-    untestable=lambda _data, _baseline: "move the moon",
-    admissible=lambda _factors, _shape: True,
-    axis="speed",
-)
+def _coefficients(units: Sequence[str]) -> tuple[Parameter, ...]:
+    return tuple(Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, start=1))
+
+
+def altered(effect: Effect, *, units: Sequence[str] = (), traits: Trait = Trait.NONE, **changes: object) -> Effect:
+    """Return an effect with other attributes or methods; ``grid`` is given as its points."""
+    other = copy(effect)
+    if "grid" in changes:
+        points = changes["grid"]
+        changes["grid"] = lambda _data: points
+    if units:
+        changes["coefficients"] = tuple(
+            Parameter(f"factor_{k}_{unit}", unit, "") for k, unit in enumerate(units, start=1)
+        )
+    for name, value in {**changes, "traits": effect.traits | traits}.items():
+        object.__setattr__(other, name, value)
+    return other
+
+
+def toy(kind: type[Effect], name: str, label: str, axis: str, units: Sequence[str], *grid: Nonlinear) -> Effect:
+    effect = kind(name=name, label=label, family="nominal", axis=axis, coefficients=_coefficients(units))
+    return altered(effect, grid=grid or ({},), regressor=lambda data, _nominal, at: COLUMNS[name](data, at))
+
+
+BUMP = toy(
+    Bump, "bump", "a bump", "position", ["nm"],
+    *({"place_rad": place, "width_rad": 0.2} for place in (-0.6, -0.3, 0.0, 0.3, 0.6)),
+)  # fmt: skip
+WAVE = toy(Effect, "wave", "a wave", "time", ["nm", "nm"], {"rate": 0.1}, {"rate": 0.5})
+SQUARE = toy(Effect, "square", "friction that grows with the square of the speed", "speed", ["nms2_per_rad2"])
+STEP = toy(
+    Step, "step", "friction changes at one moment", "time", ["nm"],
+    *({"moment_s": moment} for moment in (10.0, 20.0, 30.0, 40.0, 50.0)),
+)  # fmt: skip
+LOCKED_OUT = toy(Impossible, "locked_out", "what no log shows", "speed", ["nm"])
 TOYS = (BUMP, WAVE, SQUARE, LOCKED_OUT)

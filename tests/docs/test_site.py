@@ -10,8 +10,8 @@ from markdown_it import MarkdownIt
 from typer.main import get_command
 
 from friction_audit.cli.app import app
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.result import VERDICTS
+from friction_audit.effects.registry import effects
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT
 
@@ -97,7 +97,7 @@ def test_every_fault_of_the_data_is_explained() -> None:
 def test_motions_are_those_of_the_effects() -> None:
     text = (DOCS / "recording.md").read_text()
     rows = dict(re.findall(r"^\| \[(\w+)\]\(effects/\1\.md\) \| .+ \| (.+) \|$", text, re.MULTILINE))
-    assert set(rows) == {candidate.name for candidate in CANDIDATES}
+    assert set(rows) == {candidate.name for candidate in effects()}
     for name, rule in rows.items():
         page = (DOCS / "effects" / f"{name}.md").read_text()
         assert f"| untestable where | {rule.replace('(model.md)', '(../model.md)')} |" in page, name

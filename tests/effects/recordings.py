@@ -3,9 +3,9 @@
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion, Others
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.term import Term
 
 TYPICAL = {"presliding": (0.3, 0.005, 1.0, 0.005)}
 """Numbers of terms whose bounds are far apart: bristles with the damping of the middle would be a damper."""
@@ -46,7 +46,7 @@ def typical(parameter: Parameter) -> float:
     return low + 0.3 if np.isfinite(low) else 0.3
 
 
-def typical_term(term: Term) -> FittedTerm:
+def typical_term(term: Effect) -> FittedTerm:
     """A term with typical numbers."""
     values = TYPICAL.get(term.name, tuple(typical(parameter) for parameter in term.parameters))
     return FittedTerm(term.name, values)

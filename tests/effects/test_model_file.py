@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance, simple_model
 from friction_audit.effects.model_file import load_model, save_model
-from friction_audit.effects.term import Term
-from friction_audit.effects.terms import TERMS
+from friction_audit.effects.registry import terms
 from friction_audit.errors import AnalysisError, InputError, UsageError
 from tests.effects.recordings import typical_term
 
@@ -20,7 +20,7 @@ JOINT = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 HEAD = 'schema = "friction-audit/model/1"\n'
 
 
-def values_of(term: Term) -> st.SearchStrategy[FittedTerm]:
+def values_of(term: Effect) -> st.SearchStrategy[FittedTerm]:
     finite = [
         st.floats(max(parameter.lower, -1e300), min(parameter.upper, 1e300), allow_nan=False)
         for parameter in term.parameters
@@ -30,10 +30,10 @@ def values_of(term: Term) -> st.SearchStrategy[FittedTerm]:
 
 text = st.text(st.characters(exclude_categories=["Cs"]))
 origin = st.builds(Provenance, method=text, log=text, sha256=text, cycles=st.integers(0, 2**53))
-terms = st.sets(st.sampled_from(TERMS[1:])).flatmap(
+chosen_terms = st.sets(st.sampled_from(terms()[1:])).flatmap(
     lambda chosen: st.tuples(*(values_of(term) for term in sorted(chosen, key=lambda term: term.name)))
 )
-joint = terms.flatmap(
+joint = chosen_terms.flatmap(
     lambda chosen: st.builds(
         JointModel,
         inertia_kg_m2=st.floats(-1e300, 1e300),
@@ -202,7 +202,7 @@ def test_the_page_shows_a_file_that_loads_and_every_term(tmp_path: Path) -> None
     path.write_text(page.split("```toml\n")[1].split("```")[0])
     origin = Provenance(method="energy", log="monday.parquet", cycles=12)
     assert load_model(path) == ArmModel(names=("joint1", "joint2"), joints=(replace(JOINT, provenance=origin), None))
-    for term in TERMS[1:]:
+    for term in terms()[1:]:
         assert f"| `{term.name}` | {as_listed([parameter.name for parameter in term.parameters])} |" in page
 
 
@@ -216,7 +216,7 @@ def test_a_model_of_every_term_is_kept(tmp_path: Path) -> None:
     """What a diagnosis may write: every term at typical numbers and at the bounds, with its origin."""
     origin = Provenance(method="diagnose", log="monday.parquet", sha256="00", cycles=31)
     joints = tuple(
-        JointModel(inertia_kg_m2=0.3, terms=tuple(pick(term) for term in TERMS[1:]), provenance=origin)
+        JointModel(inertia_kg_m2=0.3, terms=tuple(pick(term) for term in terms()[1:]), provenance=origin)
         for pick in (typical_term, lowest, highest)
     )
     arm = ArmModel(names=("a", "b", "c"), joints=joints)
@@ -224,11 +224,11 @@ def test_a_model_of_every_term_is_kept(tmp_path: Path) -> None:
     assert load_model(tmp_path / "model.toml") == arm
 
 
-def lowest(term: Term) -> FittedTerm:
+def lowest(term: Effect) -> FittedTerm:
     return FittedTerm(term.name, tuple(max(parameter.lower, -1e3) for parameter in term.parameters))
 
 
-def highest(term: Term) -> FittedTerm:
+def highest(term: Effect) -> FittedTerm:
     return FittedTerm(term.name, tuple(min(parameter.upper, 1e3) for parameter in term.parameters))
 
 

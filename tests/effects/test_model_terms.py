@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.term import Term
-from friction_audit.effects.terms import TERMS, term_of
+from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -21,7 +21,7 @@ def typical(parameter: Parameter) -> float:
     return min(max(0.3, parameter.lower), parameter.upper)
 
 
-SHAPES = {term.name: tuple(typical(parameter) for parameter in term.nonlinear) for term in TERMS}
+SHAPES = {term.name: tuple(typical(parameter) for parameter in term.nonlinear) for term in terms()}
 
 
 def make_motion(dq: Float) -> Motion:
@@ -42,24 +42,24 @@ def motion() -> Motion:
     return make_motion(np.sin(np.linspace(0.0, 20.0, 401)))
 
 
-@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
-def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Term, motion: Motion) -> None:
+@pytest.mark.parametrize("term", terms(), ids=lambda term: term.name)
+def test_the_regressor_times_the_linear_parameters_is_the_torque(term: Effect, motion: Motion) -> None:
     shape = SHAPES[term.name]
     linear = tuple(0.3 + 0.1 * i for i in range(len(term.coefficients)))
-    regressor = term.regressor(motion, shape)
+    regressor = term.columns(motion, shape)
     assert regressor.shape == (401, len(term.coefficients))
-    assert np.array_equal(term.torque(linear + shape, motion), regressor @ np.array(linear))
+    assert np.array_equal(term.torque(motion, linear + shape), regressor @ np.array(linear))
 
 
-@pytest.mark.parametrize("term", TERMS, ids=lambda term: term.name)
-def test_friction_never_pushes(term: Term, motion: Motion) -> None:
+@pytest.mark.parametrize("term", terms(), ids=lambda term: term.name)
+def test_friction_never_pushes(term: Effect, motion: Motion) -> None:
     if term.friction and all(parameter.lower >= 0.0 for parameter in term.coefficients):
         values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
-        assert np.all(term.torque(values, motion) * motion.dq >= 0.0)
+        assert np.all(term.torque(motion, values) * motion.dq >= 0.0)
 
 
-@pytest.mark.parametrize("term", [term for term in TERMS if term.speed_only], ids=lambda term: term.name)
-def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Motion) -> None:
+@pytest.mark.parametrize("term", [term for term in terms() if term.speed_only], ids=lambda term: term.name)
+def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Effect, motion: Motion) -> None:
     values = tuple(0.3 for _ in term.coefficients) + SHAPES[term.name]
     elsewhere = Motion(
         t=3.0 * motion.t + 5.0,
@@ -70,15 +70,15 @@ def test_a_term_of_the_velocity_alone_sees_nothing_else(term: Term, motion: Moti
         temperature=30.0 + 9.0 * motion.t,
         rest=2.0 * motion.dq,
     )
-    assert np.array_equal(term.torque(values, motion), term.torque(values, elsewhere))
+    assert np.array_equal(term.torque(motion, values), term.torque(elsewhere, values))
 
 
 def test_names_and_parameters_are_unique() -> None:
-    every = [parameter for term in TERMS for parameter in term.parameters]
+    every = [parameter for term in terms() for parameter in term.parameters]
     assert len({parameter.name for parameter in every}) == len(set(every))
-    factors = [parameter.name for term in TERMS for parameter in term.coefficients]
+    factors = [parameter.name for term in terms() for parameter in term.coefficients]
     assert len(set(factors)) == len(factors)
-    assert len({term.name for term in TERMS}) == len(TERMS)
+    assert len({term.name for term in terms()}) == len(terms())
 
 
 def test_stribeck_by_hand() -> None:
@@ -103,7 +103,7 @@ def test_least_squares_on_the_regressors_gives_the_parameters_back(
     motion = Motion(t=t, q=np.zeros(1001), dq=dq, ddq=np.gradient(dq, t))
     model = simple_model(inertia_kg_m2=inertia, coulomb_nm=coulomb, viscous_nms_per_rad=viscous, offset_nm=offset)
     names = ("inertia", "coulomb", "viscous", "offset")
-    columns = np.hstack([term_of(name).regressor(motion) for name in names])
+    columns = np.hstack([term_of(name).columns(motion, ()) for name in names])
     found = np.linalg.lstsq(columns, model.torque(motion))[0]
     assert found == pytest.approx([inertia, coulomb, viscous, offset], abs=1e-10)
 

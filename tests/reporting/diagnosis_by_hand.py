@@ -3,7 +3,6 @@
 import numpy as np
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.decide import motion_to_decide
 from friction_audit.diagnosis.gap import Gap
 from friction_audit.diagnosis.result import (
     Discrepancy,
@@ -16,6 +15,7 @@ from friction_audit.diagnosis.result import (
     Vibration,
 )
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.pipeline import Diagnosis
 from tests.reporting.conftest import build_estimate

@@ -12,12 +12,12 @@ import pytest
 from friction_audit.reporting.batch_summary import BatchSummary
 from friction_audit.reporting.json.batch import batch_document, write_batch_document
 from friction_audit.reporting.json.document import Document, write_document
-from friction_audit.reporting.terminal import batch as session_table
 from friction_audit.reporting.terminal.batch import COLUMNS, session_columns, write_session_csv
 
 from friction_audit.io.writers.tables import write_columns
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.schemas import load_schema
+from friction_audit.reporting.terminal import batch as session_table
 from tests.reporting import batch_by_hand as by_hand
 
 ARM = by_hand.arm()

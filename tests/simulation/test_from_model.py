@@ -9,7 +9,7 @@ import pytest
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
-from friction_audit.effects.terms import TERMS, term_of
+from friction_audit.effects.registry import term_of, terms
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
@@ -188,8 +188,8 @@ def test_two_terms_that_are_one_effect_are_refused() -> None:
 
 def test_every_term_is_told_or_refused() -> None:
     """No term breaks on its way to the simulator, whatever its name."""
-    assert set(EQUALS) <= {term.name for term in TERMS}
-    for term in TERMS:
+    assert set(EQUALS) <= {term.name for term in terms()}
+    for term in terms():
         if term.name not in ("inertia", *SIMPLE):
             model = replace(model_of({}), terms=(*model_of({}).terms, typical_term(term)))
             try:

@@ -12,10 +12,10 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.shape_steps import steps_of
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 
 MOST_STEPS = 8
@@ -77,15 +77,15 @@ def _left(found: Sequence[Found], beside: Beside) -> float:
 
 def _free(found: Found) -> list[str]:
     """Names of the numbers that may move."""
-    fixed = {found.candidate.rugged, found.candidate.moment, found.candidate.fading}
-    term = found.candidate.term
-    moves = found.shape if term is None else [p.name for p in term.nonlinear if not p.whole]
-    return [name for name in found.shape if name in moves and name not in fixed]
+    fixed = {found.candidate.multimodal, found.candidate.moment, found.candidate.time_constant}
+    known = {p.name: p for p in found.candidate.nonlinear}
+    moves = [name for name in found.shape if not known or (name in known and not known[name].whole)]
+    return [name for name in moves if name not in fixed]
 
 
-def _moved(found: Found, steps: Shape, share: float, ground: Ground, baseline: Nominal) -> Found:
+def _moved(found: Found, steps: Nonlinear, share: float, ground: Ground, baseline: Nominal) -> Found:
     """The effect a share of a step on, within the bounds of its numbers."""
     away = {name: found.shape[name] + share * step for name, step in steps.items()}
     inside = {name: float(np.clip(value, *found.candidate.bounds(name))) for name, value in away.items()}
     shape = {**found.shape, **inside}
-    return replace(found, shape=shape, columns=ground.rows.of(found.candidate.columns(ground.data, baseline, shape)))
+    return replace(found, shape=shape, columns=ground.rows.of(found.candidate.regressor(ground.data, baseline, shape)))

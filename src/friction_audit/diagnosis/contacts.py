@@ -11,12 +11,14 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE, Contact, contacts_of, find_contacts, overlap
 from friction_audit.diagnosis.declared import FRICTION, INERTIA, least_squares
+from friction_audit.diagnosis.find_contacts import find_contacts
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.library import Library, keep_rows, without
 from friction_audit.diagnosis.naming import Found, Names, on_rows, search_library, with_moments_of_all_cycles
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
+from friction_audit.effects.contact_event import EFFECT as CANDIDATE
+from friction_audit.effects.contact_event import Contact, contacts_of, overlap
 from friction_audit.joint_log import Float
 
 SHIFTED = 2.0
@@ -56,7 +58,7 @@ def leave_out_contacts(ground: Ground, library: Library) -> Undisturbed:
     if taken or _of_a_file(ground):
         # Fitted with all rows: else the one moment at which a stop is deep would be a contact.
         baseline = ground.baseline()
-        fine = [entry.candidate.columns(ground.data, baseline, entry.shapes[shape]) for entry, shape in taken]
+        fine = [entry.candidate.regressor(ground.data, baseline, entry.shapes[shape]) for entry, shape in taken]
         contacts = _beside(every, [entry.columns[shape] for entry, shape in taken], fine)
     return without_contacts(ground, others, contacts)
 
@@ -69,7 +71,7 @@ def contacts_beside(ground: Ground, undisturbed: Undisturbed, names: Names) -> t
     contact what flanks that strike or a spring that rings would leave if they did so at another moment.
     """
     told = with_moments_of_all_cycles(ground, on_rows(ground, names))
-    fine = [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
+    fine = [f.candidate.regressor(ground.data, names.baseline, f.shape) for f in told]
     every = replace(ground, working=np.ones_like(ground.working))
     torques = _torques(every, [f.columns for f in told], fine)
     beside = find_contacts(ground.data, np.sum(torques[1:], axis=0))
@@ -85,7 +87,7 @@ def contacts_beside(ground: Ground, undisturbed: Undisturbed, names: Names) -> t
 
 def _shakes(found: Found) -> bool:
     """Whether noise of the motion shifts when an effect's torque comes."""
-    return bool(found.candidate.rugged or found.candidate.noisy)
+    return bool(found.candidate.multimodal or found.candidate.noise_biased)
 
 
 def _within(contact: Contact, t: Float, left: Float, torque: Float) -> bool:

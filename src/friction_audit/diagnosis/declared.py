@@ -122,7 +122,7 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows)
 def _columns(term: FittedTerm, motion: Motion) -> dict[str, Float]:
     """The linear columns of a term by name of their factor, its shape as stated; none for what the file lacks."""
     shape = term.values[len(term.effect.coefficients) :]
-    regressor = term.effect.regressor(motion, shape)
+    regressor = term.effect.columns(motion, shape)
     return {
         parameter.name: regressor[:, k]
         for k, (parameter, value) in enumerate(zip(term.effect.coefficients, term.values, strict=False))

@@ -2,7 +2,6 @@
 
 from functools import partial
 
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.data_audit import audit_data
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
@@ -11,6 +10,7 @@ from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.registry import effects
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import Coefficient, FrictionHistory
 from friction_audit.joint_log import JointLog
@@ -39,7 +39,7 @@ def diagnose(
         arm: The model of the arm where it is known.
     """
     prepared = prepare(interaction, cycles, log, arm)
-    candidates = [c for c in CANDIDATES if settings.candidates is None or c.name in settings.candidates]
+    candidates = [c for c in effects() if settings.candidates is None or c.name in settings.candidates]
     inertias = known_inertias(arm, interaction.choice, log.q)
 
     def subject(data: JointData) -> Subject:

@@ -6,8 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.diagnosis.against_energy import differences_from_energy
-from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.constancy import find_inconstant
 from friction_audit.diagnosis.contacts import Undisturbed, contacts_beside, leave_out_contacts, without_contacts
 from friction_audit.diagnosis.cross_products import CrossProducts
@@ -32,7 +30,8 @@ from friction_audit.diagnosis.outdone import find_outdone, what_speaks
 from friction_audit.diagnosis.parameters import Parameters, parameters_of
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.restless import find_restless
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile, Traces, Verdict
+from friction_audit.diagnosis.result import Effect as NamedEffect
+from friction_audit.diagnosis.result import JointDiscrepancy, Profile, Traces, Verdict
 from friction_audit.diagnosis.ringing import find_ringing, rings
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.diagnosis.rows import make_rows
@@ -40,6 +39,8 @@ from friction_audit.diagnosis.sampling_delay import put_on_time
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.slow_noise import news_of, prewhitened, slow_noise, told_by_both
 from friction_audit.diagnosis.tell import contact_effects, effects_of, message_of
+from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, strokes
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.errors import AnalysisError
@@ -85,7 +86,7 @@ class Subject:
     lacking: str = ""
 
 
-def diagnose_joint(subject: Subject, candidates: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiscrepancy:
+def diagnose_joint(subject: Subject, candidates: Sequence[Effect], settings: DiagnosisSettings) -> JointDiscrepancy:
     """Say whether anything is missing in the declared model of a joint, and what.
 
     Args:
@@ -136,7 +137,7 @@ def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiscre
 
 
 def _judge(
-    subject: Subject, ground: Ground, candidates: Sequence[Candidate], settings: DiagnosisSettings
+    subject: Subject, ground: Ground, candidates: Sequence[Effect], settings: DiagnosisSettings
 ) -> JointDiscrepancy:
     rng = np.random.default_rng(settings.seed)
     library = build_library(candidates, ground.data, ground.baseline(), ground.rows)
@@ -159,7 +160,7 @@ def _judge(
 
 
 def _named(
-    undisturbed: Undisturbed, candidates: Sequence[Candidate], settings: DiagnosisSettings, rng: np.random.Generator
+    undisturbed: Undisturbed, candidates: Sequence[Effect], settings: DiagnosisSettings, rng: np.random.Generator
 ) -> tuple[Omnibus, Names]:
     """Whether anything is missing, and what; once more where noise is slow, for names that it had hidden."""
     first, names = _searched(undisturbed, candidates, settings, rng)
@@ -175,7 +176,7 @@ def _named(
 
 
 def _searched(
-    undisturbed: Undisturbed, candidates: Sequence[Candidate], settings: DiagnosisSettings, rng: np.random.Generator
+    undisturbed: Undisturbed, candidates: Sequence[Effect], settings: DiagnosisSettings, rng: np.random.Generator
 ) -> tuple[Omnibus, Names]:
     """Whether anything is missing, and what."""
     ground = undisturbed.ground
@@ -195,7 +196,7 @@ def _searched(
 
 def _without_disproved(
     ground: Ground,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Effect],
     library: Library,
     earlier: CrossProducts,
     names: Names,
@@ -226,7 +227,7 @@ def _told(
     subject: Subject,
     ground: Ground,
     names: Names,
-    events: tuple[Effect, ...],
+    events: tuple[NamedEffect, ...],
     tests: tuple[Omnibus, Omnibus],
     alpha: float,
     rng: np.random.Generator,
@@ -243,7 +244,7 @@ def _told(
     factors = coefficients(ground.base, ground.y, ground.rows.cycle)
     declared = dict(zip(ground.declared.names, factors, strict=True))
     # A step whose moment lies in a locked cycle is put where all cycles have it: else a stroke there seems to scatter.
-    grown, fine = [f.columns for f in told], [f.candidate.columns(ground.data, names.baseline, f.shape) for f in told]
+    grown, fine = [f.columns for f in told], [f.candidate.regressor(ground.data, names.baseline, f.shape) for f in told]
     over = OVER_FLOOR if names.found else LEAST_OVER_FLOOR
     restless = find_restless(ground, grown, fine, over, lambda shake: rings(_as_told(names, numbers), events, shake))
     limit = _detection_limit(ground, names, gap, alpha)
@@ -386,7 +387,7 @@ def _detection_limit(ground: Ground, names: Names, gap: Gap, alpha: float) -> fl
     return float(gap.after * np.sqrt(needed / worth(ground, *(f.columns for f in names.found))))
 
 
-def _ladder(gap: Gap, effects: Sequence[Effect]) -> tuple[tuple[str, float], ...]:
+def _ladder(gap: Gap, effects: Sequence[NamedEffect]) -> tuple[tuple[str, float], ...]:
     first = effects[0].gap_before_nm if effects else gap.before
     steps = [("declared model", first), *((f"+ {effect.name}", effect.gap_after_nm) for effect in effects)]
     return (*steps, ("floor of the noise", gap.floor))

@@ -5,10 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.effects.parameter import Parameter
-from friction_audit.effects.term import Term
-from friction_audit.effects.terms import TERMS
+from friction_audit.effects.registry import terms
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import JointLog
@@ -62,21 +62,21 @@ def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Pro
         AnalysisError: If a number is beyond what its term allows, e.g. friction below zero, or a term stands twice.
     """
     fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
-    terms = [
+    grown = [
         FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_shape(term, declared)))
-        for term in TERMS
+        for term in terms()
         if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional)
     ]
     held = () if declared is None else declared.held
-    terms += [] if declared is None else [term for term in declared.terms if term.name in held]
+    grown += [] if declared is None else [term for term in declared.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in joint.effects}
-    terms += [
+    grown += [
         FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
-        for term in TERMS
+        for term in terms()
         if term.name in found
     ]
     inertia = fitted["inertia_kg_m2"] if declared is None else declared.inertia_kg_m2
-    return JointModel(inertia_kg_m2=inertia, terms=tuple(terms), provenance=origin, held=held)
+    return JointModel(inertia_kg_m2=inertia, terms=tuple(grown), provenance=origin, held=held)
 
 
 def _allowed(number: Coefficient) -> float:
@@ -94,14 +94,14 @@ def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
     return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
 
 
-def _shape(term: Term, declared: JointModel | None) -> tuple[float, ...]:
+def _shape(term: Effect, declared: JointModel | None) -> tuple[float, ...]:
     """Return the shape of a declared term; its linear factors are fitted."""
     values = None if declared is None else declared.values(term.name)
     return () if values is None else values[len(term.coefficients) :]
 
 
 def _strangers(joint: JointDiscrepancy) -> list[str]:
-    known = {term.name for term in TERMS}
+    known = {term.name for term in terms()}
     return [effect.name for effect in joint.effects if effect.name not in known]
 
 

@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.sought import Sought, seek
 from friction_audit.dynamics.transmission import LANES, FarSide
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
@@ -49,20 +49,20 @@ WHOLE = 1.0
 SEED = 0
 """The same log has the same answer."""
 
-Behind = Callable[[JointData, Sequence[FarSide], Sequence[Shape]], Iterator[tuple[int, Float]]]
+Behind = Callable[[JointData, Sequence[FarSide], Sequence[Nonlinear]], Iterator[tuple[int, Float]]]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Fitted:
     """A shape, its columns on the rows, shape (m, p), and the declared model that it was fitted with."""
 
-    shape: Shape
+    shape: Nonlinear
     columns: Float
     baseline: Nominal
 
 
 def fit_jointly(
-    candidate: Candidate, shape: Shape, columns: Float, ground: Ground, others: Float, effort: Effort = NEARBY
+    candidate: Effect, shape: Nonlinear, columns: Float, ground: Ground, others: Float, effort: Effort = NEARBY
 ) -> Fitted | None:
     """Find the shape and the declared model that leave least on the working rows; None if none leave less.
 
@@ -74,11 +74,11 @@ def fit_jointly(
         others: All other effects in the model, shape (m, e).
         effort: How far it is looked for, and how long.
     """
-    if candidate.behind is None:
+    if not candidate.transmits:
         return None
     sought = seek(candidate, shape, ground, ground.baseline(others, columns), everywhere=effort.everywhere)
-    numbers = _evolved(sought, _misfits(sought, candidate.behind, ground, others), effort)
-    fitted = _fitted(sought, numbers, candidate, candidate.behind, ground, others)
+    numbers = _evolved(sought, _misfits(sought, candidate.transmitted, ground, others), effort)
+    fitted = _fitted(sought, numbers, candidate, candidate.transmitted, ground, others)
     w = ground.working
     beside = Beside(np.hstack([ground.base, others])[w], ground.y[w])
     return fitted if beside.fit(fitted.columns[w])[1] < beside.fit(columns[w])[1] else None
@@ -128,9 +128,7 @@ def _misfits(sought: Sought, behind: Behind, ground: Ground, others: Float) -> C
     return misfits
 
 
-def _fitted(
-    sought: Sought, numbers: Float, candidate: Candidate, behind: Behind, ground: Ground, others: Float
-) -> Fitted:
+def _fitted(sought: Sought, numbers: Float, candidate: Effect, behind: Behind, ground: Ground, others: Float) -> Fitted:
     """What numbers, shape (k,), stand for; other factors of the declared model as they fit best beside it."""
     own, w, shape = _own_columns(sought, ground), ground.working, sought.shape_at(numbers)
     ((_, fine),) = behind(ground.data, [sought.far_side_at(numbers)], [shape])
@@ -140,7 +138,7 @@ def _fitted(
     more = np.hstack([ground.base[:, ~own], others])
     factors[~own] = least_squares(more[w], rest[w])[: int((~own).sum())]
     baseline = ground.declared.baseline(factors)
-    columns = ground.rows.of(candidate.columns(ground.data, baseline, shape))
+    columns = ground.rows.of(candidate.regressor(ground.data, baseline, shape))
     return Fitted(shape=shape, columns=columns, baseline=baseline)
 
 

@@ -14,10 +14,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.declared import CONFIDENCE, coefficients
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -56,14 +56,13 @@ def _kept(ground: Ground, found: Found, baseline: Nominal, others: Float) -> lis
     from scipy.special import chdtri
 
     beside = Beside(others, ground.y)
-    alike = [shape for shape in found.candidate.tried(ground.data) if shape.keys() == found.shape.keys()]
+    alike = [shape for shape in found.candidate.grid(ground.data) if shape.keys() == found.shape.keys()]
     shapes = [found.shape, *alike]
     tried = [_tried(ground, found, baseline, beside, shape) for shape in shapes]
     most = float(chdtri(1, 1.0 - CONFIDENCE)) * ground.memory(others, found.columns) / len(ground.y)
     lacks = np.log([left for _, left in tried]) - np.log(min(left for _, left in tried))
     near = [shapes[i] for i in np.flatnonzero((lacks > most) & (lacks <= NEXT * most))]
-    term = found.candidate.term
-    whole = [] if term is None else [p.name for p in term.nonlinear if p.whole]
+    whole = [p.name for p in found.candidate.nonlinear if p.whole]
     kept = [shapes[i] for i in np.flatnonzero(lacks <= most)]
     between = [
         _halfway(one, other) | {name: one[name] for name in whole if name in one} for one in kept for other in near
@@ -73,14 +72,14 @@ def _kept(ground: Ground, found: Found, baseline: Nominal, others: Float) -> lis
     return [columns for columns, left in tried if left <= least]
 
 
-def _tried(ground: Ground, found: Found, baseline: Nominal, beside: Beside, shape: Shape) -> tuple[Float, float]:
+def _tried(ground: Ground, found: Found, baseline: Nominal, beside: Beside, shape: Nonlinear) -> tuple[Float, float]:
     """Columns of a shape, and what they leave; of one that is not possible, everything."""
-    columns = ground.rows.of(found.candidate.columns(ground.data, baseline, shape))
+    columns = ground.rows.of(found.candidate.regressor(ground.data, baseline, shape))
     factors, left = beside.fit(columns)
     return columns, left if found.candidate.admissible(factors, shape) else beside.without
 
 
-def _halfway(one: Shape, other: Shape) -> dict[str, float]:
+def _halfway(one: Nonlinear, other: Nonlinear) -> dict[str, float]:
     """The shape between two, by ratio where both are above zero."""
     return {
         name: float(np.sqrt(a * b)) if (a := one[name]) > 0.0 and (b := other[name]) > 0.0 else (a + other[name]) / 2.0

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidate import Candidate, Shape
+from friction_audit.diagnosis.find_contacts import contact_grid
 from friction_audit.diagnosis.groups import Group, not_zero
 from friction_audit.diagnosis.prewhitening import Prewhitening
 from friction_audit.diagnosis.rows import Rows
+from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
@@ -24,11 +26,11 @@ class Entry:
     ``trials`` tells of how many trials a shape was the best where the grid's are fewer.
     """
 
-    candidate: Candidate
-    shapes: tuple[Shape, ...]
+    candidate: Effect
+    shapes: tuple[Nonlinear, ...]
     columns: tuple[Float, ...]
     group: Group
-    trials: Callable[[Shape], float] | None = None
+    trials: Callable[[Nonlinear], float] | None = None
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -48,10 +50,10 @@ class Library:
         return next(entry for entry in self.entries if entry.candidate.name == name)
 
 
-def build_library(candidates: Sequence[Candidate], data: JointData, baseline: Nominal, rows: Rows) -> Library:
+def build_library(candidates: Sequence[Effect], data: JointData, baseline: Nominal, rows: Rows) -> Library:
     """Ask every candidate whether the log can show it, and build its columns."""
-    untestable = {candidate.name: candidate.untestable(data, baseline) for candidate in candidates}
-    shapes = {c.name: c.tried(data) if untestable[c.name] is None else c.shown(data) for c in candidates}
+    untestable = {candidate.name: candidate.not_identifiable(data, baseline) for candidate in candidates}
+    shapes = {c.name: _grid(c, data) if untestable[c.name] is None else c.identifiable_part(data) for c in candidates}
     return Library(
         entries=tuple(_entry(c, shapes[c.name], data, baseline, rows) for c in candidates if shapes[c.name]),
         untestable={name: reason for name, reason in untestable.items() if reason is not None},
@@ -61,17 +63,17 @@ def build_library(candidates: Sequence[Candidate], data: JointData, baseline: No
 def rebuild_library(library: Library, data: JointData, baseline: Nominal, rows: Rows) -> Library:
     """Build again what leans on the declared model, whose factors are better known."""
     entries = (
-        _entry(entry.candidate, entry.candidate.tried(data), data, baseline, rows)
-        if entry.candidate.leans_on_model
+        _entry(entry.candidate, _grid(entry.candidate, data), data, baseline, rows)
+        if entry.candidate.needs_nominal
         else entry
         for entry in library.entries
     )
     return Library(entries=tuple(entries), untestable=library.untestable)
 
 
-def extend_library(library: Library, found: Iterable[tuple[str, Shape, Float]]) -> Library:
+def extend_library(library: Library, found: Iterable[tuple[str, Nonlinear, Float]]) -> Library:
     """Add a shape and its columns, zero columns included, to entries by name."""
-    more: dict[str, list[tuple[Shape, Float]]] = {}
+    more: dict[str, list[tuple[Nonlinear, Float]]] = {}
     for name, shape, columns in found:
         more.setdefault(name, []).append((shape, columns))
     entries = (_with(entry, more.get(entry.candidate.name, [])) for entry in library.entries)
@@ -108,20 +110,23 @@ def prewhitened_library(library: Library, prewhitening: Prewhitening) -> Library
 
 
 def _plainer(entry: Entry) -> Entry:
-    kept = [k for k, shape in enumerate(entry.shapes) if not entry.candidate.richer(shape)]
+    kept = [k for k, shape in enumerate(entry.shapes) if not entry.candidate.needs_gain(shape)]
     shapes, columns = tuple(entry.shapes[k] for k in kept), [entry.columns[k] for k in kept]
     return _made(entry.candidate, shapes, columns, entry.trials)
 
 
-def _with(entry: Entry, more: Sequence[tuple[Shape, Float]]) -> Entry:
+def _with(entry: Entry, more: Sequence[tuple[Nonlinear, Float]]) -> Entry:
     shapes, columns = (*entry.shapes, *(s for s, _ in more)), [*entry.columns, *(c for _, c in more)]
     return _made(entry.candidate, shapes, columns, entry.trials) if more else entry
 
 
-def _entry(candidate: Candidate, shapes: tuple[Shape, ...], data: JointData, baseline: Nominal, rows: Rows) -> Entry:
-    columns = _columns_on_rows(candidate.each(data, baseline, shapes), len(shapes), rows)
-    trials = None if candidate.trials is None else candidate.trials(data)
-    return _made(candidate, shapes, columns, trials)
+def _grid(candidate: Effect, data: JointData) -> tuple[Nonlinear, ...]:
+    return contact_grid(data) if candidate.name == CONTACT.name else candidate.grid(data)
+
+
+def _entry(candidate: Effect, shapes: tuple[Nonlinear, ...], data: JointData, baseline: Nominal, rows: Rows) -> Entry:
+    columns = _columns_on_rows(candidate.regressors(data, baseline, shapes), len(shapes), rows)
+    return _made(candidate, shapes, columns, candidate.trials(data))
 
 
 def _columns_on_rows(each: Iterator[tuple[int, Float]], shapes: int, rows: Rows) -> list[Float]:
@@ -147,10 +152,10 @@ def _room_for(shapes: int, width: int, samples: int) -> list[Float]:
 
 
 def _made(
-    candidate: Candidate,
-    shapes: tuple[Shape, ...],
+    candidate: Effect,
+    shapes: tuple[Nonlinear, ...],
     every: list[Float],
-    trials: Callable[[Shape], float] | None,
+    trials: Callable[[Nonlinear], float] | None,
 ) -> Entry:
     there = [not_zero(columns) for columns in every]
 

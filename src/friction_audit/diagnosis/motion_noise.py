@@ -12,8 +12,8 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.both_velocities import best_of_both
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, grid_noise
 from friction_audit.joint_log import Float
 
@@ -23,11 +23,11 @@ TAPS = 41
 
 
 def noise_in_columns(
-    ground: Ground, candidate: Candidate, baseline: Nominal, shape: Shape, rng: np.random.Generator
+    ground: Ground, candidate: Effect, baseline: Nominal, shape: Nonlinear, rng: np.random.Generator
 ) -> Float:
     """What as much noise of position and velocity as there is changes in the columns of an effect, shape (m, p)."""
     data, rows = ground.data, ground.rows
-    noisy, plain = (candidate.columns(one, baseline, shape) for one in (noisier(data, rng), data))
+    noisy, plain = (candidate.regressor(one, baseline, shape) for one in (noisier(data, rng), data))
     return rows.of(noisy - plain)
 
 

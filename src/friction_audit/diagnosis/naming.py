@@ -7,19 +7,18 @@ import numpy as np
 
 from friction_audit.diagnosis.alternatives import ALIKE, Naming, best_shapes, name_effects, preferred, with_wholes
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.confirmation import confirm
 from friction_audit.diagnosis.cross_products import CrossProducts, cross_products
 from friction_audit.diagnosis.driving import driving
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.groups import Group, not_zero
 from friction_audit.diagnosis.library import Entry, Library, extend_library, plainer, rebuild_library
-from friction_audit.diagnosis.mending import may_mend
 from friction_audit.diagnosis.ranking import Ranking
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.diagnosis.search import Search, result_of, search
 from friction_audit.diagnosis.sharpen import columns_of, sharpened
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
@@ -52,8 +51,8 @@ class Found:
         p_value: Family-wise p-value of its improvement on locked cycles.
     """
 
-    candidate: Candidate
-    shape: Shape
+    candidate: Effect
+    shape: Nonlinear
     columns: Float
     naming: Naming
     p_value: float
@@ -79,7 +78,7 @@ class Names:
 
 def find_names(
     ground: Ground,
-    candidates: Sequence[Candidate],
+    candidates: Sequence[Effect],
     library: Library,
     alpha: float,
     rng: np.random.Generator,
@@ -112,7 +111,7 @@ def find_names(
     everything, worth_of_all = _on_all_cycles(ground, library, products, outcome, n_eff)
     outcome = preferred(everything, outcome, worth_of_all)
     baseline = _fitted_with(library, outcome, jointly) or ground.baseline(*columns_of(library, outcome))
-    same = {candidate.name: candidate.same_as for candidate in candidates}
+    same = {candidate.name: candidate.indistinguishable for candidate in candidates}
     namings = name_effects(everything, outcome, worth_of_all, same)
     found = _refined(ground, library, outcome, namings, baseline, jointly)
     ranking = Ranking(everything, worth_of_all)
@@ -126,7 +125,7 @@ def find_names(
     return Names(found=told, library=library, baseline=baseline, disproved=disproved)
 
 
-def _fitted_with(library: Library, outcome: Search, jointly: Sequence[tuple[Shape, Nominal]]) -> Nominal | None:
+def _fitted_with(library: Library, outcome: Search, jointly: Sequence[tuple[Nonlinear, Nominal]]) -> Nominal | None:
     """The declared model that one of the effects found was fitted with; None if none was."""
     shapes = [library.entry(chosen.name).shapes[chosen.shape] for chosen in outcome.chosen]
     return next((baseline for own, baseline in jointly if any(own is shape for shape in shapes)), None)
@@ -191,15 +190,15 @@ def with_moments_of_all_cycles(ground: Ground, names: Names) -> tuple[Found, ...
         if f.candidate.axis != "time" or not f.shape:
             continue
         base = np.hstack([ground.base, *(g.columns for g in found if g is not f)])
-        shape = refine(f.candidate, f.shape, f.candidate.tried(ground.data), every, names.baseline, base)
-        columns = ground.rows.of(f.candidate.columns(ground.data, names.baseline, shape))
+        shape = refine(f.candidate, f.shape, f.candidate.grid(ground.data), every, names.baseline, base)
+        columns = ground.rows.of(f.candidate.regressor(ground.data, names.baseline, shape))
         found[k] = replace(f, shape=shape, columns=columns)
     return tuple(found)
 
 
 def on_rows(ground: Ground, names: Names) -> Names:
     """The names with their columns on the rows of a joint: on all of them, or as they were measured."""
-    fine = (f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found)
+    fine = (f.candidate.regressor(ground.data, names.baseline, f.shape) for f in names.found)
     found = tuple(replace(f, columns=ground.rows.of(torque)) for f, torque in zip(names.found, fine, strict=True))
     return replace(names, found=found)
 
@@ -268,13 +267,14 @@ def _plainly(ground: Ground, library: Library, searched: Searched) -> tuple[Libr
     ranking = Ranking(products, n_eff)
     for chosen in outcome.chosen:
         entry = library.entry(chosen.name)
-        if not entry.candidate.richer(entry.shapes[chosen.shape]):
+        if not entry.candidate.needs_gain(entry.shapes[chosen.shape]):
             continue
         others = [one.unit for one in outcome.chosen if one is not chosen]
         rivals = [
             [*others, u]
             for u, unit in enumerate(products.units)
-            if unit.group == products.units[chosen.unit].group and not entry.candidate.richer(entry.shapes[unit.shape])
+            if unit.group == products.units[chosen.unit].group
+            and not entry.candidate.needs_gain(entry.shapes[unit.shape])
         ]
         without, with_it = ranking.rss(others), ranking.rss([*others, chosen.unit])
         plain = min((ranking.rss(units) for units in rivals if ranking.admissible(units, units[-1])), default=without)
@@ -290,13 +290,13 @@ def unknowns(names: Names) -> int:
 
 
 def _unknowns(library: Library, found: Found) -> int:
-    term, shapes = found.candidate.term, library.entry(found.candidate.name).shapes
-    choices = set() if term is None else {parameter.name for parameter in term.nonlinear if parameter.whole}
+    shapes = library.entry(found.candidate.name).shapes
+    choices = {parameter.name for parameter in found.candidate.nonlinear if parameter.whole}
     free = {name for name in found.shape if len({shape[name] for shape in shapes if name in shape}) > 1}
     return int(not_zero(found.columns).sum()) + len(free - choices)
 
 
-def free_numbers(shapes: Sequence[Shape]) -> tuple[int, ...]:
+def free_numbers(shapes: Sequence[Nonlinear]) -> tuple[int, ...]:
     """How many numbers each shape leaves free: those that differ among the shapes that have them."""
     values: dict[str, set[float]] = {}
     for shape in shapes:
@@ -311,7 +311,7 @@ def _refined(
     outcome: Search,
     namings: Sequence[Naming],
     baseline: Nominal,
-    jointly: Sequence[tuple[Shape, Nominal]],
+    jointly: Sequence[tuple[Nonlinear, Nominal]],
 ) -> list[Found]:
     """The effects found, their shapes refined one after the other, the strongest first.
 
@@ -326,18 +326,18 @@ def _refined(
             shape = refine(entry.candidate, shape, entry.shapes, ground, baseline, base)
         if entry.candidate.moment:
             shape = _placed(ground, entry, shape, baseline, base)
-        columns[k] = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+        columns[k] = ground.rows.of(entry.candidate.regressor(ground.data, baseline, shape))
         found.append(Found(candidate=entry.candidate, shape=shape, columns=columns[k], naming=naming, p_value=1.0))
     return found
 
 
-def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Nominal, base: Float) -> Shape:
+def _placed(ground: Ground, entry: Entry, shape: Nonlinear, baseline: Nominal, base: Float) -> Nonlinear:
     """The shape with its moment where all cycles have it, of those that the working ones do not tell from it.
 
     They put a moment that lies in a locked cycle anywhere in there.
     """
     w = ground.working
-    own = ground.rows.of(entry.candidate.columns(ground.data, baseline, shape))
+    own = ground.rows.of(entry.candidate.regressor(ground.data, baseline, shape))
     working, whole = Beside(base[w], ground.y[w]), Beside(base, ground.y)
     most = working.fit(own[w])[1] * float(np.exp(UNTOLD / worth(ground, base, own)))
     place, least = shape, whole.fit(own)[1]
@@ -350,7 +350,7 @@ def _placed(ground: Ground, entry: Entry, shape: Shape, baseline: Nominal, base:
 
 def _largest_beside(small: Found, found: Sequence[Found], size: Float) -> float:
     """Size of the largest effect whose formula may lack what another one seems to be."""
-    inexact = [not f.candidate.exact and may_mend(small.candidate.name, f.candidate.name) for f in found]
+    inexact = [not f.candidate.exact and small.candidate.may_absorb_error_of(f.candidate) for f in found]
     return float(size[inexact].max(initial=0.0))
 
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.motion_noise import noisier
 from friction_audit.diagnosis.naming import Found
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -52,9 +52,9 @@ def reach_of_noise(found: Found, ground: Ground, baseline: Nominal, others: Floa
         baseline: What columns may lean on.
         others: All other columns of the model on the rows, shape (m, b).
     """
-    name = found.candidate.noisy
-    free = (name, *(free for free in found.candidate.along_noise if free not in found.shape or found.shape[free] > 0.0))
-    shape = found.candidate.whole(found.shape)
+    name, *along = found.candidate.noise_biased
+    free = (name, *(free for free in along if free not in found.shape or found.shape[free] > 0.0))
+    shape = found.candidate.with_assumed(found.shape)
     noisy = replace(ground, data=noisier(ground.data, np.random.default_rng(SEED)))
     best = _fitted(shape, free, found, ground, baseline, others)
     moved = _fitted({**shape, **best}, free, found, noisy, baseline, others)
@@ -64,7 +64,7 @@ def reach_of_noise(found: Found, ground: Ground, baseline: Nominal, others: Floa
 
 
 def _fitted(
-    shape: Shape, free: Sequence[str], found: Found, ground: Ground, baseline: Nominal, others: Float
+    shape: Nonlinear, free: Sequence[str], found: Found, ground: Ground, baseline: Nominal, others: Float
 ) -> dict[str, float]:
     """The free numbers, above zero, that leave least (Nelder and Mead 1965)."""
     from scipy.optimize import minimize
@@ -76,7 +76,7 @@ def _fitted(
 
     def cost(x: Float) -> float:
         one = {**shape, **numbers(x)}
-        factors, left = beside.fit(ground.rows.of(found.candidate.columns(ground.data, baseline, one)))
+        factors, left = beside.fit(ground.rows.of(found.candidate.regressor(ground.data, baseline, one)))
         return left if found.candidate.admissible(factors, one) else beside.without
 
     found_at = minimize(

@@ -56,7 +56,7 @@ def parameters_of(ground: Ground, found: Sequence[Found], baseline: Nominal) -> 
         values = {name: coefficient for name, coefficient, there in named if there}
         values |= {name: around(value, free[name]) for name, value in f.shape.items()}
         reached = _through_noise(_reaching_both(values), f, found, ground, baseline) | numbers
-        effects.append(_loosened(reached, f.candidate.loose(f.shape)))
+        effects.append(_loosened(reached, f.candidate.factor_ranges(f.shape)))
         at += width
     return Parameters(declared=declared, effects=tuple(effects))
 
@@ -67,7 +67,7 @@ def _over_kept_shapes(
     """All factors, with intervals over all shapes that the log does not rule out where it does not tell a shape."""
     linear = steps.linear
     for k, (f, bent) in enumerate(zip(found, steps.bent, strict=True)):
-        if bent and not f.candidate.rugged and not f.candidate.moment:
+        if bent and not f.candidate.multimodal and not f.candidate.moment:
             linear = over_kept_shapes(ground, found, k, baseline, linear)
     return linear
 
@@ -79,20 +79,20 @@ def _with_profiles(
     told = list(found)
     profiled: list[dict[str, Coefficient]] = []
     for k, f in enumerate(told):
-        name = f.candidate.rugged
+        name = f.candidate.multimodal
         others = np.hstack([ground.base, *(g.columns for g in told if g is not f)])
         if f.candidate.moment:
             interval = moment_interval(f.candidate, f.shape, ground, baseline, others)
             profiled.append({f.candidate.moment: interval})
             continue
-        if f.candidate.fading:
-            profiled.append({f.candidate.fading: time_interval(f, ground, baseline, others)})
+        if f.candidate.time_constant:
+            profiled.append({f.candidate.time_constant: time_interval(f, ground, baseline, others)})
             continue
         if not name:
             profiled.append({})
             continue
         best = profile_number(f.candidate, f.shape, ground, baseline, others)
-        columns = ground.rows.of(f.candidate.columns(ground.data, baseline, best.shape))
+        columns = ground.rows.of(f.candidate.regressor(ground.data, baseline, best.shape))
         told[k] = replace(f, shape=best.shape, columns=columns)
         profiled.append({name: best.number})
     return told, profiled
@@ -119,7 +119,7 @@ def _through_noise(
     values: dict[str, Coefficient], found: Found, every: Sequence[Found], ground: Ground, baseline: Nominal
 ) -> dict[str, Coefficient]:
     """The numbers of an effect, those that noise of the motion moves with intervals that reach as far."""
-    name = found.candidate.noisy
+    name = next(iter(found.candidate.noise_biased), "")
     if not name or values[name].low == -np.inf:
         return values
     others = np.hstack([ground.base, *(one.columns for one in every if one is not found)])
@@ -143,7 +143,4 @@ def _loosened(values: dict[str, Coefficient], loose: Mapping[str, tuple[float, f
 
 
 def _factor_names(found: Found) -> list[str]:
-    term = found.candidate.term
-    if term is not None:
-        return [parameter.name for parameter in term.coefficients[: found.columns.shape[1]]]
-    return [f"factor_{k}_{unit}" for k, unit in enumerate(found.candidate.column_units, start=1)]
+    return [parameter.name for parameter in found.candidate.coefficients[: found.columns.shape[1]]]

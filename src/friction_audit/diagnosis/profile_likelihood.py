@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import CONFIDENCE
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.valleys import around, valleys
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -32,11 +32,11 @@ BETWEEN = 4
 class Profiled:
     """The best shape on all rows, and the interval of its number."""
 
-    shape: Shape
+    shape: Nonlinear
     number: Coefficient
 
 
-def profile_number(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, base: Float) -> Profiled:
+def profile_number(candidate: Effect, shape: Nonlinear, ground: Ground, baseline: Nominal, base: Float) -> Profiled:
     """Profile the rugged number, above zero, of a shape on all rows.
 
     Args:
@@ -49,18 +49,18 @@ def profile_number(candidate: Candidate, shape: Shape, ground: Ground, baseline:
     from scipy.special import chdtri
 
     beside = Beside(base, ground.y)
-    best = valleys(candidate, shape, around(shape[candidate.rugged]), ground, baseline, beside)
+    best = valleys(candidate, shape, around(shape[candidate.multimodal]), ground, baseline, beside)
     low, high = _neighbours(sorted(best), min(best, key=lambda value: best[value][0]))
     best |= valleys(candidate, shape, np.geomspace(low, high, BETWEEN + 2)[1:-1].tolist(), ground, baseline, beside)
     value = min(best, key=lambda value: best[value][0])
     worth = len(ground.y) / ground.memory(
-        base, ground.rows.of(candidate.columns(ground.data, baseline, best[value][1]))
+        base, ground.rows.of(candidate.regressor(ground.data, baseline, best[value][1]))
     )
     least = best[value][0] * float(np.exp(chdtri(1, 1.0 - CONFIDENCE) / worth))
     every = sorted(best)
     kept = [k for k, tried in enumerate(every) if best[tried][0] <= least]
     low, high = every[max(kept[0] - 1, 0)], every[min(kept[-1] + 1, len(every) - 1)]
-    blur = candidate.blur(baseline, best[value][1])
+    blur = candidate.systematic_error(baseline, best[value][1])
     return Profiled(shape=best[value][1], number=Coefficient(value=value, low=max(low - blur, 0.0), high=high + blur))
 
 

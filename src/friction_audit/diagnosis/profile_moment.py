@@ -11,8 +11,8 @@ Hansen, Sample splitting and threshold estimation, Econometrica 68 (2000) 575, t
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -22,7 +22,7 @@ SIDE = 25
 """Moments that are tried on either side, each about half as far again as the one before."""
 
 
-def moment_interval(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, base: Float) -> Coefficient:
+def moment_interval(candidate: Effect, shape: Nonlinear, ground: Ground, baseline: Nominal, base: Float) -> Coefficient:
     """Tell how well the moment of a shape is known, on all rows.
 
     Args:
@@ -37,9 +37,9 @@ def moment_interval(candidate: Candidate, shape: Shape, ground: Ground, baseline
     moments = np.clip(np.concatenate([value - away[::-1], [value], value + away]), t[0], t[-1])
     beside, left = Beside(base, ground.y), np.zeros(len(moments))
     tried = [{**shape, name: float(moment)} for moment in moments]
-    for place, columns in candidate.each(ground.data, baseline, tried):
+    for place, columns in candidate.regressors(ground.data, baseline, tried):
         left[place] = beside.fit(ground.rows.of(columns))[1]
-    own = ground.rows.of(candidate.columns(ground.data, baseline, shape))
+    own = ground.rows.of(candidate.regressor(ground.data, baseline, shape))
     worth = len(ground.y) / ground.memory(base, own)
     kept = np.flatnonzero(left <= left.min() * np.exp(QUANTILE / worth))
     low, high = moments[max(kept[0] - 1, 0)], moments[min(kept[-1] + 1, len(moments) - 1)]

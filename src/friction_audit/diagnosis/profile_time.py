@@ -42,7 +42,7 @@ def time_interval(found: Found, ground: Ground, baseline: Nominal, others: Float
     """
     from scipy.special import chdtri
 
-    value = found.shape[found.candidate.fading]
+    value = found.shape[found.candidate.time_constant]
     times = value * np.geomspace(1.0 / FARTHEST, FARTHEST, VALUES)
     left = _left(found, times, ground, baseline, others)
     worth = len(ground.y) / ground.memory(others, found.columns)
@@ -55,11 +55,11 @@ def time_interval(found: Found, ground: Ground, baseline: Nominal, others: Float
 
 def _left(found: Found, times: Float, ground: Ground, baseline: Nominal, others: Float) -> Float:
     """Residual sum of squares with each time, the least of all laws, shape (k,)."""
-    beside, name, left = Beside(others, ground.y), found.candidate.fading, np.zeros(len(times))
+    beside, name, left = Beside(others, ground.y), found.candidate.time_constant, np.zeros(len(times))
     falls = np.sign(beside.fit(found.columns)[0])
     for k, time in enumerate(times.tolist()):
         once, twice = (
-            ground.rows.of(found.candidate.columns(ground.data, baseline, {**found.shape, name: time / power}))
+            ground.rows.of(found.candidate.regressor(ground.data, baseline, {**found.shape, name: time / power}))
             for power in (1.0, 2.0)
         )
         laws = np.hstack([once, once + MOST_BENT * twice])

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
@@ -25,13 +25,13 @@ SETTLED = 1e-6
 
 
 def refine(
-    candidate: Candidate,
-    shape: Shape,
-    tried: Sequence[Shape],
+    candidate: Effect,
+    shape: Nonlinear,
+    tried: Sequence[Nonlinear],
     ground: Ground,
     baseline: Nominal,
     base: Float,
-) -> Shape:
+) -> Nonlinear:
     """Make the residual on the working rows smallest between the neighbours on the grid (Nelder and Mead 1965).
 
     Args:
@@ -52,11 +52,11 @@ def refine(
     w, y = ground.working, ground.y[ground.working]
     beside, nothing, rows = Beside(base[w], y), float(y @ y), ground.rows.keep(w)
 
-    def misfit(at: Shape) -> float:
-        factors, left = beside.fit(rows.of(candidate.columns(ground.data, baseline, at)))
+    def misfit(at: Nonlinear) -> float:
+        factors, left = beside.fit(rows.of(candidate.regressor(ground.data, baseline, at)))
         return left if candidate.admissible(factors, at) else nothing
 
-    def inside(x: Float) -> Shape:
+    def inside(x: Float) -> Nonlinear:
         return {**shape, **dict(zip(free, (low + (high - low) * expit(x)).tolist(), strict=True))}
 
     def cost(x: Float) -> float:
@@ -80,9 +80,9 @@ def refine(
     return inside(found.x) if found.fun < own else shape
 
 
-def _free(candidate: Candidate, shape: Shape, tried: Sequence[Shape]) -> dict[str, tuple[float, float]]:
+def _free(candidate: Effect, shape: Nonlinear, tried: Sequence[Nonlinear]) -> dict[str, tuple[float, float]]:
     """The range of each number that can be refined, by name: between neighbours on the grid, within its bounds."""
-    known = {} if candidate.term is None else {parameter.name: parameter for parameter in candidate.term.nonlinear}
+    known = {parameter.name: parameter for parameter in candidate.nonlinear}
     free = {}
     for name in shape:
         low, high = _neighbours(name, shape, tried)
@@ -99,7 +99,7 @@ def _skip_close(side: list[float], value: float) -> list[float]:
     return side[:-1] if near else side
 
 
-def _neighbours(name: str, shape: Shape, tried: Sequence[Shape]) -> tuple[float, float]:
+def _neighbours(name: str, shape: Nonlinear, tried: Sequence[Nonlinear]) -> tuple[float, float]:
     """The values of the grid on either side of the nearest one; a step beyond where it is the last."""
     grid = sorted({other[name] for other in tried if name in other})
     at = int(np.argmin(np.abs(np.array(grid) - shape[name])))

@@ -11,21 +11,22 @@ from math import sqrt
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Candidate
-from friction_audit.diagnosis.candidates.backlash import CANDIDATE as BACKLASH
-from friction_audit.diagnosis.candidates.backlash import CONTACTS_HZ
-from friction_audit.diagnosis.candidates.joint_elasticity import CANDIDATE as ELASTICITY
-from friction_audit.diagnosis.candidates.joint_elasticity import HIGHER, all_springs
 from friction_audit.diagnosis.curves import build_curves
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.library import Library, build_library
 from friction_audit.diagnosis.naming import LEAST_SHARE, Names, find_names
 from friction_audit.diagnosis.noise import runs_of
 from friction_audit.diagnosis.parameters import parameters_of
-from friction_audit.diagnosis.result import Effect, Vibration
+from friction_audit.diagnosis.result import Effect as NamedEffect
+from friction_audit.diagnosis.result import Vibration
 from friction_audit.diagnosis.spectrum import find_vibration
 from friction_audit.diagnosis.tell import effects_of
+from friction_audit.effects.backlash import CONTACTS_HZ
+from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.breakaway import Breakaways
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
+from friction_audit.effects.joint_elasticity import HIGHER, all_springs
 from friction_audit.joint_log import Float
 
 RINGING = (ELASTICITY.name, BACKLASH.name)
@@ -46,7 +47,7 @@ LEAST_EXPLAINED = 0.5
 class Ringing:
     """What rings, as a result, and the other names that are large enough beside it."""
 
-    effect: Effect
+    effect: NamedEffect
     names: Names
 
 
@@ -61,10 +62,10 @@ def shaking(ground: Ground, names: Names) -> Vibration | None:
 
 def fine_columns(ground: Ground, names: Names) -> list[Float]:
     """Columns of the effects on the fine grid, shape (n, p) each."""
-    return [f.candidate.columns(ground.data, names.baseline, f.shape) for f in names.found]
+    return [f.candidate.regressor(ground.data, names.baseline, f.shape) for f in names.found]
 
 
-def rings(names: Names, events: Sequence[Effect], vibration: Vibration) -> bool:
+def rings(names: Names, events: Sequence[NamedEffect], vibration: Vibration) -> bool:
     """Whether a vibration is that of a spring or of flanks that strike, which have a name.
 
     A spring's lies from its resonance with the far side up to twice that, for a light link on its other end makes it
@@ -124,7 +125,7 @@ def find_ringing(ground: Ground, names: Names, alpha: float, rng: np.random.Gene
     return Ringing(effect=_on_rows(ground, kept, effect, vibration), names=kept)
 
 
-def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate, ...]:
+def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Effect, ...]:
     """Straight springs on which the far side rings from half of the vibration's frequencies on, and hard flanks."""
     lowest, highest = vibration.low_hz / HIGHER, vibration.high_hz
     # Ringing tells how stiff a spring is where it rings, not how it bends.
@@ -137,14 +138,14 @@ def _near(ground: Ground, names: Names, vibration: Vibration) -> tuple[Candidate
     hard = max(CONTACTS_HZ)
     flanks = [
         shape
-        for shape in BACKLASH.tried(ground.data)
+        for shape in BACKLASH.grid(ground.data)
         if shape["contact_hz"] == hard and not {"motion_below_hz", "far_share"} & shape.keys()
     ]
     pairs = ((ELASTICITY, springs), (BACKLASH, flanks))
-    return tuple(replace(candidate, shapes=tuple(shapes)) for candidate, shapes in pairs if shapes)
+    return tuple(candidate.with_grid(shapes) for candidate, shapes in pairs if shapes)
 
 
-def _library(fine: Ground, candidates: Sequence[Candidate], names: Names) -> Library:
+def _library(fine: Ground, candidates: Sequence[Effect], names: Names) -> Library:
     return build_library(candidates, fine.data, names.baseline, fine.rows)
 
 
@@ -164,7 +165,7 @@ def _loses(ground: Ground, names: Names, still: Names, found: Names) -> bool:
     if len(still.found) == len(names.found):
         return False
     columns = [f.columns for f in still.found]
-    rung = [ground.rows.of(f.candidate.columns(ground.data, found.baseline, f.shape)) for f in found.found]
+    rung = [ground.rows.of(f.candidate.regressor(ground.data, found.baseline, f.shape)) for f in found.found]
     left, instead = ground.residual(*(f.columns for f in names.found)), ground.residual(*columns, *rung)
     return float(np.sum(left[ground.locked] ** 2)) < float(np.sum(instead[ground.locked] ** 2))
 
@@ -177,7 +178,7 @@ def _size(ground: Ground, names: Names, k: int) -> float:
     return sqrt(max(without - with_it, 0.0))
 
 
-def _on_rows(ground: Ground, names: Names, effect: Effect, vibration: Vibration) -> Effect:
+def _on_rows(ground: Ground, names: Names, effect: NamedEffect, vibration: Vibration) -> NamedEffect:
     """The effect as told beside those of the rows, which hardly see it: their gap is the same with and without it."""
     left = float(np.sqrt(np.mean(ground.residual(*(f.columns for f in names.found))[ground.locked] ** 2)))
     return replace(

@@ -4,11 +4,12 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Shape
-from friction_audit.diagnosis.candidates.torque_ripple import CANDIDATE, COARSEST, order_range, spread_of
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.library import Library, extend_library
 from friction_audit.diagnosis.order_scan import scan_orders
+from friction_audit.effects.effect import Nonlinear
+from friction_audit.effects.torque_ripple import COARSEST, order_range, spread_of
+from friction_audit.effects.torque_ripple import EFFECT as CANDIDATE
 from friction_audit.joint_log import Float
 
 BESIDE = 0.5
@@ -27,20 +28,20 @@ def with_scanned_orders(ground: Ground, library: Library, *effects: Float) -> Li
     return extend_library(library, _strongest(ground, effects)) if here else library
 
 
-def _strongest(ground: Ground, effects: tuple[Float, ...]) -> Iterator[tuple[str, Shape, Float]]:
+def _strongest(ground: Ground, effects: tuple[Float, ...]) -> Iterator[tuple[str, Nonlinear, Float]]:
     """Shapes about the peaks, with their columns."""
     data, rows = ground.data, ground.rows
     back, speed = _filtered_back(ground, ground.residual(*effects))
     order, gain = scan_orders(back, data.q, speed, *order_range(data), rows.whole_kernel, data.step_s)
     baseline, spread = ground.baseline(), spread_of(data)
-    last = CANDIDATE.tried(data)[-1]["ripple_order"] + COARSEST / spread
+    last = CANDIDATE.grid(data)[-1]["ripple_order"] + COARSEST / spread
     for part in (order <= last, order > last):
         if not gain[part].any():
             continue
         peak = float(order[part][np.argmax(gain[part])])
         for beside in (-BESIDE, 0.0, BESIDE):
             shape = {"ripple_order": peak + beside / spread}
-            yield CANDIDATE.name, shape, rows.of(CANDIDATE.columns(data, baseline, shape))
+            yield CANDIDATE.name, shape, rows.of(CANDIDATE.regressor(data, baseline, shape))
 
 
 def _filtered_back(ground: Ground, residual: Float) -> tuple[Float, Float]:

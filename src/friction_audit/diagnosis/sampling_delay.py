@@ -13,8 +13,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.presliding import CANDIDATE as PRESLIDING
-from friction_audit.diagnosis.candidates.time_delay import CANDIDATE as TIME_DELAY
 from friction_audit.diagnosis.confirmation import evidence
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.declared import least_squares
@@ -22,6 +20,8 @@ from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Names
 from friction_audit.diagnosis.ranking import BY_CHANCE
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.presliding import EFFECT as PRESLIDING
+from friction_audit.effects.time_delay import EFFECT as TIME_DELAY
 from friction_audit.joint_log import Float
 
 MOST_SAMPLES = 0.5
@@ -61,7 +61,7 @@ def _late_torque(ground: Ground, names: Names) -> PutOnTime | None:
     before = ground.base.shape[1] + sum(f.columns.shape[1] for f in names.found[:late])
     factors = least_squares(np.hstack([ground.base, *(f.columns for f in names.found)]), ground.y)
     factors = factors[before : before + found.columns.shape[1]]
-    torque = found.candidate.columns(ground.data, names.baseline, found.shape) @ factors
+    torque = found.candidate.regressor(ground.data, names.baseline, found.shape) @ factors
     return _on_time(ground.data, torque, "torque_delay", float(factors[0]), MOST_SAMPLES)
 
 

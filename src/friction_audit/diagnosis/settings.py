@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.effects.joint_model import ArmModel
+from friction_audit.effects.registry import NAMES
 from friction_audit.errors import UsageError
 
 HIGHEST_ALPHA = 0.5
@@ -30,9 +30,8 @@ class DiagnosisSettings:
 
     def __post_init__(self) -> None:
         """Check names and numbers."""
-        known = [candidate.name for candidate in CANDIDATES]
-        strangers = [name for name in self.candidates or () if name not in known]
+        strangers = [name for name in self.candidates or () if name not in NAMES]
         if strangers:
-            raise UsageError(f"candidates: {', '.join(strangers)}: expected some of {', '.join(known)}")
+            raise UsageError(f"candidates: {', '.join(strangers)}: expected some of {', '.join(NAMES)}")
         if not 0.0 < self.alpha < HIGHEST_ALPHA:
             raise UsageError(f"alpha: {self.alpha:g}; expected a probability above 0 and below {HIGHEST_ALPHA:g}")

@@ -52,7 +52,7 @@ def steps_of(ground: Ground, found: Sequence[Found], baseline: Nominal) -> Steps
     most_change, most_spread = [np.zeros(0)], [np.zeros(0)]
     for f in found:
         factors = np.array([c.value for c in fitted[at : at + f.columns.shape[1]]])
-        names.append(tuple(f.candidate.whole(f.shape)))
+        names.append(tuple(f.candidate.with_assumed(f.shape)))
         slopes.append(_slopes(ground, f, baseline, factors))
         most_change.append(np.repeat(MOST_CHANGE * _rms(f.columns @ factors), len(names[-1])))
         most_spread.append(MOST_SPREAD * _sizes(f))
@@ -100,7 +100,7 @@ def _with_slopes(
 
 def _sizes(found: Found) -> Float:
     """Each number of a shape that cannot be below zero; infinite for one that can, shape (k,)."""
-    shape = found.candidate.whole(found.shape)
+    shape = found.candidate.with_assumed(found.shape)
     above = [found.candidate.bounds(name)[0] >= 0.0 for name in shape]
     return np.where(above, np.abs(np.array(list(shape.values()), np.float64)), np.inf)
 
@@ -116,12 +116,13 @@ def _slopes(ground: Ground, found: Found, baseline: Nominal, factors: Float) -> 
     To one side alone at a bound: beyond it there is no such effect.
     """
     columns = [np.zeros((len(ground.y), 0))]
-    shape = found.candidate.whole(found.shape)
+    shape = found.candidate.with_assumed(found.shape)
     for name, value in shape.items():
         step = STEP * max(abs(value), STEP)
         low, high = np.clip([value - step, value + step], *found.candidate.bounds(name)).tolist()
         down, up = (
-            ground.rows.of(found.candidate.columns(ground.data, baseline, {**shape, name: end})) for end in (low, high)
+            ground.rows.of(found.candidate.regressor(ground.data, baseline, {**shape, name: end}))
+            for end in (low, high)
         )
         columns.append(((up - down) @ factors / (high - low))[:, None])
     return np.hstack(columns)

@@ -6,7 +6,6 @@ from typing import NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.alternatives import name_effects
-from friction_audit.diagnosis.candidate import Shape
 from friction_audit.diagnosis.cross_products import CrossProducts
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.jointly import EVERYWHERE, NEARBY, Effort, fit_jointly
@@ -14,6 +13,7 @@ from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.ranking import Ranking
 from friction_audit.diagnosis.refine import refine
 from friction_audit.diagnosis.search import Search
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
@@ -42,7 +42,7 @@ class Sharper(NamedTuple):
     """
 
     name: str
-    shape: Shape
+    shape: Nonlinear
     columns: Float
     baseline: Nominal | None = None
 
@@ -83,7 +83,7 @@ def _alone(ground: Ground, library: Library, outcome: Search, ranking: Ranking) 
             yield from _sharper(ground, library, name, at, [])
         if name in there or len(there) >= CROWD:
             yield from _jointly(ground, library, name, at, [])
-        if len(there) >= CROWD and library.entry(name).candidate.hidden(ground.data):
+        if len(there) >= CROWD and library.entry(name).candidate.hidden_ranges(ground.data):
             yield from _jointly(ground, library, name, at, [], EVERYWHERE)
 
 
@@ -93,7 +93,7 @@ def _jointly(
     """One shape of the grid, and plainer ones, fitted together with what is behind the effect, if anything is."""
     entry = library.entry(name)
     candidate, shape, beside = entry.candidate, entry.shapes[at], np.hstack([np.zeros((len(ground.y), 0)), *others])
-    for one in (shape, *candidate.plainer(shape)):
+    for one in (shape, *candidate.simpler(shape)):
         fitted = fit_jointly(candidate, one, entry.columns[at], ground, beside, effort)
         if fitted is not None:
             yield Sharper(name, fitted.shape, fitted.columns, fitted.baseline)
@@ -109,5 +109,5 @@ def _sharper(ground: Ground, library: Library, name: str, at: int, others: Seque
     baseline = ground.baseline(*others, entry.columns[at])
     base = np.hstack([ground.base, *others])
     shape = refine(entry.candidate, entry.shapes[at], entry.shapes, ground, baseline, base)
-    if shape != entry.shapes[at] or entry.candidate.leans_on_model:
-        yield Sharper(name, shape, ground.rows.of(entry.candidate.columns(ground.data, baseline, shape)))
+    if shape != entry.shapes[at] or entry.candidate.needs_nominal:
+        yield Sharper(name, shape, ground.rows.of(entry.candidate.regressor(ground.data, baseline, shape)))

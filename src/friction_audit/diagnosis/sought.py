@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.declared import FRICTION, INERTIA
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.dynamics.transmission import FarSide
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
@@ -33,7 +33,7 @@ class Sought:
         high: The largest.
     """
 
-    shape: Shape
+    shape: Nonlinear
     of_shape: tuple[str, ...]
     of_model: tuple[str, ...]
     baseline: Nominal
@@ -41,7 +41,7 @@ class Sought:
     low: Float
     high: Float
 
-    def shape_at(self, numbers: Float) -> Shape:
+    def shape_at(self, numbers: Float) -> Nonlinear:
         """The shape with some of k numbers, shape (k,)."""
         return {**self.shape, **dict(zip(self.of_shape, np.exp(self._split(numbers)[0]).tolist(), strict=True))}
 
@@ -58,19 +58,18 @@ class Sought:
         return numbers[: len(self.of_shape)], numbers[len(self.of_shape) :]
 
 
-def seek(candidate: Candidate, shape: Shape, ground: Ground, baseline: Nominal, *, everywhere: bool = False) -> Sought:
+def seek(candidate: Effect, shape: Nonlinear, ground: Ground, baseline: Nominal, *, everywhere: bool = False) -> Sought:
     """Return what is looked for, from a shape and the declared model as fitted beside it.
 
     Args:
-        candidate: An effect with ``behind``.
+        candidate: An effect that transmits torque.
         shape: One of its shapes.
         ground: The joint.
         baseline: The declared model.
         everywhere: Whether it is looked for among the hidden shapes of the candidate, and not near the one given.
     """
-    ranges = candidate.hidden(ground.data) if everywhere else candidate.sought(ground.data, shape)
-    lacking = () if candidate.term is None else candidate.term.nonlinear
-    whole = {p.name: p.default for p in lacking if p.name in ranges} | ({} if everywhere else dict(shape))
+    ranges = candidate.hidden_ranges(ground.data) if everywhere else candidate.joint_ranges(ground.data, shape)
+    whole = {p.name: p.default for p in candidate.nonlinear if p.name in ranges} | ({} if everywhere else dict(shape))
     behind = _ranges(baseline, _usual_speed(ground), FAR_OFF if everywhere else OFF)
     of_model = tuple(name for name in ground.declared.names if name in BEHIND)
     start = [

@@ -4,10 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.contacts import Undisturbed
 from friction_audit.diagnosis.curves import Curve
-from friction_audit.diagnosis.decide import motion_to_decide
 from friction_audit.diagnosis.declared import least_squares
 from friction_audit.diagnosis.ground import Ground
 from friction_audit.diagnosis.naming import Found, Names
@@ -15,6 +13,8 @@ from friction_audit.diagnosis.parameters import Parameters
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import Effect, Evidence, Profile, Verdict, Vibration, others_of
 from friction_audit.diagnosis.shown_along import shows_along
+from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 

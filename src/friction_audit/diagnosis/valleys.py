@@ -10,15 +10,15 @@ from collections.abc import Iterable
 import numpy as np
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.candidate import Candidate, Shape
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import Nominal
 
 FARTHEST = 1.8
 """Values are tried from so many times less to so many times more than the one that was found."""
 VALUES = 21
 
-Valleys = dict[float, tuple[float, Shape]]
+Valleys = dict[float, tuple[float, Nonlinear]]
 """What is left of the rows' squares by the best shape with each value of a number, and that shape."""
 
 
@@ -28,7 +28,7 @@ def around(value: float) -> list[float]:
 
 
 def valleys(
-    candidate: Candidate, shape: Shape, values: Iterable[float], ground: Ground, baseline: Nominal, beside: Beside
+    candidate: Effect, shape: Nonlinear, values: Iterable[float], ground: Ground, baseline: Nominal, beside: Beside
 ) -> Valleys:
     """Try values of the rugged number of a shape, each with those of other numbers that go with it.
 
@@ -40,9 +40,9 @@ def valleys(
         baseline: What columns may lean on.
         beside: The rows of the ground with all other columns of the model.
     """
-    name, best = candidate.rugged, Valleys()
-    tried = [{**shape, name: value, **others} for value in values for others in ({}, *candidate.beside_rugged)]
-    for place, columns in candidate.each(ground.data, baseline, tried):
+    name, best = candidate.multimodal, Valleys()
+    tried = [{**shape, name: value, **others} for value in values for others in ({}, *candidate.multimodal_with)]
+    for place, columns in candidate.regressors(ground.data, baseline, tried):
         one = tried[place]
         factors, left = beside.fit(ground.rows.of(columns))
         misfit = left if candidate.admissible(factors, one) else beside.without

@@ -7,6 +7,7 @@ instance ``EFFECT`` with its names, units, bounds and words; everything else in 
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from copy import copy
 from dataclasses import dataclass, field
 from enum import Flag, auto
 from math import inf
@@ -81,6 +82,7 @@ class Effect:
     separate: Mapping[str, str] = field(default_factory=dict)
 
     # What few effects set, in their class.
+    transmits: ClassVar[bool] = False  # it passes on the torque of inertia and friction, see ``transmitted``
     indistinguishable: ClassVar[tuple[str, ...]] = ()  # effects that no motion of this kind separates from it
     part_of: ClassVar[tuple[str, ...]] = ()  # effects that it may be a part of where they are found too
     multimodal: ClassVar[str] = ""  # nonlinear parameter over which the misfit has many minima
@@ -138,9 +140,9 @@ class Effect:
 
     def transmitted(
         self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
-    ) -> Iterator[tuple[int, Float]] | None:
-        """Yield place and torque of points of the grid, each with its own far side; None if it has none."""
-        return None
+    ) -> Iterator[tuple[int, Float]]:
+        """Yield place and torque of points of the grid, each with its own far side, for a coefficient of one."""
+        raise NotImplementedError(f"{self.name} transmits no torque")
 
     def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
         """Return from where to where parameters, all above zero, are fitted together with the far side."""
@@ -184,6 +186,16 @@ class Effect:
         return self.coefficients + self.nonlinear
 
     @property
+    def needs_nominal(self) -> bool:
+        """Whether its columns change with the nominal model."""
+        return Trait.NEEDS_NOMINAL in self.traits
+
+    @property
+    def exact(self) -> bool:
+        """Whether its formula cannot be wrong."""
+        return Trait.EXACT in self.traits
+
+    @property
     def friction(self) -> bool:
         """Whether its torque is dissipated."""
         return Trait.FRICTION in self.traits
@@ -209,6 +221,12 @@ class Effect:
     def bounds(self, name: str) -> tuple[float, float]:
         """Return the bounds of a nonlinear parameter; infinite ones if it is not the effect's."""
         return next(((one.lower, one.upper) for one in self.nonlinear if one.name == name), (-inf, inf))
+
+    def with_grid(self, grid: Sequence[Nonlinear]) -> "Effect":
+        """Return the effect with another grid."""
+        other = copy(self)
+        object.__setattr__(other, "grid", lambda _data: tuple(grid))
+        return other
 
     def with_assumed(self, at: Nonlinear) -> dict[str, float]:
         """Return a point of the grid with the assumed parameters that it lacks."""

@@ -37,7 +37,7 @@ def speed_range(data: JointData, nominal: Nominal, ratio: float) -> str | None:
 
 
 def several_speeds(data: JointData, nominal: Nominal) -> str | None:
-    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot tell delay and inertia from others."""
+    """Peak speeds of the cycles that differ by a tenth: one sinusoid cannot separate delay and inertia from others."""
     lacking = moves(data, nominal)
     if lacking:
         return lacking
@@ -81,13 +81,13 @@ def neighbours_move(data: JointData, _nominal: Nominal) -> str | None:
 def neighbours_loaded(data: JointData, nominal: Nominal) -> str | None:
     """A neighbour whose sensor reads something that changes."""
     joint, joints = data.own_column, data.others_torque.shape[1]
-    beside = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
-    if not beside:
+    neighbours = [k for k in (joint - 1, joint + 1) if 0 <= k < joints]
+    if not neighbours:
         return "the log has one joint: record its neighbours too"
     lacking = moves(data, nominal)
     if lacking:
         return lacking
-    change = data.others_torque[data.used][:, beside].std(axis=0).max()
+    change = data.others_torque[data.used][:, neighbours].std(axis=0).max()
     if change < CHANGE_PER_COULOMB * abs(nominal.coulomb_nm):
         return "the torque of the neighbours hardly changes: load them, also while this joint rests"
     return None

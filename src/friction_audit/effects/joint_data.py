@@ -49,7 +49,7 @@ def grid_noise(signal: Float, differences: int = 2) -> float:
 class JointData:
     """One joint on an even grid of n samples; j joints in the log.
 
-    Torque and motion went through one and the same zero-phase low-pass, so that what holds between them still holds.
+    Torque and motion went through one and the same zero-phase low-pass, so that relations between them still hold.
 
     Attributes:
         joint: Which joint, column of the interaction.
@@ -60,7 +60,7 @@ class JointData:
         torque: What drives the side on which friction acts: F_m plus a logged compensator. [N m]
         gravity: Gravity torque where it is known, else None. [N m]
         temperature: Temperature where it was logged, else None. [degC]
-        load: What the sensor bears besides what the joint's own model takes, counted as the torque counts: gravity, and
+        load: What the sensor bears in addition to the joint's own model, with the sign of the torque: gravity, and
             the links' inertia where it was taken away; predicted, None where it is not known, shape (n,). [N m]
         rigid: What the rigid-body model of the arm says about the joint, None where no model is known.
         others_dq: Velocities of all joints, shape (n, j). [rad/s]
@@ -123,11 +123,11 @@ class JointData:
 
     @cached_property
     def smooth(self) -> dict[float, Motion]:
-        """The motion behind low-passes, by their corners, as far as somebody has asked for it. [Hz]"""
+        """The low-passed motion by corner, as far as it was asked for. [Hz]"""
         return {}
 
     def motion(self, rest: Float | None = None) -> Motion:
-        """What a term of a model may know of this joint; ``rest`` is the torque of the declared model, shape (n,)."""
+        """The input of an effect's columns; ``rest`` is the torque of the nominal model, shape (n,)."""
         others = Others(joint=self.own_column, dq=self.others_dq, ddq=self.others_ddq, sensed=self.others_torque)
         return Motion(
             t=self.t,

@@ -7,8 +7,8 @@ from math import isfinite
 import numpy as np
 
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.term import Term
-from friction_audit.effects.terms import term_of
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.registry import term_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -42,13 +42,13 @@ class FittedTerm:
                 raise AnalysisError(f"term {self.name}: {parameter.name} = {value:g}; expected {bounds}")
 
     @property
-    def effect(self) -> Term:
-        """The term itself."""
+    def effect(self) -> Effect:
+        """Its effect: names, bounds and formula."""
         return term_of(self.name)
 
     def torque(self, motion: Motion) -> Float:
         """Return the torque. [N m], shape (n,)."""
-        return self.effect.torque(self.values, motion)
+        return self.effect.torque(motion, self.values)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

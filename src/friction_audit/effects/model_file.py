@@ -9,7 +9,7 @@ from typing import Any
 
 from friction_audit import __version__
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
-from friction_audit.effects.terms import TERMS, near_names
+from friction_audit.effects.registry import near_names, terms
 from friction_audit.errors import AnalysisError, InputError, shortened
 from friction_audit.io.files import read_toml, whole_file
 
@@ -119,8 +119,8 @@ def _faults(table: Mapping[str, Any], where: str) -> Iterator[str]:
 
 def _term_faults(name: str, values: object, where: str) -> Iterator[str]:
     """Yield what is wrong with the table of one term."""
-    names = [term.name for term in TERMS if term.name != "inertia"]
-    term = next((term for term in TERMS if term.name == name and name in names), None)
+    names = [term.name for term in terms() if term.name != "inertia"]
+    term = next((term for term in terms() if term.name == name and name in names), None)
     if term is None:
         yield f"{where}: {name!r} is no term{near_names(name, names)}, expected {', '.join(names)}"
         return
@@ -175,6 +175,6 @@ def _joint(path: Path, number: int, table: Mapping[str, Any]) -> JointModel | No
 
 def _term(name: str, values: Mapping[str, Any]) -> FittedTerm:
     """Return a term, its values in the order of its parameters."""
-    term = next(term for term in TERMS if term.name == name)
+    term = next(term for term in terms() if term.name == name)
     # What may be missing was asked before: only optional numbers are.
     return FittedTerm(name, tuple(float(values.get(p.name, p.default)) for p in term.parameters))

@@ -1,10 +1,10 @@
 """A number of an effect: name, unit, meaning, bounds. Imports nothing, so that the simulator may read it."""
 
-from dataclasses import dataclass
+from dataclasses import KW_ONLY, dataclass
 from math import inf, isfinite
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Parameter:
     """A coefficient or a nonlinear parameter.
 
@@ -22,6 +22,7 @@ class Parameter:
     name: str
     unit: str
     meaning: str
+    _: KW_ONLY
     lower: float = -inf
     upper: float = inf
     whole: bool = False

@@ -6,9 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.result import VERDICTS, Effect, JointDiscrepancy, Profile, others_of
+from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis

@@ -3,17 +3,17 @@
 import re
 from collections.abc import Sequence
 
-from friction_audit.diagnosis.candidates.warm_up import UNFELT_PER_K
 from friction_audit.diagnosis.result import Effect, JointDiscrepancy, others_of
 from friction_audit.effects.joint_model import ArmModel
-from friction_audit.effects.terms import TERMS
+from friction_audit.effects.registry import terms
+from friction_audit.effects.warm_up import UNFELT_PER_K
 from friction_audit.friction.history import Coefficient
 from friction_audit.reporting.words import format_quantity, format_torque
 
 # Parameters of an effect that a line has room for.
 MOST_NUMBERS = 6
-PARAMETERS_BY_NAME = {parameter.name: parameter for term in TERMS for parameter in term.parameters}
-COEFFICIENTS = {term.name: tuple(parameter.name for parameter in term.coefficients) for term in TERMS}
+PARAMETERS_BY_NAME = {parameter.name: parameter for term in terms() for parameter in term.parameters}
+COEFFICIENTS = {term.name: tuple(parameter.name for parameter in term.coefficients) for term in terms()}
 # Parameters that are an effect's size, where its coefficient is not.
 SIZES = {"backlash": ("gap_rad",)}
 # Last words of names that are units, of parameters that no term has.

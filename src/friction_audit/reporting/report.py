@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import NAMES
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
 from friction_audit.friction.history import JointFriction
 from friction_audit.io.tidy_table import TidyTable
@@ -162,7 +162,7 @@ def report_notices(report: LogReport) -> tuple[Notice, ...]:
 ESTIMATED, NO_ESTIMATE = "estimated", "no estimate"
 # Answers that a lead gives for joints one by one; more are counted.
 MOST_GROUPS = 4
-EFFECT_NAMES = frozenset(candidate.name for candidate in CANDIDATES)
+EFFECT_NAMES = frozenset(NAMES)
 
 
 def verdict_word(joint: JointReport) -> str:

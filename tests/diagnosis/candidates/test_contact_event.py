@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE, find_contacts
+from friction_audit.diagnosis.find_contacts import contact_grid, find_contacts
+from friction_audit.effects.contact_event import EFFECT as CANDIDATE
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.joint_data_by_hand import baseline, joint_data, two_sines
@@ -28,7 +29,7 @@ def push(start: float, length: float, size: float) -> Float:
 def test_noise_is_no_contact() -> None:
     data = with_torque(np.zeros(len(MOTION.t)))
     assert find_contacts(data) == ()
-    assert CANDIDATE.tried(data) == ({},)
+    assert contact_grid(data) == ({},)
     assert not CANDIDATE.admissible(np.ones(1), {})
 
 
@@ -42,8 +43,8 @@ def test_several_touches_are_one_effect_with_a_curve_each() -> None:
     torque = push(10.0, 0.2, 0.5) + push(31.0, 0.4, -0.3) + push(50.0, 0.2, 0.2)
     data = with_torque(torque)
     assert len(find_contacts(data)) == 3
-    (shape,) = CANDIDATE.tried(data)
-    columns = CANDIDATE.columns(data, baseline(data), shape)
+    (shape,) = contact_grid(data)
+    columns = CANDIDATE.regressor(data, baseline(data), shape)
     left = torque - columns @ np.linalg.lstsq(columns, torque)[0]
     assert columns.shape[1] == 15
     assert np.sum(left**2) < 0.05 * np.sum(torque**2)

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from friction_audit.diagnosis.candidates import backlash, joint_elasticity
+from friction_audit.effects import backlash, joint_elasticity
 from friction_audit.effects.transmission import no_inertia
 from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
 
@@ -16,5 +16,5 @@ def test_without_one_springs_and_gaps_are_not_testable() -> None:
     data = two_sines(30.0)
     weightless = replace(baseline(data), inertia_kg_m2=-0.01)
     assert "no inertia" in str(no_inertia(weightless))
-    assert "no inertia" in str(joint_elasticity.CANDIDATE.untestable(data, weightless))
-    assert "no inertia" in str(backlash.CANDIDATE.untestable(data, weightless))
+    assert "no inertia" in str(joint_elasticity.EFFECT.not_identifiable(data, weightless))
+    assert "no inertia" in str(backlash.EFFECT.not_identifiable(data, weightless))

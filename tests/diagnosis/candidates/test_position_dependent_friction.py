@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import position_dependent_friction, torque_ripple
+from friction_audit.effects import position_dependent_friction, torque_ripple
 from tests.diagnosis.candidates.explained import share_explained
 from tests.diagnosis.candidates.joint_data_by_hand import two_sines
 
@@ -15,12 +15,12 @@ Q, S = DATA.q, np.sign(DATA.dq)
 @pytest.mark.parametrize("phase", [0.0, 1.0])
 def test_a_wave_of_any_order_and_phase_is_found(order: float, phase: float) -> None:
     torque = S * np.cos(order * Q + phase)
-    assert share_explained(position_dependent_friction.CANDIDATE, DATA, torque) > 0.85
-    assert share_explained(torque_ripple.CANDIDATE, DATA, torque) < 0.05
+    assert share_explained(position_dependent_friction.EFFECT, DATA, torque) > 0.85
+    assert share_explained(torque_ripple.EFFECT, DATA, torque) < 0.05
 
 
 @pytest.mark.parametrize("centre", [-0.6, -0.11, 0.23, 0.5])
 @pytest.mark.parametrize("width", [0.1, 0.2, 0.4])
 def test_a_patch_is_found_anywhere(centre: float, width: float) -> None:
     torque = S * np.maximum(1.0 - np.abs(Q - centre) / width, 0.0)
-    assert share_explained(position_dependent_friction.CANDIDATE, DATA, torque) > 0.7
+    assert share_explained(position_dependent_friction.EFFECT, DATA, torque) > 0.7

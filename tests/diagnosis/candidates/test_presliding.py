@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import backlash, presliding, time_delay
+from friction_audit.effects import backlash, presliding, time_delay
 from friction_audit.effects.joint_data import strokes
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.explained import share_explained
@@ -38,29 +38,29 @@ def sliders(reaches_rad: Float) -> Float:
 def test_bristles_are_presliding_and_nothing_else(form: str, reach_rad: float) -> None:
     spread = reach_rad * np.array([0.3, 0.6, 1.0, 1.5])
     torque = sliders(spread) if form == "sliders" else lugre(reach_rad, 0.01 if form == "damped lugre" else 0.0)
-    own = share_explained(presliding.CANDIDATE, DATA, torque)
+    own = share_explained(presliding.EFFECT, DATA, torque)
     assert own > 0.9
-    for other in (backlash.CANDIDATE, time_delay.CANDIDATE):
+    for other in (backlash.EFFECT, time_delay.EFFECT):
         assert share_explained(other, DATA, torque) < own - 0.1
 
 
 def test_reaches_go_with_the_span() -> None:
     small = joint_data(0.1 * DATA.q, 0.1 * DATA.dq, 0.1 * DATA.ddq)
-    ours, theirs = (presliding.CANDIDATE.tried(data) for data in (small, DATA))
+    ours, theirs = (presliding.EFFECT.grid(data) for data in (small, DATA))
     assert [s["reach_rad"] for s in ours] == pytest.approx([0.1 * s["reach_rad"] for s in theirs])
 
 
 def test_friction_only_and_after_enough_reversals() -> None:
-    shape = presliding.CANDIDATE.tried(DATA)[0]
-    assert presliding.CANDIDATE.admissible(np.array([0.1]), shape)
-    assert not presliding.CANDIDATE.admissible(np.array([-0.1]), shape)
+    shape = presliding.EFFECT.grid(DATA)[0]
+    assert presliding.EFFECT.admissible(np.array([0.1]), shape)
+    assert not presliding.EFFECT.admissible(np.array([-0.1]), shape)
     once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
-    assert "reversals" in str(presliding.CANDIDATE.untestable(once, baseline(once)))
+    assert "reversals" in str(presliding.EFFECT.not_identifiable(once, baseline(once)))
 
 
 def test_friction_that_builds_up_over_more_than_the_joint_travels_stands_in_for_something_else() -> None:
     travelled = float(np.median(np.abs(strokes(DATA).displacement[DATA.used])))
     shape = {"yielding_exponent": 1.0, "bristle_damping_s": 1e-4}
-    assert presliding.stands_in(DATA, {**shape, "reach_rad": 0.9 * travelled}) == ""
-    told = presliding.stands_in(DATA, {**shape, "reach_rad": 1.1 * travelled})
+    assert presliding.EFFECT.stands_in(DATA, {**shape, "reach_rad": 0.9 * travelled}) == ""
+    told = presliding.EFFECT.stands_in(DATA, {**shape, "reach_rad": 1.1 * travelled})
     assert f"presliding over {1.1 * travelled:.2g} rad" in told

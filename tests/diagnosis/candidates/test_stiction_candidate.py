@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates.stiction import AGEINGS_S, AT_ONCE_RAD, CANDIDATE, FEWEST_BREAKAWAYS
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.stiction import AGEINGS_S, AT_ONCE_RAD, FEWEST_BREAKAWAYS
+from friction_audit.effects.stiction import EFFECT as CANDIDATE
 from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
 
@@ -17,13 +18,13 @@ AT_ONCE = {"ageing_s": 0.01, "renewal_rad": AT_ONCE_RAD}
 
 def test_a_joint_that_only_turns_around_is_told_to_stand_still() -> None:
     data = two_sines()
-    assert "breaks away from a standstill 0 times" in str(CANDIDATE.untestable(data, baseline(data)))
+    assert "breaks away from a standstill 0 times" in str(CANDIDATE.not_identifiable(data, baseline(data)))
 
 
 @pytest.mark.parametrize("starts", [FEWEST_BREAKAWAYS - 1, FEWEST_BREAKAWAYS])
 def test_so_many_starts_are_enough(starts: int) -> None:
     data = started_and_stopped(starts=starts)
-    lacking = CANDIDATE.untestable(data, baseline(data))
+    lacking = CANDIDATE.not_identifiable(data, baseline(data))
     assert (lacking is None) == (starts >= FEWEST_BREAKAWAYS)
 
 
@@ -35,13 +36,13 @@ def jumping() -> JointData:
     way = np.where(data.t % 2.0 < 1.0, 1.0, -1.0)
     jump = np.where((since > -0.02) & (since < 0.0), 40.0 * (since + 0.02), 0.0) * way
     held_by_friction = np.where(since >= 0.0, EXCESS_NM + 0.8, 0.0) * way
-    assert CANDIDATE.untestable(data, baseline(data)) is None
+    assert CANDIDATE.not_identifiable(data, baseline(data)) is None
     return replace(data, torque=data.torque + jump + held_by_friction)
 
 
 def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> None:
     pushed = jumping()
-    assert "0 of them under a torque that rises slowly" in str(CANDIDATE.untestable(pushed, baseline(pushed)))
+    assert "0 of them under a torque that rises slowly" in str(CANDIDATE.not_identifiable(pushed, baseline(pushed)))
 
 
 def test_behind_any_start_an_excess_that_fades_over_a_path_is_looked_for() -> None:
@@ -49,7 +50,7 @@ def test_behind_any_start_an_excess_that_fades_over_a_path_is_looked_for() -> No
     library = build_library((CANDIDATE,), data, baseline(data), make_rows(data))
     (entry,) = library.entries
     assert "stiction" in library.untestable
-    assert len(entry.shapes) == len(CANDIDATE.tried(data)) - len(AGEINGS_S)
+    assert len(entry.shapes) == len(CANDIDATE.grid(data)) - len(AGEINGS_S)
     assert min(shape["renewal_rad"] for shape in entry.shapes) > AT_ONCE_RAD
 
 
@@ -61,7 +62,7 @@ def test_without_starts_nothing_of_it_is_looked_for() -> None:
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:
     data = started_and_stopped(noise_nm=0.005, starts=40)
     rows = make_rows(data)
-    column = rows.of(CANDIDATE.columns(data, baseline(data), AT_ONCE))
+    column = rows.of(CANDIDATE.regressor(data, baseline(data), AT_ONCE))
     base = rows.of(np.column_stack([data.ddq, np.sign(data.dq)]))
     factors = np.linalg.lstsq(np.hstack([base, column]), rows.y, rcond=None)[0]
     assert factors[1] == pytest.approx(COULOMB_NM, abs=0.005)
@@ -73,6 +74,6 @@ def test_the_rest_must_be_long_to_be_worth_much() -> None:
     data = started_and_stopped()
     rows = make_rows(data)
     broke = rows.weight < 1.0
-    half_aged = rows.of(CANDIDATE.columns(data, baseline(data), {**AT_ONCE, "ageing_s": 0.5 / np.log(2.0)}))[broke, 0]
+    half_aged = rows.of(CANDIDATE.regressor(data, baseline(data), {**AT_ONCE, "ageing_s": 0.5 / np.log(2.0)}))[broke, 0]
     assert np.abs(half_aged / rows.weight[broke]) == pytest.approx(0.5, abs=0.04)
     assert np.array_equal(np.sign(half_aged), np.sign(rows.y[broke]))

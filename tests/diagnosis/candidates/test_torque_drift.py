@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import torque_bias
-from friction_audit.diagnosis.candidates.torque_drift import CANDIDATE, SHORTEST_S
 from friction_audit.diagnosis.cross_products import cross_products
 from friction_audit.diagnosis.declared import declare, least_squares
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.search import search
+from friction_audit.effects import torque_bias
 from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.torque_drift import EFFECT as CANDIDATE
+from friction_audit.effects.torque_drift import SHORTEST_S
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint
 
@@ -22,7 +23,7 @@ SHARE = np.linspace(0.0, 1.0, len(moved_joint(duration_s=60.0).t))
 
 def lacking(data: JointData) -> str | None:
     declared = declare(data, make_rows(data), None)
-    return CANDIDATE.untestable(data, declared.baseline(least_squares(declared.columns, declared.y)))
+    return CANDIDATE.not_identifiable(data, declared.baseline(least_squares(declared.columns, declared.y)))
 
 
 def test_a_minute_of_strokes_shows_a_drift() -> None:
@@ -46,7 +47,7 @@ def taken(torque: Float, n_eff: float = 500.0) -> dict[str, int]:
     rows = make_rows(data)
     declared = declare(data, rows, None)
     baseline = declared.baseline(least_squares(declared.columns, declared.y))
-    library = build_library([CANDIDATE, torque_bias.CANDIDATE], data, baseline, rows)
+    library = build_library([CANDIDATE, torque_bias.EFFECT], data, baseline, rows)
     y = rows.of(torque) + np.random.default_rng(0).standard_normal(len(rows.t))
     found = search(cross_products(y, declared.columns, [entry.group for entry in library.entries]), n_eff)
     return {chosen.name: len(chosen.factors) for chosen in found.chosen}

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidates import torque_ripple
+from friction_audit.effects import torque_ripple
 from tests.diagnosis.candidates.explained import share_explained
 from tests.diagnosis.candidates.joint_data_by_hand import two_sines
 
 DATA = two_sines()
-ORDERS = [shape["ripple_order"] for shape in torque_ripple.shapes(DATA)]
+ORDERS = [shape["ripple_order"] for shape in torque_ripple.EFFECT.grid(DATA)]
 
 
 def test_orders_begin_at_two_periods_over_the_range() -> None:
@@ -21,8 +21,8 @@ def test_orders_begin_at_two_periods_over_the_range() -> None:
 @pytest.mark.parametrize("at", [0, 20, 60])
 def test_a_ripple_between_two_orders_is_found(at: int, between: float) -> None:
     order = ORDERS[at] + between * (ORDERS[1] - ORDERS[0])
-    assert share_explained(torque_ripple.CANDIDATE, DATA, np.sin(order * DATA.q + 0.4)) > 0.55
+    assert share_explained(torque_ripple.EFFECT, DATA, np.sin(order * DATA.q + 0.4)) > 0.55
 
 
 def test_a_vibration_of_one_frequency_is_no_ripple() -> None:
-    assert share_explained(torque_ripple.CANDIDATE, DATA, np.sin(2.0 * np.pi * 12.0 * DATA.t)) < 0.05
+    assert share_explained(torque_ripple.EFFECT, DATA, np.sin(2.0 * np.pi * 12.0 * DATA.t)) < 0.05

@@ -6,12 +6,13 @@ from math import pi, sqrt
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.candidate import Candidate, Shape
-from friction_audit.diagnosis.candidates import backlash, frictional_lag, joint_elasticity, presliding, time_delay
+from friction_audit.effects import backlash, frictional_lag, joint_elasticity, presliding, time_delay
+from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 from tests.diagnosis.candidates.explained import share_explained
 from tests.diagnosis.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
+from tests.diagnosis.toy_candidates import altered
 
 DATA = two_sines(30.0)
 BASE = baseline(DATA)
@@ -42,8 +43,8 @@ def far_side_torque(stiffness: float, damping: float, half_gap: float, inertia: 
     return np.asarray(total.reshape(-1, SUBSTEPS).mean(axis=1))
 
 
-def best_rival(own: Candidate, torque: Float) -> float:
-    return max(share_explained(r.CANDIDATE, DATA, torque) for r in RIVALS if r.CANDIDATE is not own)
+def best_rival(own: Effect, torque: Float) -> float:
+    return max(share_explained(r.EFFECT, DATA, torque) for r in RIVALS if r.EFFECT is not own)
 
 
 def seen(torque: Float) -> Float:
@@ -52,55 +53,53 @@ def seen(torque: Float) -> Float:
     return np.asarray(np.convolve(torque, window / window.sum(), mode="same"))
 
 
-def share_seen(candidate: Candidate, torque: Float) -> float:
+def share_seen(candidate: Effect, torque: Float) -> float:
     """The share of a torque that a candidate explains, both as a regression sees them."""
 
-    def columns(data: JointData, base: Nominal, shape: Shape) -> Float:
-        return seen(candidate.columns(data, base, shape)[:, 0])[:, None]
+    def columns(data: JointData, base: Nominal, shape: Nonlinear) -> Float:
+        return seen(candidate.regressor(data, base, shape)[:, 0])[:, None]
 
-    return share_explained(replace(candidate, columns=columns), DATA, seen(torque))
+    return share_explained(altered(candidate, regressor=columns), DATA, seen(torque))
 
 
 @pytest.mark.parametrize("delay", [0.004, -0.015, 0.03])
 def test_a_late_torque_is_a_delay(delay: float) -> None:
     torque = np.interp(DATA.t - delay, DATA.t, BASE.torque)
-    own = share_explained(time_delay.CANDIDATE, DATA, torque)
+    own = share_explained(time_delay.EFFECT, DATA, torque)
     assert own > 0.97
-    assert best_rival(time_delay.CANDIDATE, torque) < own - 0.1
+    assert best_rival(time_delay.EFFECT, torque) < own - 0.1
 
 
 def test_a_spring_is_an_elasticity() -> None:
     torque = far_side_torque(1e3, 2.0, 0.0)
-    own = share_explained(joint_elasticity.CANDIDATE, DATA, torque)
+    own = share_explained(joint_elasticity.EFFECT, DATA, torque)
     assert own > 0.8
-    assert best_rival(joint_elasticity.CANDIDATE, torque) < own - 0.1
+    assert best_rival(joint_elasticity.EFFECT, torque) < own - 0.1
 
 
 def test_a_dead_zone_is_a_backlash() -> None:
     """Of one width the grid has more than of another: flanks that strike a moment late ring out of step."""
     widths = (2e-3, 4e-3, 5e-3)
     torques = [far_side_torque(1e4, 20.0, 0.5 * width) for width in widths]
-    own = [share_seen(backlash.CANDIDATE, torque) for torque in torques]
+    own = [share_seen(backlash.EFFECT, torque) for torque in torques]
     assert np.median(own) > 0.9
     rate = sqrt(1e4 / BASE.inertia_kg_m2)
     flanks = {"contact_hz": rate / (2.0 * pi), "flank_damping_ratio": 20.0 / (2.0 * BASE.inertia_kg_m2 * rate)}
     for width, share, torque in zip(widths, own, torques, strict=True):
-        truth = replace(backlash.CANDIDATE, shapes=({"gap_rad": width, **flanks},))
+        truth = altered(backlash.EFFECT, grid=({"gap_rad": width, **flanks},))
         assert share_seen(truth, torque) > max(share, 0.94)
-        assert max(share_seen(r.CANDIDATE, torque) for r in RIVALS if r is not backlash) < share - 0.3
+        assert max(share_seen(r.EFFECT, torque) for r in RIVALS if r is not backlash) < share - 0.3
 
 
 @pytest.mark.parametrize(
-    ("candidate", "link"), [(joint_elasticity.CANDIDATE, (600.0, 1.5, 0.0)), (backlash.CANDIDATE, (1e4, 20.0, 2e-3))]
+    ("candidate", "link"), [(joint_elasticity.EFFECT, (600.0, 1.5, 0.0)), (backlash.EFFECT, (1e4, 20.0, 2e-3))]
 )
-def test_a_rotor_before_the_transmission_is_not_behind_it(
-    candidate: Candidate, link: tuple[float, float, float]
-) -> None:
+def test_a_rotor_before_the_transmission_is_not_behind_it(candidate: Effect, link: tuple[float, float, float]) -> None:
     stiffness, damping, half_gap = link
     torque = 0.12 * DATA.ddq + far_side_torque(stiffness, damping, half_gap, 0.18)
-    shapes = candidate.tried(DATA)
+    shapes = candidate.grid(DATA)
     one, several = (
-        share_seen(replace(candidate, shapes=tuple(s for s in shapes if ("far_share" in s) == lighter)), torque)
+        share_seen(altered(candidate, grid=tuple(s for s in shapes if ("far_share" in s) == lighter)), torque)
         for lighter in (False, True)
     )
     assert several > 0.8
@@ -111,9 +110,9 @@ def test_a_late_load_is_a_delay_where_the_load_is_known() -> None:
     loaded = replace(DATA, load=10.0 * np.sin(DATA.q))
     borne = baseline(DATA).torque + 10.0 * np.sin(DATA.q)
     late = np.interp(loaded.t - 0.01, loaded.t, borne) - borne
-    assert share_explained(time_delay.CANDIDATE, loaded, late) > 0.95
-    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(loaded)} == {0.0, 1.0}
-    assert {shape["delayed_load"] for shape in time_delay.CANDIDATE.tried(replace(DATA, load=None))} == {0.0}
+    assert share_explained(time_delay.EFFECT, loaded, late) > 0.95
+    assert {shape["delayed_load"] for shape in time_delay.EFFECT.grid(loaded)} == {0.0, 1.0}
+    assert {shape["delayed_load"] for shape in time_delay.EFFECT.grid(replace(DATA, load=None))} == {0.0}
 
 
 def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
@@ -122,26 +121,26 @@ def test_friction_at_the_speed_of_a_while_ago_is_a_lag() -> None:
     for k in range(1, len(speed)):
         seen[k] = seen[k - 1] + STEP_S / 0.06 * (speed[k - 1] - seen[k - 1])
     torque = np.sign(DATA.dq) * 0.15 * (np.exp(-seen / 0.2) - np.exp(-speed / 0.2))
-    own = share_explained(frictional_lag.CANDIDATE, DATA, torque)
+    own = share_explained(frictional_lag.EFFECT, DATA, torque)
     assert own > 0.9
-    assert best_rival(frictional_lag.CANDIDATE, torque) < own - 0.1
+    assert best_rival(frictional_lag.EFFECT, torque) < own - 0.1
 
 
 def test_factors_agree_with_what_the_column_was_built_for() -> None:
     step = {"delay_step_s": 0.01}
-    assert time_delay.CANDIDATE.admissible(np.array([0.009]), step)
-    assert not time_delay.CANDIDATE.admissible(np.array([0.002]), step)
-    assert not time_delay.CANDIDATE.admissible(np.array([-0.01]), step)
+    assert time_delay.EFFECT.admissible(np.array([0.009]), step)
+    assert not time_delay.EFFECT.admissible(np.array([0.002]), step)
+    assert not time_delay.EFFECT.admissible(np.array([-0.01]), step)
     spring = {"spring_nm_per_rad": 1e3}
-    assert joint_elasticity.CANDIDATE.admissible(np.array([1.1e-3]), spring)
-    assert not joint_elasticity.CANDIDATE.admissible(np.array([1e-4]), spring)
-    assert not backlash.CANDIDATE.admissible(np.array([0.1]), {})
-    assert not frictional_lag.CANDIDATE.admissible(np.array([-0.5]), {})
+    assert joint_elasticity.EFFECT.admissible(np.array([1.1e-3]), spring)
+    assert not joint_elasticity.EFFECT.admissible(np.array([1e-4]), spring)
+    assert not backlash.EFFECT.admissible(np.array([0.1]), {})
+    assert not frictional_lag.EFFECT.admissible(np.array([-0.5]), {})
 
 
 def test_one_stroke_back_and_forth_is_not_enough() -> None:
     once = joint_data(DATA.q[:400], DATA.dq[:400], DATA.ddq[:400])
-    assert "reversals" in str(backlash.CANDIDATE.untestable(once, baseline(once)))
+    assert "reversals" in str(backlash.EFFECT.not_identifiable(once, baseline(once)))
 
 
 def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() -> None:
@@ -152,9 +151,9 @@ def test_what_a_position_sensor_shivers_does_not_ring_along_a_smooth_motion() ->
     )
     spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2}
 
-    def change(shape: Shape) -> float:
+    def change(shape: Nonlinear) -> float:
         still, moved = (
-            joint_elasticity.CANDIDATE.columns(one, baseline(one), shape)[400:-400] for one in (DATA, shaken)
+            joint_elasticity.EFFECT.regressor(one, baseline(one), shape)[400:-400] for one in (DATA, shaken)
         )
         return float(np.sqrt(np.mean((moved - still) ** 2) / np.mean(still**2)))
 
@@ -168,14 +167,14 @@ def test_a_spring_along_a_smooth_motion_may_be_softer_than_it_is_told(near_kg_m2
     stiffness, far_kg_m2 = 3000.0, 0.3
     as_if_held = stiffness * far_kg_m2 * (1.0 / far_kg_m2 + 1.0 / near_kg_m2)
     held = {"spring_nm_per_rad": as_if_held}
-    least, most = joint_elasticity.told_too_stiff({**held, "motion_below_hz": 18.0})["spring_nm_per_rad"]
+    least, most = joint_elasticity.EFFECT.factor_ranges({**held, "motion_below_hz": 18.0})["spring_nm_per_rad"]
     assert least * as_if_held <= stiffness * (1.0 + 1e-9)
     assert stiffness <= most * as_if_held
-    assert not joint_elasticity.told_too_stiff(held)
+    assert not joint_elasticity.EFFECT.factor_ranges(held)
 
 
 def test_springs_that_ring_slowly_are_tried_along_the_measured_motion_only() -> None:
-    smooth = [shape for shape in joint_elasticity.CANDIDATE.tried(DATA) if "motion_below_hz" in shape]
+    smooth = [shape for shape in joint_elasticity.EFFECT.grid(DATA) if "motion_below_hz" in shape]
     assert smooth
     ringing = [np.sqrt(shape["spring_nm_per_rad"] / 0.3) / (2 * np.pi) for shape in smooth]
     assert min(ringing) > 18.0
@@ -185,7 +184,7 @@ def test_a_spring_whose_twist_drowns_in_noise_of_the_position_is_none() -> None:
     noise = 1e-4 * np.random.default_rng(0).standard_normal(len(DATA.q))
     moved = replace(DATA, torque=BASE.torque)
     stiffest, coarsest = (
-        max(shape["spring_nm_per_rad"] for shape in joint_elasticity.CANDIDATE.tried(one))
+        max(shape["spring_nm_per_rad"] for shape in joint_elasticity.EFFECT.grid(one))
         for one in (moved, replace(moved, q=DATA.q + noise))
     )
     assert stiffest == joint_elasticity.STIFFEST_NM_PER_RAD
@@ -201,7 +200,7 @@ def test_a_damped_far_side_forgets_what_a_position_sensor_shivers(damping: float
         DATA, q=DATA.q + shiver, dq=DATA.dq + 3e-4 * rate * np.cos(rate * DATA.t), ddq=DATA.ddq - rate**2 * shiver
     )
     spring = {"spring_nm_per_rad": BASE.inertia_kg_m2 * rate**2, "damping_ratio": damping}
-    still, moved = (joint_elasticity.CANDIDATE.columns(one, baseline(one), spring)[400:] for one in (DATA, shaken))
+    still, moved = (joint_elasticity.EFFECT.regressor(one, baseline(one), spring)[400:] for one in (DATA, shaken))
     amplified = np.std(moved - still) / np.std(spring["spring_nm_per_rad"] * BASE.inertia_kg_m2 * rate**2 * shiver)
     # At its resonance a far side multiplies by one over twice the damping ratio, a little less beside its friction.
     assert (amplified > 3.0) == (damping < 0.1)
@@ -214,8 +213,8 @@ def test_noise_of_the_position_shifts_the_strikes_of_a_play_but_not_along_a_smoo
     noisy = replace(DATA, q=DATA.q + noise, dq=DATA.dq + speed, ddq=DATA.ddq + np.gradient(speed, STEP_S))
     sharp = {"gap_rad": 4e-3, "contact_hz": 29.0}
 
-    def correlation(shape: Shape) -> float:
-        column = seen(backlash.CANDIDATE.columns(noisy, baseline(noisy), shape)[:, 0])[400:-400]
+    def correlation(shape: Nonlinear) -> float:
+        column = seen(backlash.EFFECT.regressor(noisy, baseline(noisy), shape)[:, 0])[400:-400]
         return float(np.corrcoef(column, torque)[0, 1])
 
     assert correlation(sharp) < 0.8

@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 import pytest
 from friction_audit.reporting.log_report import LogReport
-from friction_audit.reporting.tables import diagnose_tables, report_tables
 
 from friction_audit.cli import choices
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.reporting import tables
+from friction_audit.reporting.tables import diagnose_tables, report_tables
 from tests.reporting import log_report_by_hand as by_hand
 from tests.reporting.diagnosis_by_hand import AMBIGUOUS
 

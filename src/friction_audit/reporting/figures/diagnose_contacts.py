@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import Contact, find_contacts
 from friction_audit.diagnosis.declared import least_squares
+from friction_audit.diagnosis.find_contacts import find_contacts
 from friction_audit.diagnosis.grown_model import grow_model
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.result import UNANSWERED, Effect, JointDiscrepancy
 from friction_audit.diagnosis.rows import Rows, filter_rows, make_rows
+from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import Provenance
 from friction_audit.errors import AnalysisError

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.result import Effect, Evidence, JointDiscrepancy, Traces, others_of
+from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from friction_audit.reporting.diagnosis_words import effect_numbers

@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
 from friction_audit.diagnosis.profiles import bin_means
 from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile, Traces, others_of
 from friction_audit.diagnosis.shown_along import shows_along
+from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis

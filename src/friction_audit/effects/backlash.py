@@ -1,0 +1,198 @@
+"""Backlash: a gap between the measured side and the side of friction.
+
+Where the torque changes sign the far side flies free, friction alone on it, until the measured side has crossed the
+gap and strikes it on the other flank.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import sqrt
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.transmission import (
+    MANY_SAMPLES,
+    FarSide,
+    Transmission,
+    added_torques,
+    far_side,
+    flank_stiffness,
+    part_of,
+    simple_torque,
+)
+from friction_audit.effects.effect import Effect, Nonlinear, Ranges, Trait
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.transmission import FAR_SHARE, MOTION_BELOW_HZ, far_side_of, motions, no_inertia
+from friction_audit.joint_log import Float
+
+CONTACT_DAMPING_RATIO = 0.2  # of metal on lubricated metal: half of the speed is left after an impact
+# Widths of the gap as shares of the span of the motion, close to each other, for they set when the flanks strike.
+SPAN_SHARES = np.geomspace(3e-5, 0.02, 36)
+CONTACTS_HZ = (22.0, 50.0)  # flanks that ring about as fast as a regression sees, and hard ones
+# Elastic and plastic contact: impacts after a bounce come at moments that noise of the position shifts.
+FLANK_DAMPINGS = (CONTACT_DAMPING_RATIO, 0.5)
+SOUGHT_TIMES = 1.8  # how much narrower or wider a gap may be in a joint fit with the far side
+HIDDEN_SHARES = (1e-3, 0.08)  # widths of gaps that hide the inertia, as shares of the span of the motion
+SOUGHT_CONTACTS_HZ = (15.0, 75.0)
+# Ranges in a joint fit: softer flanks are a spring, harder ones cannot be distinguished.
+SOUGHT_FLANKS = {"contact_hz": SOUGHT_CONTACTS_HZ, "flank_damping_ratio": (0.1, 0.7)}
+# Tried for each width in the profile: softer flanks strike as those of a wider gap do.
+PROFILED_CONTACTS_HZ = np.geomspace(*SOUGHT_CONTACTS_HZ, 11)
+# Of the inertia, on the far side: a rotor may move with the measured side.
+FAR_SHARES = (0.8, 0.6)
+# The coefficient is 1 but for the errors of a nominal model that was fitted without the gap.
+LEAST_SHARE, LARGEST_SHARE = 0.4, 1.6
+
+
+class Backlash(Effect):
+    transmits = True
+    multimodal = "gap_rad"
+    multimodal_with = tuple({"contact_hz": float(hz)} for hz in PROFILED_CONTACTS_HZ)
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return what a gap before the far side adds to the torque, as a column."""
+        ((_, column),) = self.columns_of_many(motion, [values])
+        return column
+
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield the same for many values; all have one far side."""
+        far, torque = far_side(motion), simple_torque(motion)
+        usual = sqrt(torque @ torque / len(torque))
+        yield from plays(motion, [far] * len(many), [usual] * len(many), many)
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """All widths on both kinds of flanks, and on hard ones that a smooth motion strikes.
+
+        On hard flanks every second width with less inertia on the far side too, along a smooth motion every fourth.
+        """
+        span = float(np.ptp(data.q)) or 1.0
+        hard = max(CONTACTS_HZ)
+        calm = {"motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": max(FLANK_DAMPINGS)}
+        kinds: tuple[dict[str, float], ...] = (
+            *({"contact_hz": hz} for hz in CONTACTS_HZ),
+            *(
+                {"contact_hz": hard, "motion_below_hz": MOTION_BELOW_HZ, "flank_damping_ratio": damping}
+                for damping in FLANK_DAMPINGS
+            ),
+        )
+        widths = (SPAN_SHARES * span).tolist()
+        return (
+            *({"gap_rad": width, **kind} for kind in kinds for width in widths),
+            *(
+                {"gap_rad": width, "contact_hz": hard, "far_share": share}
+                for share in FAR_SHARES
+                for width in widths[::2]
+            ),
+            *(
+                {"gap_rad": width, "contact_hz": hard, **calm, "far_share": s}
+                for s in FAR_SHARES
+                for width in widths[::4]
+            ),
+        )
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """What the gap adds to the torque, along the motion as measured or below a frequency."""
+        ((_, column),) = self.regressors(data, nominal, (at,))
+        return column
+
+    def regressors(self, data: JointData, nominal: Nominal, grid: Sequence[Nonlinear]) -> Iterator[tuple[int, Float]]:
+        yield from self.transmitted(data, [far_side_of(nominal)] * len(grid), grid)
+
+    def transmitted(
+        self, data: JointData, far: Sequence[FarSide], grid: Sequence[Nonlinear]
+    ) -> Iterator[tuple[int, Float]]:
+        numbers = np.array([(own.inertia_kg_m2, own.coulomb_nm, own.viscous_nms_per_rad) for own in far])
+        for motion, places in motions(data, grid):
+            every = max(len(motion.t) // MANY_SAMPLES, 1)
+            simple = np.stack([motion.ddq[::every], motion.direction[::every], motion.dq[::every]])
+            usual = np.sqrt(np.mean((numbers[places] @ simple) ** 2, axis=1)).tolist()
+            values = [self.values(grid[place]) for place in places]
+            for k, column in plays(motion, [far[place] for place in places], usual, values):
+                yield places[k], column
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        return reversals(data, nominal) or no_inertia(nominal)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        return bool(LEAST_SHARE <= coefficients[0] <= LARGEST_SHARE)
+
+    def joint_ranges(self, data: JointData, at: Nonlinear) -> Ranges:
+        width = at["gap_rad"]
+        return {"gap_rad": (width / SOUGHT_TIMES, width * SOUGHT_TIMES), **SOUGHT_FLANKS}
+
+    def hidden_ranges(self, data: JointData) -> Ranges:
+        """Gaps that hide most of the inertia from the nominal fit, and so themselves from the grid."""
+        least, most = HIDDEN_SHARES
+        span = float(np.ptp(data.q)) or 1.0
+        return {"gap_rad": (least * span, most * span), **SOUGHT_FLANKS}
+
+    def systematic_error(self, nominal: Nominal, at: Nonlinear) -> float:
+        """Motion that both flanks take by giving way. [rad]"""
+        return 2.0 * _flank_twist(nominal, at)
+
+
+def _flank_twist(nominal: Nominal, at: Nonlinear) -> float:
+    stiffness = nominal.inertia_kg_m2 * (2.0 * np.pi * at["contact_hz"]) ** 2
+    return float(abs(nominal.coulomb_nm) / stiffness) if stiffness > 0.0 else 0.0
+
+
+def plays(
+    motion: Motion, far: Sequence[FarSide], usual_nm: Sequence[float], many: Sequence[Sequence[float]]
+) -> Iterator[tuple[int, Float]]:
+    """Yield columns for many values, each with its own far side and the usual torque of that."""
+    flanks = [
+        flank(part_of(own, values[-1]).inertia_kg_m2, usual, values)
+        for own, usual, values in zip(far, usual_nm, many, strict=True)
+    ]
+    for place, added in added_torques(motion, far, flanks):
+        yield place, added[:, None]
+
+
+def flank(inertia_kg_m2: float, usual_nm: float, values: Sequence[float]) -> Transmission:
+    """Return the transmission of a gap.
+
+    Args:
+        inertia_kg_m2: Inertia on the far side.
+        usual_nm: Root mean square of the torque that it transmits.
+        values: Nonlinear parameters, in order.
+    """
+    gap, contact_hz, damping_ratio, share = values
+    return Transmission(
+        stiffness_nm_per_rad=flank_stiffness(inertia_kg_m2, contact_hz, gap, usual_nm),
+        damping_ratio=damping_ratio,
+        gap_rad=gap,
+        far_share=share,
+    )
+
+
+EFFECT = Backlash(
+    name="backlash",
+    label="free play at a reversal",
+    family="structure",
+    axis="displacement",
+    coefficients=(
+        Parameter("backlash_share", "1", "share of inertia and friction on the far side", lower=0.0, upper=1.5),
+    ),
+    nonlinear=(
+        Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
+        Parameter("contact_hz", "Hz", "ringing on a flank that touches", lower=1.0, upper=1e3),
+        Parameter(
+            "flank_damping_ratio",
+            "1",
+            "damping ratio of that ringing",
+            lower=0.0,
+            upper=2.0,
+            optional=True,
+            default=CONTACT_DAMPING_RATIO,
+        ),
+        FAR_SHARE,
+    ),
+    traits=Trait.NEEDS_NOMINAL,
+    forward="play",
+    record="reverse slowly at least 20 times with hardly any load",
+    separate={
+        "contact_event": "reverse again at the same places: a gap opens at every reversal",
+    },
+)

@@ -1,0 +1,152 @@
+"""Gravity error: the gravity torque that was subtracted is wrong, by the joint's angle, by links, or by a tilted base.
+
+In one joint alone a wrong mass, a wrong centre of mass and a tilted base are the same: an amplitude and a phase of its
+angle. In an arm they differ: a link that is heavier than its model pulls at each joint as the pose says (the columns of
+gravity in the arm's regressor; Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986).
+"""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+OWN_ANGLE, TILT, SEVERAL = 0, -1, -2  # values of the source; from 1 on, the number of a link
+OF_ANGLE, OF_LINK, OF_TILT = slice(0, 2), slice(2, 6), slice(6, 8)  # columns of the sources
+# Columns of the joint's own link, the next and the last where several are wrong.
+OF_LINKS = (OF_LINK, slice(8, 12), slice(12, 16))
+OF_ONE = 8  # columns in front that belong to an error of one source; the others are of several links only
+SOURCE = "gravity_error_source"
+PLACES = np.concatenate([np.arange(where.start, where.stop) for where in OF_LINKS])  # columns of several links
+# Of the largest column: what one must add to the others. A kg m, more than any arm's model is off, pulls with 10 N m;
+# what a hundredth of that makes of a tenth of a kg m, the usual error, drowns in the noise of a good sensor.
+LEAST_GAIN = 0.01
+# What is less per kg or kg m is no weight. [N m]
+ROUNDING = 1e-9
+MOST_KG = 10.0  # and kg m: what columns that nearly cancel may make of a link is no body
+
+
+class GravityError(Effect):
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the columns of one source of the error; those of the others are zero."""
+        source = round(values[0])
+        columns = np.zeros((len(self.coefficients), len(motion.t))).T  # one behind the other in memory
+        if source == OWN_ANGLE:
+            columns[:, OF_ANGLE] = np.column_stack([np.cos(motion.q), np.sin(motion.q)])
+        elif motion.rigid is None:
+            return columns
+        elif source == TILT:
+            columns[:, OF_TILT] = motion.rigid.at(motion.t, motion.rigid.tilt)
+        elif source == SEVERAL:
+            weight = motion.rigid.at(motion.t, motion.rigid.weight)
+            for k, where in enumerate(OF_LINKS[: weight.shape[1]]):
+                columns[:, where] = weight[:, k]
+        elif source in motion.rigid.links:
+            columns[:, OF_LINK] = motion.rigid.at(motion.t, motion.rigid.weight[:, motion.rigid.links.index(source)])
+        return columns
+
+    def regressor(self, data: JointData, nominal: Nominal, at: Nonlinear) -> Float:
+        """The columns of one source; of several links the linearly independent ones, the others zero."""
+        source = round(at[SOURCE])
+        found = self.columns(data.motion(nominal.torque), (source,))
+        if source != SEVERAL:
+            return found[:, :OF_ONE]
+        found[:, PLACES[~independent(data)]] = 0.0
+        return found
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """The joint's angle, and what the model of the arm lets pull at it."""
+        rigid = data.rigid
+        links = () if rigid is None else tuple(k for n, k in enumerate(rigid.links) if rigid.weight[:, n].any())
+        several = (SEVERAL,) if np.count_nonzero(independent(data).reshape(len(OF_LINKS), -1).any(axis=1)) > 1 else ()
+        tilt = () if rigid is None else (TILT,)
+        return tuple({SOURCE: float(source)} for source in (OWN_ANGLE, *links, *several, *tilt))
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        return span(data, nominal, 0.3)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """Either sign is possible; of several links not what no arm carries."""
+        return not self.needs_gain(at) or bool(np.all(np.abs(coefficients) <= MOST_KG))
+
+    def needs_gain(self, at: Nonlinear) -> bool:
+        """Several links: moments of inertia of one, which its columns lack, must not pass for others."""
+        return round(at[SOURCE]) == SEVERAL
+
+
+def independent(data: JointData) -> NDArray[np.bool_]:
+    """Return which columns of several links are linearly independent, shape (12,); none without a model of the arm.
+
+    By QR with pivoting: of columns that nearly depend on each other the larger one stays (P. Businger, G. H. Golub,
+    Linear least squares solutions by Householder transformations, Numerische Mathematik 7 (1965) 269).
+    """
+    from scipy.linalg import qr
+
+    found = np.zeros(len(PLACES), bool)
+    if data.rigid is None or not data.used.any():
+        return found
+    pulls = EFFECT.columns(data.motion(), (SEVERAL,))[data.used][:, PLACES]
+    factor, order = qr(pulls / np.sqrt(len(pulls)), mode="r", pivoting=True)
+    adds = np.abs(np.diag(factor))
+    found[order[: len(adds)]] = adds > max(LEAST_GAIN * adds[0], ROUNDING)
+    return found
+
+
+def _of_another(link: str) -> Iterator[Parameter]:
+    """Yield the numbers of another link, which files of earlier versions do not have."""
+    for axis in "xyz":
+        yield Parameter(
+            name=f"{link}_link_moment_{axis}_kg_m",
+            unit="kg m",
+            meaning=f"mass times centre of mass of the {link} link, {axis} in its joint's frame",
+            optional=True,
+        )
+    yield Parameter(
+        name=f"{link}_link_mass_kg", unit="kg", meaning=f"mass of the {link} link more than in the model", optional=True
+    )
+
+
+EFFECT = GravityError(
+    name="gravity_error",
+    label="gravity not fully compensated",
+    family="load and place",
+    axis="position",
+    coefficients=(
+        Parameter("gravity_cos_nm", "N m", "of the cosine of the joint's angle"),
+        Parameter("gravity_sin_nm", "N m", "of the sine of the joint's angle"),
+        Parameter("link_moment_x_kg_m", "kg m", "mass times centre of mass, x in the joint's frame"),
+        Parameter("link_moment_y_kg_m", "kg m", "the same, y"),
+        Parameter("link_moment_z_kg_m", "kg m", "the same, z"),
+        Parameter("link_mass_kg", "kg", "mass of the link more than in the model"),
+        Parameter("gravity_across_1_m_s2", "m/s^2", "gravity across the vertical: a tilted base"),
+        Parameter("gravity_across_2_m_s2", "m/s^2", "the same, at right angles"),
+        *_of_another("next"),
+        *_of_another("last"),
+    ),
+    nonlinear=(
+        Parameter(
+            "gravity_error_source",
+            "1",
+            "0 own angle, -1 base, -2 several links, else number of the link",
+            lower=SEVERAL,
+            whole=True,
+        ),
+    ),
+    traits=Trait.EVEN,
+    record="move through at least 1.5 rad, with rests at several places",
+    separate={
+        "torque_bias": "move through at least 1.5 rad, with rests at several places",
+        "cable_spring": "move through at least 1.5 rad: gravity is a sine of the position, a spring a line",
+        "inertia_error": "move at two frequencies: on one sinusoid gravity and inertia are the same",
+        "joint_limit_stop": "move through all of the range: a stop is there at its ends only",
+        "inertial_coupling": "hold several poses at rest: coupling needs acceleration, gravity does not",
+        "torque_crosstalk": "push against a neighbour while the arm rests: gravity stays the same",
+        "friction_step": "rest at the same place before and after the change, and move both ways",
+    },
+)

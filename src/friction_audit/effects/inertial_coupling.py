@@ -1,0 +1,110 @@
+"""Torque that a joint takes because others accelerate.
+
+Where the arm's model is known, a share of its inertial torque M(q) ddq + c(q, dq), or what an unknown body on the last
+link adds to it (Atkeson, An, Hollerbach, Int. J. Robotics Research 5(3), 1986). Where it is not, or for motors whose
+rotors turn with other joints (De Luca, Book, Robots with flexible elements, 2016), accelerations and squared speeds
+of the others, with constant coefficients.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from friction_audit.dynamics.motion import INERTIAL_PARAMETERS, Motion, Others
+from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.excitation import neighbours_move
+from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+BEFORE, AFTER, BOTH, ALL, MODEL, TIP = range(6)  # values of the source
+JOINTS = 7  # accelerations of more joints are not looked at
+INERTIAL = ("mass", "moment_x", "moment_y", "moment_z", "xx", "xy", "yy", "xz", "yz", "zz")
+UNITS = ("kg", "kg_m", "kg_m", "kg_m") + ("kg_m2",) * 6
+LARGEST_SHARE = 2.0  # of the model's inertial torque: 1 where it was not subtracted, -1 where it was twice
+LARGEST_MASS_KG = 10.0  # what columns that nearly cancel may make of the last link is no body
+CYCLES_PER_COLUMN = 2  # a dozen coefficients from as many cycles overfit, with masses that no arm carries
+
+
+class InertialCoupling(Effect):
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return the columns of one source of the torque; those of the others are zero."""
+        source = round(values[0])
+        columns = np.zeros((len(self.coefficients), len(motion.t))).T  # one behind the other in memory
+        rigid = motion.rigid
+        if source <= ALL:
+            if motion.others is None:
+                return columns
+            meant = list(_meant(source, motion.others))
+            columns[:, meant] = motion.others.ddq[:, meant]
+            if source == ALL:
+                columns[:, [JOINTS + joint for joint in meant]] = motion.others.dq[:, meant] ** 2
+        elif rigid is not None and rigid.inertial is not None and rigid.tip is not None:
+            columns[:, 2 * JOINTS] = rigid.at(motion.t, rigid.inertial)
+            if source == TIP:
+                columns[:, -INERTIAL_PARAMETERS:] = rigid.at(motion.t, rigid.tip)
+        return columns
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """The neighbours and the arm's model; sources with many coefficients where there are many cycles."""
+        joints, joint = data.others_dq.shape[1], data.own_column
+        model = data.rigid is not None and data.rigid.inertial is not None
+        columns = len(np.unique(data.cycle[data.used])) // CYCLES_PER_COLUMN
+        sources = (
+            (BEFORE, joint > 0),
+            (AFTER, joint + 1 < joints),
+            (BOTH, 0 < joint < joints - 1),
+            (ALL, joints > 1 and 2 * (joints - 1) <= columns),
+            (MODEL, model),
+            (TIP, model and columns >= 1 + INERTIAL_PARAMETERS),
+        )
+        return tuple({"coupling_source": float(source)} for source, there in sources if there)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        """Either sign is possible, for a rotor may turn against its neighbour; not that of what no arm carries."""
+        value = dict(zip((one.name for one in self.coefficients), coefficients.tolist(), strict=True))
+        possible = abs(value["inertial_torque_share"]) <= LARGEST_SHARE and abs(value["tip_mass_kg"]) <= LARGEST_MASS_KG
+        return bool(possible)
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        return neighbours_move(data, nominal)
+
+
+def _meant(source: int, others: Others) -> range | tuple[int, ...]:
+    joint, joints = others.joint, min(others.ddq.shape[1], JOINTS)
+    wanted = {BEFORE: (joint - 1,), AFTER: (joint + 1,), BOTH: (joint - 1, joint + 1)}
+    return tuple(k for k in wanted.get(source, range(joints)) if 0 <= k < joints and k != joint)
+
+
+EFFECT = InertialCoupling(
+    name="inertial_coupling",
+    label="other joints shake this one",
+    family="structure",
+    axis="neighbour",
+    coefficients=(
+        *(
+            Parameter(f"coupling_to_joint{k}_kg_m2", "kg m^2", f"torque per acceleration of joint {k}")
+            for k in range(1, JOINTS + 1)
+        ),
+        *(
+            Parameter(f"coupling_to_speed{k}_kg_m2", "kg m^2", f"torque per squared speed of joint {k}")
+            for k in range(1, JOINTS + 1)
+        ),
+        Parameter("inertial_torque_share", "1", "share of the model's inertial torque"),
+        *(
+            Parameter(f"tip_{name}_{unit}", unit.replace("_", " "), f"of the last link, {name}")
+            for name, unit in zip(INERTIAL, UNITS, strict=True)
+        ),
+    ),
+    nonlinear=(
+        Parameter(
+            "coupling_source",
+            "1",
+            "0 joint before, 1 after, 2 both, 3 all joints, 4 model of the arm, 5 with its last link",
+            lower=BEFORE,
+            upper=TIP,
+            whole=True,
+        ),
+    ),
+    record="move the neighbours one at a time, also while this joint rests",
+)

@@ -1,0 +1,165 @@
+"""Presliding: friction builds up like a spring over the path since a reversal, and gives way as Coulomb friction.
+
+After a reversal from steady sliding, with z the share of the level that is borne and x the path,
+
+    dz/dx = (1 - z sgn(dx))^n / reach
+
+n = 0 is one stop (Prandtl's element). For n < 1 the reach is finite, and stops in parallel that slip one after the
+other have this curve; they remember every reversal until a larger loop closes (W. D. Iwan, J. Appl. Mech. 33 (1966)
+893: n = 1/2 is a uniform spread; F. Al-Bender et al., IEEE Trans. Autom. Control 50 (2005) 1883: Maxwell slip). For
+n >= 1 the equation holds at all times (P. R. Dahl, A solid friction model, 1968); n = 1 is LuGre at constant level (C.
+Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419, eq. (1)-(3)), whose damping sigma_1 dz/dt is the
+stiffness times a time. Without that damping nothing depends on the rate.
+"""
+
+from collections.abc import Iterator, Sequence
+from math import exp
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.dynamics.motion import Motion
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal, strokes
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+EVEN = 1e-6  # scatter of the steps of a clock that is rounding, as a share of the step
+STOPS = 16  # stops in parallel that stand for any number of them
+# Reaches as shares of the span of the motion, from friction that is hardly rounded: a stiff spring rounds it too, and
+# would take its name.
+SPAN_SHARES = np.append(np.geomspace(1e-5, 1e-4, 3)[:-1], np.geomspace(1e-4, 0.3, 18))
+# Exponents with times of damping: one stop, a row of stops, Dahl's, a slow one, and LuGre's with its damping.
+KINDS = ((0.02, 1e-4), (0.5, 1e-4), (1.0, 1e-4), (2.0, 1e-4), (1.0, 0.01))
+
+
+class Presliding(Effect):
+    regressors = Effect.regressors_together
+
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return what bristles in the place of Coulomb friction add, as a column: z + T dz/dt - sgn(dq)."""
+        ((_, column),) = self.columns_of_many(motion, [values])
+        return column
+
+    def columns_of_many(self, motion: Motion, many: Sequence[Sequence[float]]) -> Iterator[tuple[int, Float]]:
+        """Yield the same for many values; those that differ by the damping alone have their bristles in common."""
+        places: dict[tuple[float, float], list[int]] = {}
+        for place, (reach, exponent, _) in enumerate(many):
+            places.setdefault((reach, exponent), []).append(place)
+        sign, times = motion.direction, _spacing(motion.t)
+        for (reach, exponent), alike in places.items():
+            z = bristle(motion.q, reach, exponent)
+            rate = np.gradient(z, times) if any(many[place][2] > 0.0 for place in alike) else np.zeros(len(z))
+            for place in alike:
+                yield place, (z + many[place][2] * rate - sign)[:, None]
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """All reaches of all kinds."""
+        span = float(np.ptp(data.q)) or 1.0
+        return tuple(
+            {"reach_rad": float(share) * span, "yielding_exponent": exponent, "bristle_damping_s": damping}
+            for exponent, damping in KINDS
+            for share in SPAN_SHARES
+        )
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        return reversals(data, nominal)
+
+    def stands_in(self, data: JointData, at: Nonlinear) -> str:
+        """Whether friction would still build up at most moments of the motion: what never slides is no presliding."""
+        travelled = float(np.median(np.abs(strokes(data).displacement[data.used]))) if data.used.any() else 0.0
+        if at["reach_rad"] <= travelled:
+            return ""
+        return (
+            f"presliding over {at['reach_rad']:.2g} rad, where the joint is within {travelled:.2g} rad of its last "
+            "reversal half of the time, stands in for something else that follows the motion"
+        )
+
+
+def bristle(q: Float, reach_rad: float, exponent: float) -> Float:
+    """Return the state z along a path, exact for a path straight between its samples, 0 at the start, shape (n,).
+
+    Args:
+        q: Positions, shape (n,). [rad]
+        reach_rad: Displacement after which a spring as stiff as at z = 0 would be at the level. [rad]
+        exponent: n; 0 gives way all at once, larger ones give way longer before.
+    """
+    path = np.ascontiguousarray(q, dtype=np.float64) / reach_rad
+    if exponent < 1.0:
+        return np.asarray(_stops(path, *spread(exponent)))
+    return np.asarray(_dahl(path, float(exponent)))
+
+
+def spread(exponent: float) -> tuple[Float, Float]:
+    """Return where stops in parallel slip, in reaches, and their stiffnesses, such that they have the curve, (k,) each.
+
+    Pulled from zero they rise as half of the curve after a reversal does at twice the path (G. Masing, 1926).
+    """
+    bend = 1.0 - exponent
+    missing = np.linspace(1.0, 0.0, STOPS + 1) ** 2
+    gone = np.append(-np.expm1(bend * np.log(missing[:-1])), 1.0)  # 1 - missing^bend, also where n is all but 1
+    slips = 2.0**bend * gone / (2.0 * bend)
+    slope = np.append(-np.diff(missing) / np.diff(slips), 0.0)
+    return slips[1:], -np.diff(slope)
+
+
+def _spacing(t: Float) -> Float | float:
+    """Return the step of even times, of which a derivative takes a tenth of the work, or the times themselves."""
+    steps = np.diff(t)
+    return float(np.mean(steps)) if len(steps) and np.ptp(steps) <= EVEN * np.mean(steps) else t
+
+
+@compiled(any_order=True)
+def _stops(path: Float, slips: Float, stiffness: Float) -> Float:
+    z = np.zeros(len(path))
+    bent = np.zeros(len(slips))
+    for i in range(1, len(path)):
+        step, total = path[i] - path[i - 1], 0.0
+        for k in range(len(slips)):
+            bent[k] = min(slips[k], max(-slips[k], bent[k] + step))
+            total += stiffness[k] * bent[k]
+        z[i] = total
+    return z
+
+
+@compiled()
+def _dahl(path: Float, exponent: float) -> Float:
+    z = np.zeros(len(path))
+    missing, sign, bend = 1.0, 1.0, exponent - 1.0
+    for i in range(1, len(path)):
+        step = path[i] - path[i - 1]
+        if step * sign < 0.0:
+            sign, missing = -sign, 2.0 - missing
+        # 1 - z sgn(dx) along a path in one direction, dm/dx = -m^n, solved exactly.
+        if bend == 0.0:
+            missing *= exp(-abs(step))
+        elif bend == 1.0:
+            missing /= 1.0 + abs(step) * missing
+        elif missing > 0.0:
+            missing *= (1.0 + bend * abs(step) * missing**bend) ** (-1.0 / bend)
+        z[i] = sign * (1.0 - missing)
+    return z
+
+
+EFFECT = Presliding(
+    name="presliding",
+    label="friction builds up after a reversal",
+    family="velocity",
+    axis="displacement",
+    coefficients=(Parameter("bristle_nm", "N m", "Coulomb friction of the bristles", lower=0.0),),
+    nonlinear=(
+        Parameter("reach_rad", "rad", "Coulomb friction over stiffness at rest", lower=1e-6, upper=1.0),
+        Parameter("yielding_exponent", "1", "how long before they give way", lower=0.0, upper=3.0),
+        Parameter("bristle_damping_s", "s", "damping over stiffness", lower=0.0, upper=1.0),
+    ),
+    traits=Trait.ODD,
+    forward="bristle",
+    record="reverse at least 20 times, over short and long ways",
+    separate={
+        "backlash": "reverse slowly with hardly any load: a gap gives no torque at all, then an impact",
+        "frictional_lag": "reverse at different accelerations: presliding goes by the path, a lag by the time",
+        "time_delay": "reverse at different accelerations: presliding goes by the path, a delay by the time",
+        "joint_elasticity": "reverse fast and slowly: a spring rings after a fast reversal",
+    },
+)

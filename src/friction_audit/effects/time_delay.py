@@ -1,0 +1,70 @@
+"""Time delay: the torque reaches the log later than the motion, or earlier if the delay is below zero.
+
+The regressor is the torque of inertia and friction, read earlier by a step, less what it is now, per step: jumps at
+reversals stay jumps. It is exact where the delay is the step. Where a late sensor bears a load too, what was taken away
+for the load was taken too early.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.transmission import simple_torque
+from friction_audit.effects.effect import Effect, Nonlinear, Trait
+from friction_audit.effects.excitation import reversals
+from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.effects.parameter import Parameter
+from friction_audit.joint_log import Float
+
+STEPS_S = np.geomspace(1e-3, 0.1, 13)
+# Delay found over the delay for which jumps are right; a shorter delay than the shortest looks just like it.
+LEAST_SHARE, LARGEST_SHARE = 0.5, 1.6
+
+
+class TimeDelay(Effect):
+    def columns(self, motion: Motion, values: Sequence[float]) -> Float:
+        """Return (rest(t - s) - rest(t)) / s as a column, first and last value held; with the load or without."""
+        step, with_load = values
+        rest = simple_torque(motion)
+        if round(with_load) and motion.load is not None:
+            rest = rest + motion.load
+        return np.asarray((np.interp(motion.t - step, motion.t, rest) - rest) / step)[:, None]
+
+    def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
+        """All delays, of friction and inertia alone and, where there is a load, of all that the sensor bears."""
+        loads = (0.0,) if data.load is None else (0.0, 1.0)
+        return tuple(
+            {"delay_step_s": float(sign * step), "delayed_load": load}
+            for load in loads
+            for sign in (1.0, -1.0)
+            for step in STEPS_S
+        )
+
+    def not_identifiable(self, data: JointData, nominal: Nominal) -> str | None:
+        """The motion that is lacking: jumps of friction show it, at equally fast strokes too."""
+        return reversals(data, nominal)
+
+    def admissible(self, coefficients: Float, at: Nonlinear) -> bool:
+        share = coefficients[0] / at["delay_step_s"]
+        least = 0.0 if abs(at["delay_step_s"]) <= STEPS_S[0] else LEAST_SHARE
+        return bool(least < share <= LARGEST_SHARE)
+
+
+EFFECT = TimeDelay(
+    name="time_delay",
+    label="torque and velocity are not simultaneous",
+    family="sensors",
+    axis="acceleration",
+    coefficients=(Parameter("delay_s", "s", "by how much the torque is late", lower=-1.0, upper=1.0),),
+    nonlinear=(
+        Parameter("delay_step_s", "s", "delay for which jumps are right", lower=-1.0, upper=1.0),
+        Parameter("delayed_load", "1", "1 if the load is late too", lower=0.0, upper=1.0, whole=True),
+    ),
+    traits=Trait.NEEDS_NOMINAL,
+    forward="delay",
+    record="reverse sharply at two or more clearly different speeds",
+    separate={
+        "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
+    },
+)

@@ -1,0 +1,164 @@
+"""What holds for every effect of the registry."""
+
+import subprocess
+import sys
+from collections import Counter
+from dataclasses import replace
+from itertools import combinations
+
+import numpy as np
+import pytest
+from numpy.testing import assert_array_equal
+
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.registry import NAMES, effect_of, effects, motion_between, motion_to_decide, terms
+from tests.diagnosis.candidates.joint_data_by_hand import at_rest, baseline, two_sines
+from tests.diagnosis.started_and_stopped import started_and_stopped
+
+ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_lag", "load_dependent_friction"} | {
+    "position_dependent_friction", "backlash", "warm_up", "friction_step", "unlogged_compensation",
+    "asymmetric_coulomb", "asymmetric_viscous", "inertia_error", "joint_elasticity", "time_delay",
+}  # fmt: skip
+AXES = {"speed", "position", "displacement", "time", "acceleration", "load", "neighbour"}
+FAMILIES = ("velocity", "load and place", "sensors", "structure", "slow and events")
+MOST_POINTS = 300  # a search tries all of them on every joint
+MOVING = two_sines()
+NOMINAL = baseline(MOVING)
+STATED = replace(NOMINAL, declared=frozenset({"inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad"}))
+each = pytest.mark.parametrize("effect", effects(), ids=lambda effect: effect.name)
+with_formula = pytest.mark.parametrize("effect", [e for e in effects() if e.coefficients], ids=lambda e: e.name)
+
+
+def test_effects_are_registered_by_family_under_the_names_of_their_modules() -> None:
+    assert tuple(effect.name for effect in effects()) == NAMES
+    assert [type(effect).__module__.rpartition(".")[2] for effect in effects()] == list(NAMES)
+    assert tuple(dict.fromkeys(effect.family for effect in effects())) == FAMILIES
+
+
+def test_names_of_terms_and_parameters_are_unique() -> None:
+    every = [parameter for term in terms() for parameter in term.parameters]
+    assert len({parameter.name for parameter in every}) == len(set(every))  # far_share is one parameter of two effects
+    assert max(Counter(one.name for term in terms() for one in term.coefficients).values()) == 1
+    assert max(Counter(term.name for term in terms()).values()) == 1
+
+
+def test_the_names_load_no_numerics() -> None:
+    heavy = "print(sorted({'numpy', 'scipy', 'numba'} & set(sys.modules)))"
+    code = f"import sys, friction_audit.effects.registry, friction_audit.effects.parameter; {heavy}"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+@each
+def test_words_and_relations(effect: Effect) -> None:
+    assert effect.axis in AXES
+    assert effect.label
+    assert effect.record[0].islower()
+    for other in effect.indistinguishable:
+        assert effect.name in effect_of(other).indistinguishable
+        assert effect.part_of == effect_of(other).part_of
+    for other in (*effect.indistinguishable, *effect.part_of):
+        assert other in effect.separate or effect.name in effect_of(other).separate
+    assert set(effect.separate) <= set(NAMES) - {effect.name}
+    assert not any(effect.name in effect_of(other).separate for other in effect.separate)  # each pair stands once
+    special = {effect.multimodal, effect.moment, effect.time_constant, *effect.noise_biased, *effect.assumed} - {""}
+    assert special <= {parameter.name for parameter in effect.nonlinear}
+
+
+def test_any_two_effects_have_a_motion_that_separates_them_in_either_order() -> None:
+    for one, other in combinations(NAMES, 2):
+        motion = motion_between(one, other)
+        assert motion[0].islower()
+        assert set(motion.split("; ")) == set(motion_between(other, one).split("; "))
+    both = f"{effect_of('stribeck').record}; {effect_of('torque_drift').record}"
+    assert motion_between("stribeck", "torque_drift") == both
+    assert motion_to_decide("stribeck", ()) == ""
+    two = motion_to_decide("torque_bias", ("asymmetric_coulomb", "torque_drift"))
+    assert two.startswith("against asymmetric_coulomb: let the joint rest")
+    assert "; against torque_drift: zero the sensor" in two
+
+
+@each
+def test_the_grid_is_small_distinct_and_holds_the_identifiable_part(effect: Effect) -> None:
+    for data in (MOVING, started_and_stopped(starts=8)):
+        grid = effect.grid(data)
+        assert len(grid) <= MOST_POINTS
+        assert grid or data is not MOVING  # a joint without neighbours has none of theirs
+        assert len({tuple(sorted(at.items())) for at in grid}) == len(grid)
+        assert all(at in grid for at in effect.identifiable_part(data))
+
+
+@with_formula
+def test_the_grid_is_within_bounds_and_complete(effect: Effect) -> None:
+    needed = {parameter.name for parameter in effect.nonlinear if not parameter.optional}
+    names = {parameter.name for parameter in effect.parameters}
+    for at in effect.grid(MOVING):
+        assert not at or needed <= set(at)  # an empty point has columns of its own
+        assert all(one.allows(at.get(one.name, 0.0)) for one in effect.nonlinear if at)
+        for name, (least, most) in effect.factor_ranges(at).items():
+            assert name in names
+            assert 0.0 < least <= 1.0 <= most
+
+
+@each
+def test_columns_are_finite_and_never_read_the_measured_torque(effect: Effect) -> None:
+    other = replace(MOVING, torque=MOVING.torque + 1.0)
+    grid = effect.grid(MOVING)
+    together = dict(effect.regressors(MOVING, NOMINAL, grid))
+    for place, at in enumerate(grid):
+        columns = effect.regressor(MOVING, NOMINAL, at)
+        assert columns.shape[0] == len(MOVING.t)
+        assert columns.shape[1] <= max(len(effect.coefficients), 1)
+        assert np.all(np.isfinite(columns))
+        assert_array_equal(columns, effect.regressor(other, NOMINAL, at))
+        np.testing.assert_allclose(together[place], columns, atol=1e-9)
+
+
+# A spring that stiffens does so by the size of the torque on it.
+@pytest.mark.parametrize("effect", [e for e in effects() if e.name != "joint_elasticity"], ids=lambda e: e.name)
+def test_no_grid_reads_the_measured_torque(effect: Effect) -> None:
+    other = replace(MOVING, torque=np.cumsum(MOVING.torque))
+    assert effect.grid(other) == effect.grid(MOVING)
+    assert effect.not_identifiable(other, NOMINAL) == effect.not_identifiable(MOVING, NOMINAL)
+
+
+@each
+def test_a_joint_at_rest_lacks_a_motion_and_has_no_friction(effect: Effect) -> None:
+    rest = at_rest()
+    for at in effect.grid(rest):
+        columns = effect.regressor(rest, baseline(rest), at)
+        assert np.all(np.isfinite(columns))
+        assert not (effect.name in ODD and columns.any())
+    rest = replace(rest, others_dq=np.zeros_like(rest.others_dq))
+    reason = effect.not_identifiable(rest, baseline(rest))
+    assert reason
+    assert "\n" not in reason
+
+
+@with_formula
+def test_what_is_admissible_a_model_can_hold(effect: Effect) -> None:
+    rng = np.random.default_rng(0)
+    for at in effect.grid(MOVING)[:5]:
+        for coefficients in rng.normal(scale=0.02, size=(50, len(effect.coefficients))):
+            found = effect.admissible(coefficients, at)
+            assert type(found) is bool
+            if found:
+                assert all(c.allows(float(v)) for c, v in zip(effect.coefficients, coefficients, strict=True))
+
+
+def test_stated_numbers_make_what_needs_them_identifiable() -> None:
+    for name in ("inertia_error", "unlogged_compensation"):
+        assert "fitted" in str(effect_of(name).not_identifiable(MOVING, NOMINAL))
+        assert effect_of(name).not_identifiable(MOVING, STATED) is None
+
+
+@pytest.mark.parametrize(
+    ("small", "large", "may"),
+    [
+        ("stribeck", "gravity_error", False),
+        ("warm_up", "torque_bias", False),
+        ("stribeck", "presliding", True),
+        ("torque_ripple", "gravity_error", True),
+    ],
+)
+def test_friction_does_not_absorb_errors_of_torques_without_direction(small: str, large: str, may: bool) -> None:
+    assert effect_of(small).may_absorb_error_of(effect_of(large)) == may
