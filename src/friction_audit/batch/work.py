@@ -130,7 +130,8 @@ def _summary(estimate: Estimate, discrepancy: "Discrepancy | None") -> Session:
     from friction_audit.drift.summarise import conditions_of, summarise_joints
 
     log, interaction, source = estimate.log, estimate.interaction, estimate.log.source
-    noticed = [(one.joint, one.message) for one in (*source.findings, *interaction.warnings)]
+    noticed = [(one.joint, one.message) for one in source.findings]
+    noticed += [(one.joint, one.message) for one in interaction.warnings]
     warnings = [message if joint is None else f"joint {joint}: {message}" for joint, message in noticed]
     return Session(
         path=source.path,

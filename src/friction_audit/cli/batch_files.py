@@ -23,32 +23,20 @@ if TYPE_CHECKING:
     from friction_audit.reporting.html.page import Figure
 
 DOCUMENT, PAGE, CSV, PARQUET = "batch.json", "batch.html", "sessions.csv", "sessions.parquet"
-RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)
-"""Files beside the ledger, made anew whenever something is new."""
+RESULTS = (DOCUMENT, PAGE, CSV, PARQUET)  # in the folder of the ledger, made anew whenever something is new
 _COUNTS = re.compile(r"\d+ computed, \d+ known")
 _COUNT = re.compile(r' {2}"(computed|known)": \d+,\n')
-SETTINGS, TOLD = "reported_settings", "reported"
-"""Notes of the ledger: which settings made the results that lie beside it, and what they were and said."""
-MOST_NAMED = 4
-"""Files that a message names; more are counted."""
-LONGEST_PREFIX = 60
-"""Characters of an arm's name in the names of its files, which may have 255 bytes."""
-EXCEEDED = 5
-"""Exit code: a limit that the user set is exceeded."""
-CANNOT_TELL = 7
-"""Exit code: the sessions cannot test a limit that the user set."""
+# Notes of the ledger: which settings made the results in its folder, and what they are.
+SETTINGS, REPORTED = "reported_settings", "reported"
+MOST_NAMED = 4  # files that a message names; more are counted
+LONGEST_PREFIX = 60  # characters of an arm's name in the names of its files, which may have 255 bytes
+EXCEEDED = 5  # exit code: a limit that the user set is exceeded
+UNTESTABLE = 7  # exit code: the sessions cannot test a limit that the user set
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Told:
-    """What a batch tells the one who asked.
-
-    Attributes:
-        document: File of the JSON document.
-        text: The table and the sentences.
-        warnings: What was noticed about the logs as a whole, one sentence each.
-        code: The exit code.
-    """
+class BatchAnswer:
+    """What a batch answers: file of the JSON document, table and sentences, warnings and exit code."""
 
     document: Path
     text: str
@@ -69,11 +57,7 @@ class Told:
 
 
 def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settings: "BatchSettings") -> None:
-    """Refuse to replace results that this ledger and these settings did not make.
-
-    Raises:
-        UsageError: If there are some.
-    """
+    """Refuse to replace results that this ledger and these settings did not make."""
     if ledger.note(SETTINGS) == settings.key():
         return
     figures = [found for kind in choices.BATCH_FIGURES for one in formats for found in folder.glob(f"*{kind}.{one}")]
@@ -86,9 +70,9 @@ def check_results(folder: Path, formats: Sequence[str], ledger: "Ledger", settin
         )
 
 
-def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice) -> Told | None:
-    """Return what was told when the same was asked before, if all that was written then is still there; else None."""
-    written = ledger.note(TOLD)
+def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice) -> BatchAnswer | None:
+    """Return the answer to the same request if all that was written with it is still there, else None."""
+    written = ledger.note(REPORTED)
     if written is None:
         return None
     digest, _, text = written.partition(" ")
@@ -100,7 +84,9 @@ def recall_results(request: object, folder: Path, ledger: "Ledger", voice: Voice
     note = json.loads(text)
     if note["request"] != _digest(request) or note["files"] != _stamps(folder, note["files"]):
         return None
-    return Told(document=folder / DOCUMENT, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"])
+    return BatchAnswer(
+        document=folder / DOCUMENT, text=note["text"], warnings=tuple(note["warnings"]), code=note["code"]
+    )
 
 
 def write_results(
@@ -113,23 +99,25 @@ def write_results(
     settings: "BatchSettings",
     executor: "Executor",
     voice: Voice,
-) -> Told:
-    """Write the document, the tables, the page and the figures, each whole or not at all; return what is told."""
+) -> BatchAnswer:
+    """Write the document, the tables, the page and the figures, each whole or not at all; return the answer."""
     from friction_audit.io.files import whole_file
     from friction_audit.reporting.drift import batch_lines
     from friction_audit.reporting.html.batch_page import write_page
 
     ledger.write_note(SETTINGS, settings.key())  # before anything of it is replaced
-    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as beside, voice.step("draw the figures"):
-        tables = beside.submit(_write_tables, summary, folder)  # while others draw
+    with ThreadPoolExecutor(max_workers=1, thread_name_prefix="tables") as pool, voice.step("draw the figures"):
+        tables = pool.submit(_write_tables, summary, folder)  # while others draw
         drawn, pictures = _draw(summary, folder, formats, executor)
         tables.result()
     with voice.step(f"write {PAGE}"), whole_file(folder / PAGE, overwrite=True) as draft:
         draft.write_text(write_page(summary, pictures), encoding="utf-8")
     text = "".join(f"{line}\n" for line in batch_lines(summary, verbose=voice.verbose))
-    told = Told(document=folder / DOCUMENT, text=text, warnings=warnings, code=_code(summary))
-    _remember(told, request, [*RESULTS, *drawn], folder, ledger)
-    return told
+    answer = BatchAnswer(document=folder / DOCUMENT, text=text, warnings=warnings, code=_code(summary))
+    note = {"request": _digest(request), "files": _stamps(folder, [*RESULTS, *drawn]), "text": text}
+    written = json.dumps({**note, "warnings": warnings, "code": answer.code})
+    ledger.write_note(REPORTED, f"{_digest(written)} {written}")
+    return answer
 
 
 def _write_tables(summary: "BatchSummary", folder: Path) -> None:
@@ -145,22 +133,10 @@ def _write_tables(summary: "BatchSummary", folder: Path) -> None:
             write_rows(*session_columns(summary), draft, kind)
 
 
-def _remember(told: Told, request: object, names: Sequence[str], folder: Path, ledger: "Ledger") -> None:
-    note = {
-        "request": _digest(request),
-        "files": _stamps(folder, names),
-        "text": told.text,
-        "warnings": told.warnings,
-        "code": told.code,
-    }
-    text = json.dumps(note)
-    ledger.write_note(TOLD, f"{_digest(text)} {text}")
-
-
 def _code(summary: "BatchSummary") -> int:
     """Return the exit code; what was asked, the limits, comes before files that failed."""
     if summary.exceeded or summary.cannot_tell:
-        return EXCEEDED if summary.exceeded else CANNOT_TELL
+        return EXCEEDED if summary.exceeded else UNTESTABLE
     return DAMAGED if summary.failed or any(session.damaged for session in summary.sessions) else 0
 
 
@@ -177,11 +153,7 @@ def _stamps(folder: Path, names: Iterable[str]) -> dict[str, list[int]]:
 def _draw(
     summary: "BatchSummary", folder: Path, formats: list[str], executor: "Executor"
 ) -> "tuple[list[str], dict[str, Figure]]":
-    """Draw the figures side by side and write their files; return the names of those, and what is for the page.
-
-    Raises:
-        AnalysisError: If a figure is not finished by anybody.
-    """
+    """Draw the figures side by side and write their files; return the names of those, and what is for the page."""
     from friction_audit.batch.executor import Lost
     from friction_audit.io.files import whole_file
     from friction_audit.reporting.batch_drawings import draw, drawings_of
@@ -205,12 +177,8 @@ def _prefixes(arms: "Sequence[ArmDrift]") -> dict[str, str]:
     if len(robots) == 1:
         return {robots[0]: ""}
     names = [re.sub(r"[^\w.-]+", "-", robot[:LONGEST_PREFIX]).strip("-.") or "robot" for robot in robots]
-    return {
-        robot: f"{name}{_number(names[:place], name)}-"
-        for place, (robot, name) in enumerate(zip(robots, names, strict=True))
-    }
-
-
-def _number(before: Sequence[str], name: str) -> str:
-    """Return a number for names that are only the same as files are named."""
-    return f"-{before.count(name) + 1}" if name in before else ""
+    earlier = [
+        names[:place].count(name) for place, name in enumerate(names)
+    ]  # different arms, alike as files are named
+    numbers = [f"-{count + 1}" if count else "" for count in earlier]
+    return {robot: f"{name}{number}-" for robot, name, number in zip(robots, names, numbers, strict=True)}

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from friction_audit.batch.manifest import BatchSettings
     from friction_audit.batch.remote import LogFile
     from friction_audit.batch.run_batch import BatchResult, Progress, Standing
-    from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.drift.fail_on import Limit
     from friction_audit.drift.settings import DriftSettings
     from friction_audit.reporting.drift import BatchSummary
@@ -39,10 +38,10 @@ EXAMPLES = """Examples:
   friction-audit batch-report logs/ --baseline 10 --fail-on coulomb=15% --quiet
   friction-audit batch-report s3://lab/panda/ --scheduler tcp://head:8786"""
 
-INTERRUPTED = 130
-"""Exit code: stopped by the user."""
+INTERRUPTED = 130  # exit code: stopped by the user
+# Parameters that change nothing in the numbers; the values of a --config file are written out.
 NOT_PART_OF_IT = ("rebuild", "json", "quiet", "verbose", "overwrite", "config", "workers")
-"""Parameters that change nothing in the numbers; what a file of values held is written out."""
+# Modules that writing the results takes, imported while others read logs.
 FOR_RESULTS = (
     "friction_audit.io.writers.tables",
     "friction_audit.reporting.html.batch_page",
@@ -50,9 +49,7 @@ FOR_RESULTS = (
     "pyarrow.csv",
     "pyarrow.parquet",
 )
-"""Modules that writing the results takes, imported while others read logs."""
-MOST_NAMED = 5
-"""Logs that a message names; more are counted."""
+MOST_NAMED = 5  # logs that a message names; more are counted
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -64,7 +61,7 @@ class SessionOptions:
         option(
             SESSIONS,
             "Table with the columns path, start, robot, temperature, payload, note; paths relative to it. The "
-            "logs that it names are read beside LOGS.",
+            "logs that it names are read too.",
             metavar="FILE.csv",
             exists=True,
             dir_okay=False,
@@ -154,33 +151,30 @@ def command(
             check_results(folder, figures, ledger, settings)
         standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
         request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
-        told = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
-        if told is None:
+        answer = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
+        if answer is None:
             again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
-            told = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
+            answer = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
     if not output.json:
-        voice.warn(told.warnings)
-    for text in told.document_of(standing) if output.json else (told.text_of(standing),):
+        voice.warn(answer.warnings)
+    for text in answer.document_of(standing) if output.json else (answer.text_of(standing),):
         say(text, nl=False)
-    if told.code:
-        raise typer.Exit(told.code)
+    if answer.code:
+        raise typer.Exit(answer.code)
 
 
 def _settings(sessions: SessionOptions, shared: AuditOptions) -> "BatchSettings":
     from friction_audit.batch.manifest import BatchSettings
 
-    diagnosis = _diagnosis_settings() if sessions.diagnose else None
-    return BatchSettings(
-        audit=audit_settings(shared), reading=read_options(shared.reading, shared.selection), diagnosis=diagnosis
-    )
+    diagnosis = None
+    if sessions.diagnose:
+        from friction_audit.diagnosis.settings import DiagnosisSettings
 
-
-def _diagnosis_settings() -> "DiagnosisSettings":
-    from friction_audit.diagnosis.settings import DiagnosisSettings
-
-    return DiagnosisSettings()
+        diagnosis = DiagnosisSettings()
+    reading = read_options(shared.reading, shared.selection)
+    return BatchSettings(audit=audit_settings(shared), reading=reading, diagnosis=diagnosis)
 
 
 def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, ...]]":
@@ -192,12 +186,7 @@ def _drift_settings(drift: DriftOptions) -> "tuple[DriftSettings, tuple[Limit, .
 
 
 def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFile]":
-    """Return the logs, before anything is made.
-
-    Raises:
-        InputError: If there are none, or the manifest is wrong.
-        UsageError: If none were named, or the manifest is where results are written.
-    """
+    """Return the logs, before anything is made."""
     from friction_audit.batch.find_logs import find_logs
     from friction_audit.batch.manifest import read_manifest
 
@@ -211,7 +200,7 @@ def _find(names: list[str], manifest: Path | None, folder: Path) -> "list[LogFil
 
 @contextmanager
 def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tuple[Ledger, bool]]":
-    """Open the ledger of a folder; yield it, and whether nobody else works in the folder."""
+    """Open the ledger of a folder; yield it, and whether this is the only run in the folder."""
     from friction_audit.batch.ledger import Ledger, move_aside
     from friction_audit.batch.remote import LEDGER
     from friction_audit.batch.run_batch import run_lock
@@ -230,7 +219,7 @@ def _ledger(folder: Path, running: RunningOptions, voice: Voice) -> "Iterator[tu
 
 
 def _processes(running: RunningOptions) -> "LocalExecutor":
-    """Return the processes of this machine; beside a cluster they analyse arms and draw."""
+    """Return the processes of this machine; with a cluster they only analyse arms and draw."""
     from friction_audit.batch.executor import LocalExecutor
 
     return LocalExecutor() if running.workers is None else LocalExecutor(workers=running.workers)
@@ -288,12 +277,7 @@ def _load() -> None:
 
 
 def _require_an_answer(result: "BatchResult") -> None:
-    """Refuse a batch without a session, or without any coefficient in all of them.
-
-    Raises:
-        InputError: With what is wrong with the logs.
-        AnalysisError: With the reasons of the joints.
-    """
+    """Refuse a batch without a session, or without any coefficient in all of them, with the reasons."""
     from friction_audit.reporting.notices import reason_lines
 
     if not result.sessions:

@@ -24,15 +24,13 @@ if TYPE_CHECKING:
     from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
 
 
-BUG = 1
-"""Exit code: part of the result is missing because of a bug."""
-TABLED = "not_determined"
-"""Code of the caution that the table shows as well."""
+BUG = 1  # exit code: part of the result is missing because of a bug
+TABLED = "not_determined"  # code of the caution that the table shows as well
 
 
 @contextmanager
 def loading(*modules: str) -> Iterator[None]:
-    """Load modules beside the work of a block; reading a log mostly waits for decoders that need no interpreter."""
+    """Load modules during the work of a block; reading a log mostly waits for decoders that need no interpreter."""
     with ThreadPoolExecutor(max_workers=1, thread_name_prefix="import") as pool:
         for module in modules:
             pool.submit(import_module, module)
@@ -72,11 +70,7 @@ def warn_about(result: "Estimate", voice: Voice) -> None:
 
 
 def require_an_estimate(result: "Estimate") -> None:
-    """Refuse a result without any coefficient.
-
-    Raises:
-        AnalysisError: With the reason of each joint.
-    """
+    """Refuse a result without any coefficient, with the reason of each joint."""
     from friction_audit.reporting.notices import reason_lines
 
     if all(joint.reason for joint in result.friction.joints):
@@ -96,12 +90,7 @@ def exit_if_damaged(*logs: "JointLog") -> None:
 
 
 def exit_for_bugs(bugs: Iterable[tuple[str, str]], voice: Voice) -> None:
-    """Say what ended in a bug, after the other results stand, and exit as a bug does.
-
-    Args:
-        bugs: A sentence and a traceback each.
-        voice: Prints the tracebacks if it is verbose.
-    """
+    """Report what ended in a bug (sentence and traceback) after the other results stand, and exit as a bug does."""
     bugs = list(bugs)
     for sentence, traceback in bugs:
         remark(f"{traceback if voice.verbose else ''}error: {sentence}")
@@ -113,14 +102,10 @@ def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = 
     """Refuse outputs that could not be written or must not be, before anything long is done.
 
     Args:
-        paths: Files that will be written.
-        overwrite: If True, files that exist are replaced.
-        log: The log that they are made from, which never is.
+        paths: Files, or folders, that will be written.
+        overwrite: If True, what exists is replaced.
+        log: The log that they are made from, which is never replaced.
         folder: If True, they are folders.
-
-    Raises:
-        UsageError: If one of the paths is the log or holds it, exists and may not be replaced, or its folder cannot be
-            made or written to.
     """
     if log is not None:
         for path in paths:
@@ -157,9 +142,10 @@ def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
     """Return how the interaction torque is made."""
     from friction_audit.preprocessing.settings import TorqueSettings
 
-    payload, gravity = torque.payload, ("x", "y", "z")
-    numbers: Any = None if payload is None else parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
-    vector: Any = parse_numbers("--gravity-vector", torque.gravity_vector, gravity)
+    payload: Any = torque.payload
+    if payload is not None:
+        payload = parse_numbers("--payload", payload, ("mass", "x", "y", "z"))
+    vector: Any = parse_numbers("--gravity-vector", torque.gravity_vector, ("x", "y", "z"))
     return TorqueSettings(
         torque=torque.torque,
         gravity=torque.gravity,
@@ -167,7 +153,7 @@ def torque_settings(torque: TorqueOptions, robot: str) -> "TorqueSettings":
         drive=torque.drive,
         robot=robot,
         urdf=torque.urdf,
-        payload=numbers,
+        payload=payload,
         gravity_vector=vector,
         model_rate_hz=torque.model_rate,
     )

@@ -193,22 +193,12 @@ def _check(value: str, names: Sequence[str]) -> None:
 
 
 def parse_joints(text: str | None) -> tuple[int, ...] | None:
-    """Return the joints of ``"1,3-5"``, in order and each once, or None for all.
-
-    Raises:
-        UsageError: If the text is not numbers and ranges from 1.
-    """
-    if text is None:
-        return None
-    return parse_joint_numbers(text, f"--joints {text}")
+    """Return the joints of ``"1,3-5"``, in order and each once, or None for all."""
+    return None if text is None else parse_joint_numbers(text, f"--joints {text}")
 
 
 def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float, ...]:
-    """Return the numbers of ``"0.2,0.05"``, one per name.
-
-    Raises:
-        UsageError: If there are more or fewer of them, or one is no number.
-    """
+    """Return the numbers of ``"0.2,0.05"``, one per name."""
     parts = text.split(",")
     try:
         numbers = tuple(float(part) for part in parts)
@@ -220,11 +210,7 @@ def parse_numbers(option: str, text: str, names: tuple[str, ...]) -> tuple[float
 
 
 def parse_mapping(entries: list[str] | None) -> dict[str, str]:
-    """Return the mapping of ``["dq=vel_{i}", ...]``: channel -> name in the file.
-
-    Raises:
-        UsageError: If an entry is not CHANNEL=NAME, or a channel comes twice.
-    """
+    """Return the mapping of ``["dq=vel_{i}", ...]``: channel -> name in the file."""
     mapping: dict[str, str] = {}
     for entry in entries or []:
         channel, equals, name = entry.partition("=")

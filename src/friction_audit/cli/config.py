@@ -1,4 +1,4 @@
-"""The command that was given, for a result that says how it is made again."""
+"""Options from a file, options written to one, and the command that was given."""
 
 import json
 import shlex
@@ -12,14 +12,12 @@ from friction_audit.cli.choices import near_misses
 from friction_audit.errors import printable, shortened
 from friction_audit.io.files import read_toml
 
+NOT_IN_FILES = ("config", "dump_config", "help")
+MOST_NAMED, LONGEST_KEY = 5, 40  # unknown keys that a message names, and characters of one
+
 
 def command_line(context: typer.Context, *, leave_out: Collection[str]) -> str:
-    """Return the command that was given, as it is typed.
-
-    Args:
-        context: Of the command.
-        leave_out: Names of parameters that only concern how it was watched.
-    """
+    """Return the command that was given, as it is typed, without some of its parameters."""
     words: list[str] = []
     for parameter in context.command.params:
         name = str(parameter.name)
@@ -36,11 +34,6 @@ def _words(option: str, value: object) -> list[str]:
         return [option] if value else []
     values = value if isinstance(value, list | tuple) else [value]
     return [word for item in values for word in ([option, str(item)] if option else [str(item)])]
-
-
-NOT_IN_FILES = ("config", "dump_config", "help")
-MOST_NAMED, LONGEST_KEY = 5, 40
-"""Unknown keys that a message names, and characters of one."""
 
 
 def load_config(context: typer.Context, path: Path | None) -> Path | None:

@@ -5,7 +5,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TextIO
 
@@ -17,18 +17,12 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.status import Status
 
-Report = Callable[[float], None]
-"""Takes the share of the work that is done, 0 to 1."""
+Report = Callable[[float], None]  # takes the share of the work that is done, 0 to 1
+Count = Callable[[int, int, int], None]  # takes how many pieces of work are done, are there, and failed
 
-Count = Callable[[int, int, int], None]
-"""Takes how many pieces of work are done, how many there are, and how many of them failed."""
-
-PATIENCE_S = 1.0
-"""Work shorter than this shows no progress."""
-DAMAGED = 6
-"""Exit code: done, but part of the input was damaged and left out."""
-UNHEARD = 141
-"""Exit code: who read standard output went away, as shells have it for SIGPIPE."""
+PATIENCE_S = 1.0  # work shorter than this shows no progress
+DAMAGED = 6  # exit code: done, but part of the input was damaged and left out
+UNHEARD = 141  # exit code: the reader of standard output went away, as shells have it for SIGPIPE
 
 
 def say(text: str, *, nl: bool = True) -> None:
@@ -53,7 +47,7 @@ def discard(stream: TextIO) -> None:
 
 
 def open_streams() -> None:
-    """Open standard streams that are closed, so that no file takes their place and nobody finds None there."""
+    """Open standard streams that are closed, so that no file takes their place."""
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         if getattr(sys, name) is None:
             stream = open(os.devnull, mode)  # noqa: PTH123, SIM115 - a device, open to the end
@@ -96,13 +90,13 @@ class Voice:
     @contextmanager
     def step(self, name: str) -> Iterator[None]:
         """Show that a step is under way, on a terminal and only if it takes long."""
-        with self._timed(name), self._stage(name) or (_spinner(name) if self._watched else _silence()):
+        with self._timed(name), self._stage(name) or (_spinner(name) if self._watched else nullcontext()):
             yield
 
     @contextmanager
     def progress(self, name: str) -> Iterator[Report | None]:
-        """Show how much of a step is done, as ``step`` does; yield what it is to be told, None if nobody watches."""
-        with self._timed(name), self._stage(name) or (_bar(name) if self._watched else _silence()) as report:
+        """Show how much of a step is done, as ``step`` does; yield what takes the share, None where it is not shown."""
+        with self._timed(name), self._stage(name) or (_bar(name) if self._watched else nullcontext()) as report:
             yield report
 
     @contextmanager
@@ -119,8 +113,8 @@ class Voice:
 
     @contextmanager
     def count(self, name: str) -> Iterator[Count | None]:
-        """Show how many pieces of work are done and how long the others will take; yield what it is to be told."""
-        with self._timed(name), _counter(name) if self._watched else _silence() as report:
+        """Show how many pieces of work are done and how long the others will take; yield what takes the counts."""
+        with self._timed(name), _counter(name) if self._watched else nullcontext() as report:
             yield report
 
     @property
@@ -136,11 +130,6 @@ class Voice:
 
 
 @contextmanager
-def _silence() -> Iterator[None]:
-    yield
-
-
-@contextmanager
 def _spinner(name: str) -> Iterator[None]:
     from rich.console import Console
     from rich.text import Text
@@ -149,26 +138,28 @@ def _spinner(name: str) -> Iterator[None]:
         yield
 
 
+def _new_bar(*columns: str | type) -> "Progress":
+    """Return a bar on standard error that vanishes when it is done; columns are texts or classes of rich."""
+    from rich.console import Console
+    from rich.progress import Progress, TextColumn
+
+    made = [TextColumn(one, markup=False) if isinstance(one, str) else one() for one in columns]
+    return Progress(*made, console=Console(stderr=True), transient=True, speed_estimate_period=120.0)
+
+
 @contextmanager
 def _bar(name: str) -> Iterator[Report]:
     """Show a bar: in motion while nothing is known, then up to where the work is."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
+    from rich.progress import BarColumn, TaskProgressColumn
 
-    columns = (TextColumn("{task.description} ...", markup=False), BarColumn(), TaskProgressColumn())
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    bar = _new_bar("{task.description} ...", BarColumn, TaskProgressColumn)
     task = bar.add_task(printable(name), total=None)
     with _late(bar):
         yield lambda share: bar.update(task, total=1.0, completed=share)
 
 
 class Course:
-    """Stages on the way to a result, on one bar.
-
-    Args:
-        bar: The display.
-        count: How many stages there are.
-    """
+    """Stages on the way to a result, on one bar."""
 
     def __init__(self, bar: "Progress", count: int) -> None:
         self._bar, self._task, self._done = bar, bar.add_task("", total=count), 0
@@ -185,17 +176,9 @@ class Course:
 @contextmanager
 def _course(count: int) -> Iterator[Course]:
     """Show a bar of stages, and how long it has been."""
-    from rich.console import Console
-    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, SpinnerColumn, TaskProgressColumn, TimeElapsedColumn
 
-    columns = (
-        SpinnerColumn(),
-        TextColumn("{task.description} ...", markup=False),
-        BarColumn(),
-        TaskProgressColumn(),
-        TimeElapsedColumn(),
-    )
-    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    bar = _new_bar(SpinnerColumn, "{task.description} ...", BarColumn, TaskProgressColumn, TimeElapsedColumn)
     with _late(bar):
         yield Course(bar, count)
 
@@ -203,17 +186,11 @@ def _course(count: int) -> Iterator[Course]:
 @contextmanager
 def _counter(name: str) -> Iterator[Count]:
     """Show a bar with the number of pieces done, those that failed, and the time left."""
-    from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, MofNCompleteColumn, TimeRemainingColumn
 
-    columns = (
-        TextColumn("{task.description} ...", markup=False),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.fields[failed]}"),
-        TimeRemainingColumn(),
+    bar = _new_bar(
+        "{task.description} ...", BarColumn, MofNCompleteColumn, "{task.fields[failed]}", TimeRemainingColumn
     )
-    bar = Progress(*columns, console=Console(stderr=True), transient=True, speed_estimate_period=120.0)
     task = bar.add_task(printable(name), total=None, failed="")
 
     def report(done: int, total: int, failed: int) -> None:

@@ -1,6 +1,6 @@
 """The options that commands share, in groups; each is declared here once."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated
 
@@ -15,10 +15,9 @@ from friction_audit.cli.grouped_help import GENERAL
 READING, SELECTION, TORQUE = "Reading the log", "Part of the log", "Interaction torque"
 CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
 
+# Defaults of options that are lists; Typer copies them.
 PNG = ["png"]
-"""Format of the figures where none is given; Typer copies it."""
 NO_EXPORT: list[str] = []
-"""Exports where none is asked for; Typer copies it."""
 
 ImageFormats = Annotated[
     list[str],
@@ -173,7 +172,7 @@ class EstimateOptions:
         str,
         option(
             ESTIMATE,
-            "weighted: rows weighted by their noise, offset and gravity error beside; paper: the literal method.",
+            "weighted: equations weighted by their noise, offset and gravity error estimated too; paper: as printed.",
             one_of=choices.ESTIMATORS,
         ),
     ] = "weighted"
@@ -250,13 +249,5 @@ class LogOptions:
 
     @property
     def audit(self) -> AuditOptions:
-        """The options of the whole chain; the estimate that runs beside is the default one."""
-        return AuditOptions(
-            selection=self.selection,
-            reading=self.reading,
-            torque=self.torque,
-            cycles=self.cycles,
-            estimate=EstimateOptions(),
-            output=self.output,
-            general=self.general,
-        )
+        """The options of the whole chain, with the default estimate."""
+        return AuditOptions(estimate=EstimateOptions(), **{f.name: getattr(self, f.name) for f in fields(self)})

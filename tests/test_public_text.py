@@ -1,0 +1,66 @@
+"""What people read says it in the field's words: help, messages, templates, schemas, names and the pages that are clean."""
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCE = ROOT / "src" / "friction_audit"
+OLD_ENGINE = SOURCE / "diagnosis"  # is being replaced as a whole
+
+# Left: what the program called it; docs/nomenclature.md has the field's words.
+HOUSE_WORDS = (
+    r"told|tells?|nobody|whatever|beside|behind|news|worth|rivals?|strays?|play|flanks?|far side|strokes?|factors|locked"
+    r"|working cycles?|(?:grown|declared) (?:joint )?model|put on time|closed in position|no choice was made"
+    r"|discrepanc(?:y|ies)|speaks? for|would have been seen|sign proved|speed of fading"
+)
+TEXT = re.compile(rf"(?<![\w/.-])(?:{HOUSE_WORDS})(?![\w/-])", re.IGNORECASE)
+NAME = re.compile(r"(?:^|_)(?:told|tell|nobody|whatever|beside|behind|news|worth|rivals?|strays?|locked|grown)(?:_|$)")
+
+
+def found_in(text: str) -> list[str]:
+    return [match[0].lower() for match in TEXT.finditer(" ".join(text.split()))]
+
+
+def modules() -> list[Path]:
+    return [path for path in sorted(SOURCE.rglob("*.py")) if not path.is_relative_to(OLD_ENGINE)]
+
+
+def literals(tree: ast.AST) -> Iterator[tuple[int, str]]:
+    """Yield the texts that can reach a user, with their lines: all but docstrings, annotations and notes to readers."""
+    skipped: set[ast.AST] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            skipped.add(node.value)
+        if isinstance(node, ast.FunctionDef) and node.returns is not None:
+            skipped.update(ast.walk(node.returns))
+        if isinstance(node, ast.arg | ast.AnnAssign) and node.annotation is not None:
+            skipped.update(one for one in ast.walk(node.annotation) if not isinstance(one, ast.Call))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in skipped:
+            yield node.lineno, node.value
+
+
+def public_names(tree: ast.Module) -> Iterator[tuple[int, str]]:
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and not node.name.startswith("_"):
+            yield node.lineno, re.sub(r"(?<=[a-z])(?=[A-Z])", "_", node.name).lower()
+
+
+def faults() -> list[str]:
+    wrong = []
+    for path in modules():
+        tree, place = ast.parse(path.read_text()), path.relative_to(SOURCE)
+        wrong += [f"{place}:{line}: {word}: {text[:90]!r}" for line, text in literals(tree) for word in found_in(text)]
+        wrong += [f"{place}:{line}: name {name}" for line, name in public_names(tree) if NAME.search(name)]
+        if NAME.search(path.stem):
+            wrong.append(f"{place}: name of a module")
+    for path in sorted([*SOURCE.rglob("*.j2"), *SOURCE.rglob("*.json")]):
+        wrong += [f"{path.relative_to(SOURCE)}: {word}" for word in found_in(path.read_text())]
+    return wrong
+
+
+if __name__ == "__main__":
+    print("\n".join(faults()))
