@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from friction_audit.drift.analyse import analyse_drift
-from friction_audit.drift.fail_on import Limit, cannot_tell, exceeded, parse_limit
+from friction_audit.drift.fail_on import Limit, exceeded, parse_limit, untestable
 from friction_audit.drift.report import DriftReport
 from friction_audit.drift.settings import DriftSettings, parse_baseline
 from friction_audit.errors import UsageError
@@ -74,13 +74,13 @@ def test_estimate_beyond_an_interval_across() -> None:
 )
 def test_a_limit_below_what_would_have_been_seen_is_not_tested(sessions: int, text: str, told: bool) -> None:
     report = analyse_drift(make_sessions(noisy(sessions)), DriftSettings(permutations=199))
-    sentences = cannot_tell(report, [parse_limit(text)])
+    sentences = untestable(report, [parse_limit(text)])
     assert len(sentences) == (not told)
     assert all(text in sentence for sentence in sentences)
 
 
 def test_a_proven_drift_tests_every_limit(stepped: DriftReport) -> None:
-    assert cannot_tell(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")]) == ()
+    assert untestable(stepped, [parse_limit("coulomb=10%"), parse_limit("coulomb=15.5%")]) == ()
 
 
 def test_baselines() -> None:

@@ -134,7 +134,7 @@ def _how_it_ended(code: int) -> str:
     if code < 0:
         name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
         return (
-            f"the process that worked on it was ended by {name} twice, the second time with nothing beside it; "
+            f"the process that worked on it was ended by {name} twice, the second time while nothing else ran; "
             "expected it to finish; if memory was short, cut the log or use a machine with more"
         )
     return f"the process that worked on it ended with code {code} twice; expected it to finish; report it with the log"

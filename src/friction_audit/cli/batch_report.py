@@ -304,7 +304,7 @@ def _summarise(
 ) -> "tuple[BatchSummary, tuple[str, ...]]":
     """Return what the sessions say together, and what was noticed about the logs as a whole."""
     from friction_audit.batch.run_batch import drift_of_arms, gather
-    from friction_audit.drift.fail_on import cannot_tell, exceeded
+    from friction_audit.drift.fail_on import exceeded, untestable
     from friction_audit.reporting.drift import BatchSummary, FailedLog
     from friction_audit.reporting.table import to_json
 
@@ -317,7 +317,7 @@ def _summarise(
         report=report,
         failed=tuple(FailedLog(path=failed.path, message=failed.message) for failed in result.failed),
         exceeded=exceeded(report, limits),
-        cannot_tell=cannot_tell(report, limits),
+        cannot_tell=untestable(report, limits),
         warnings=result.warnings,
         settings=to_json(every),
         command=command,

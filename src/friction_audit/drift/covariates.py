@@ -50,7 +50,7 @@ def choose_comparable(order: Order) -> Comparable:
         out |= find({i: session for i, session in enumerate(sessions) if i not in out})
     compared = tuple(i for i in range(len(sessions)) if i not in out)
     if order.by != "start" and len(sessions) > 1:
-        warnings.append("nothing tells when most sessions were recorded: they are in the order of their names")
+        warnings.append("the starts of most sessions are not known: they are in the order of their names")
     warnings += speed_warnings([sessions[i] for i in compared])
     return Comparable(compared=compared, left_out=tuple(sorted(out.items())), warnings=tuple(warnings))
 

@@ -83,7 +83,7 @@ def exceeded(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
     )
 
 
-def cannot_tell(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
+def untestable(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]:
     """Return one sentence for each coefficient whose sessions cannot show a change as small as a limit.
 
     A limit of 0 asks for any drift that is proven, which every test answers.
@@ -95,8 +95,8 @@ def cannot_tell(report: DriftReport, limits: Sequence[Limit]) -> tuple[str, ...]
             sentences.append(f"the limit {limit.text}: no session has an estimate that it is meant for")
         for where, drift in meant:
             least = drift.smallest_drift if limit.relative else drift.smallest_change
-            told = drift.drift or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
-            if not told:
+            testable = drift.drift or limit.size == 0.0 or (least <= limit.size and drift.shape != "temperature")
+            if not testable:
                 sentences.append(f"{where}: {NAMES[drift.coefficient]}: {_why(drift, least, limit)}")
     return tuple(sentences)
 
@@ -118,7 +118,7 @@ def _why(drift: CoefficientDrift, least: float, limit: Limit) -> str:
         count = len(drift.sessions) - len(drift.isolated)
         return f"{where} with {count} comparable session{'' if count == 1 else 's'}; record more"
     size = f"{percent(least)} %" if limit.relative else f"{least:.2g} {UNITS[drift.coefficient]}"
-    return f"{where}: only a change of {size} or more would have been seen; record more or longer sessions"
+    return f"{where}: only a change of {size} or more is detectable; record more or longer sessions"
 
 
 def is_exceeded(drift: CoefficientDrift, limit: Limit) -> bool:

@@ -152,7 +152,7 @@ def put_in_order(sessions: Sequence[Session]) -> Order:
         return Order(sessions=tuple(named), by="name")
     known.sort(key=lambda session: session.start_s or 0.0)
     unknown = [session for session in named if session.start_s is None]
-    reason = "nothing tells when it was recorded, as is known of the others; give its start in the manifest"
+    reason = "its start is not known, unlike that of the others; give it in the manifest"
     left_out = tuple((len(known) + i, reason) for i in range(len(unknown)))
     return Order(sessions=(*known, *unknown), by="start", left_out=left_out)
 
