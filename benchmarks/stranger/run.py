@@ -55,7 +55,7 @@ def run_one(truth: str, seed: int, folder: Path, joints: int) -> list[dict[str, 
         return [{"truth": truth, "seed": seed, "verdict": "", "size": size}]
     path = folder / f"{truth}_{seed}{'_arm' if joints > 1 else ''}.csv"
     model = write_log(drawn, path)
-    declared = ["--model", str(model)] if model else []
+    declared = ["--joint-model", str(model)] if model else []
     code, out, err = diagnosed(["diagnose", str(path), "--json", "-q", *declared])
     found = json.loads(out)["joints"] if code == 0 else [{}] * joints
     return [{**_told(case, truth), **(_answer(one) if one else {"message": err.strip()}), "code": code}

@@ -97,7 +97,7 @@ def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, 
     assert joint is not None
     assert joint.values("coulomb") == pytest.approx([0.245], abs=0.01)
     assert joint.provenance.method == "diagnose"
-    again = run("diagnose", logs / "moved1.csv", "--model", folder / "model.toml", "--json", *FEW).document()
+    again = run("diagnose", logs / "moved1.csv", "--joint-model", folder / "model.toml", "--json", *FEW).document()
     assert "inertia_kg_m2" not in again["joints"][0]["declared"]
     assert again["settings"]["diagnosis"]["model"]["joints"][0]["provenance"]["cycles"] > 10
 
@@ -151,9 +151,9 @@ def test_more_is_said_to_those_who_ask(run: Run, logs: Path) -> None:
         (["--alpha", "nan"], 2, "alpha: nan"),
         (["--seed", "-1"], 2, "--seed"),
         (["--joints", "9"], 2, "--joints 9"),
-        (["--model", "absent.toml"], 2, "'absent.toml' does not exist"),
-        (["--model", "wrong.toml"], 3, "wrong.toml: schema is None"),
-        (["--model", "seven.toml"], 2, "--model seven.toml: 7 joints; "),
+        (["--joint-model", "absent.toml"], 2, "'absent.toml' does not exist"),
+        (["--joint-model", "wrong.toml"], 3, "wrong.toml: schema is None"),
+        (["--joint-model", "seven.toml"], 2, "--joint-model seven.toml: 7 joints; "),
     ],
 )
 def test_wrong_usage(options: list[str], code: int, message: str, run: Run, logs: Path, tmp_path: Path) -> None:

@@ -40,6 +40,8 @@ TABLE = [
     ("estimate {logs}/moved1.csv --thresholds 0.1,0.2", 2, "err", "initiation above termination"),
     ("estimate {logs}/moved1.csv --map dq", 2, "err", "expected CHANNEL=NAME"),
     ("estimate {logs}/moved1.csv --window 1", 2, "err", "needs at least 4 cycles"),
+    ("diagnose {logs}/moved1.csv --model m.toml", 2, "err", "error: --model: diagnose calls it --joint-model"),
+    ("simulate joint -o x.csv --model=m.toml", 2, "err", "error: --model: simulate calls it --joint-model"),
     ("plot {logs}/moved1.csv --kind energi", 2, "err", "did you mean energy"),
     ("convert {logs}/moved1.csv", 2, "err", "Missing argument 'OUT'"),
     ("convert {logs}/moved1.csv out.xyz", 2, "err", "ending .xyz"),

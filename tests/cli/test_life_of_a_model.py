@@ -19,7 +19,7 @@ def test_a_grown_model_is_simulated_and_misses_nothing(run: Run, tmp_path: Path)
     assert joint is not None
     assert joint.provenance.method == "diagnose"
     assert [term.name for term in joint.terms] == ["coulomb", "viscous", "stribeck"]
-    model = ("--model", "first/model.toml")
+    model = ("--joint-model", "first/model.toml")
     assert run("simulate", "joint", "-o", "second.parquet", "--seed", "6", *model, *words).code == 0
     second = run("diagnose", "second.parquet", *model, *few).document()
     assert second["joints"][0]["verdict"] == "none"

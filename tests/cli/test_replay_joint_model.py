@@ -24,7 +24,7 @@ def save(*joints: JointModel | None, path: str = "model.toml") -> None:
 def log(run: Run) -> str:
     """Return a log of the model with Stribeck friction, simulated from its file, which is left beside it."""
     save(STRIBECK)
-    words = ("--model", "model.toml", "--duration", "40", "-q")
+    words = ("--joint-model", "model.toml", "--duration", "40", "-q")
     assert run("simulate", "joint", "-o", "run.parquet", "--seed", "5", *words).code == 0
     return "run.parquet"
 
@@ -61,7 +61,7 @@ def test_the_model_of_a_diagnosis_is_taken(run: Run, log: str) -> None:
 def test_terms_that_tell_of_another_recording_are_named(run: Run, log: str) -> None:
     stepped = replace(STRIBECK, terms=(*STRIBECK.terms, FittedTerm("friction_step", (0.1, 0.0, 20.0, 0.0))))
     save(stepped, path="stepped.toml")
-    message = "joint 1: friction_step of the model tells of moments of first.parquet, not of this log"
+    message = "joint 1: friction_step of the model holds for moments of first.parquet, not of this log"
     assert message in " ".join(run("replay", log, *APPLIED[:3], "stepped.toml").err.split())
     save(replace(stepped, provenance=Provenance()), path="hand.toml")
     assert "moments" not in run("replay", log, *APPLIED[:3], "hand.toml").err

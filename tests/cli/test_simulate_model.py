@@ -1,4 +1,4 @@
-"""``simulate --model``: from a model's file to a log, and back."""
+"""``simulate --joint-model``: from a model's file to a log, and back."""
 
 from pathlib import Path
 
@@ -23,7 +23,7 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_the_log_is_one_of_the_model(run: Run, file: Path, tmp_path: Path) -> None:
-    words = ("--model", file, "--ideal", "--duration", "20", "--json")
+    words = ("--joint-model", file, "--ideal", "--duration", "20", "--json")
     document = run("simulate", "joint", "-o", "run.parquet", *words).document()
     assert document["settings"]["joints"][0] == {
         "inertia_kg_m2": 0.25,
@@ -42,29 +42,29 @@ def test_the_log_is_one_of_the_model(run: Run, file: Path, tmp_path: Path) -> No
 
 
 def test_settings_and_effects_come_on_top(run: Run, file: Path) -> None:
-    words = ("--model", file, "--set", "coulomb_nm=0.2", "--effect", "time_delay", "--duration", "2", "--json")
+    words = ("--joint-model", file, "--set", "coulomb_nm=0.2", "--effect", "time_delay", "--duration", "2", "--json")
     document = run("simulate", "joint", "-o", "run.parquet", *words).document()
     assert document["settings"]["joints"][0]["coulomb_nm"] == 0.2
     assert sorted(effect["name"] for effect in document["effects"]) == ["stribeck", "time_delay"]
 
 
 def test_a_model_of_another_arm_is_refused(run: Run, file: Path) -> None:
-    answer = run("simulate", "panda", "-o", "run.parquet", "--model", file)
+    answer = run("simulate", "panda", "-o", "run.parquet", "--joint-model", file)
     assert answer.code == 2
-    assert f"--model {file}: the model has 1 joints, the scenario 7; expected as many" in answer.err
+    assert f"--joint-model {file}: the model has 1 joints, the scenario 7; expected as many" in answer.err
 
 
 def test_a_term_without_an_equal_is_refused(run: Run, tmp_path: Path) -> None:
     drift = JointModel(inertia_kg_m2=0.25, terms=(FittedTerm("torque_drift", (0.1, 0.0, 0.0, 0.0, 1.0)),))
     save_model(ArmModel(names=("joint1",), joints=(drift,)), tmp_path / "drift.toml")
-    answer = run("simulate", "joint", "-o", "run.parquet", "--model", "drift.toml")
+    answer = run("simulate", "joint", "-o", "run.parquet", "--joint-model", "drift.toml")
     assert answer.code == 2
-    assert "--model drift.toml: the model's joint 1: torque_drift: the simulator has no equal of it" in answer.err
+    assert "--joint-model drift.toml: the model's joint 1: torque_drift: the simulator has no equal of it" in answer.err
     assert not (tmp_path / "run.parquet").exists()
 
 
 def test_a_file_that_is_none_is_refused(run: Run, tmp_path: Path) -> None:
     (tmp_path / "no.toml").write_text("schema = 1\n")
-    answer = run("simulate", "joint", "-o", "run.parquet", "--model", "no.toml")
+    answer = run("simulate", "joint", "-o", "run.parquet", "--joint-model", "no.toml")
     assert answer.code == 3
     assert "no.toml: schema is 1; expected 'friction-audit/model/1'" in answer.err

@@ -90,7 +90,7 @@ class DriftOptions:
         option(
             DRIFT,
             "Exit with 5 if a coefficient has drifted further, e.g. coulomb=15%; with 7 if the sessions are too "
-            "few or scattered to tell. Repeatable.",
+            "few or too scattered to test it. Repeatable.",
             metavar="COEFFICIENT=LIMIT",
         ),
     ] = None

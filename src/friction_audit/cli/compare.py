@@ -45,7 +45,7 @@ class ComparisonOptions:
         list[str],
         option(
             COMPARISON,
-            "Methods beside none; repeatable, or separated by commas. Default: all.",
+            "Methods compared with none; repeatable, or separated by commas. Default: all.",
             "--methods",
             some_of=METHOD_NAMES,
         ),

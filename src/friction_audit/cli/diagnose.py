@@ -26,7 +26,7 @@ EXAMPLES = """Examples:
   friction-audit diagnose run.mcap
   friction-audit diagnose run.csv --drive robot -o results
   friction-audit diagnose run.parquet --candidates stribeck,presliding --joints 1 --json
-  friction-audit diagnose next.parquet --model results/model.toml
+  friction-audit diagnose next.parquet --joint-model results/model.toml
   friction-audit diagnose run.mcap -o results --export mcap,parquet"""
 
 DOCUMENT, MODEL = "diagnose.json", "model.toml"
@@ -53,16 +53,16 @@ class DiagnosisOptions:
         int,
         option(
             DIAGNOSIS,
-            "Of the cycles that are locked away and of the tests; same seed, same answer.",
+            "Of the choice of held-out cycles and of the tests; same seed, same answer.",
             metavar="INT",
             min=0,
         ),
     ] = 0
-    model: Annotated[
+    joint_model: Annotated[
         Path | None,
         option(
             DIAGNOSIS,
-            "Declared model of the joints, e.g. of an earlier diagnosis. "
+            "Nominal model of the joints, e.g. of an earlier diagnosis. "
             "Default: inertia, Coulomb and viscous friction.",
             metavar="FILE.toml",
             exists=True,
@@ -78,7 +78,11 @@ def command(
     folder: Annotated[
         Path | None,
         option(
-            OUTPUT, f"Also write {DOCUMENT}, the grown {MODEL} and the figures there.", "--output", "-o", metavar="DIR"
+            OUTPUT,
+            f"Also write {DOCUMENT}, the augmented {MODEL} and the figures there.",
+            "--output",
+            "-o",
+            metavar="DIR",
         ),
     ] = None,
     figures: FiguresBeside = PNG,
@@ -96,7 +100,7 @@ def command(
     with voice.stages(2 + (len(choices.DIAGNOSIS_FIGURES) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, reading, told)
-        _check_model(options.model, settings.model, recorded)
+        _check_model(options.joint_model, settings.model, recorded)
         found = _diagnose(recorded, audit, settings, told)
         if not output.json:
             _warn(found, told)
@@ -139,7 +143,7 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
         candidates=tuple(options.candidates) or None,
         alpha=options.alpha,
         seed=options.seed,
-        model=None if options.model is None else load_model(options.model),
+        model=None if options.joint_model is None else load_model(options.joint_model),
     )
 
 
@@ -151,7 +155,7 @@ def _check_model(path: Path | None, model: "ArmModel | None", log: "JointLog") -
     """
     if model is not None and len(model.joints) != len(log.joint_names):
         raise UsageError(
-            f"--model {path}: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
+            f"--joint-model {path}: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
             "give a model with an entry for every joint of the log"
         )
 

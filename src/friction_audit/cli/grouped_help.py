@@ -10,14 +10,26 @@ from typer.core import TyperCommand
 
 from friction_audit.cli.config import dump_config
 from friction_audit.cli.console import say
+from friction_audit.errors import UsageError
 
 GENERAL = "General"
 CONTEXT = "context"
 """Parameter of a command that takes Typer's context."""
 
 
+RENAMED = {("diagnose", "--model"): "--joint-model", ("simulate", "--model"): "--joint-model"}
+
+
 class GroupedCommand(TyperCommand):
     """A command whose help lists its options by task, those without a task (``--help``) last."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:  # noqa: ANN401 - types of Typer's private copy of click
+        """Refuse the former name of an option with its new one."""
+        for word in args:
+            old = word.partition("=")[0]
+            if (new := RENAMED.get((str(self.name), old))) is not None:
+                raise UsageError(f"{old}: {self.name} calls it {new}; write {new}")
+        return super().parse_args(ctx, args)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:  # noqa: ANN401 - types of Typer's private copy of click
         """Write arguments, then the options of each group in the order of declaration."""

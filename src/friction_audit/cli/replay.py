@@ -113,7 +113,7 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
         names = ", ".join(term.name for term in joint.terms if term.name in MOMENTS)
         if names:
             voice.warn(
-                [f"joint {number}: {names} of the model tells of moments of {joint.provenance.log}, not of this log"]
+                [f"joint {number}: {names} of the model holds for moments of {joint.provenance.log}, not of this log"]
             )
 
 

@@ -30,7 +30,7 @@ class ReplayOptions:
         option(
             REPLAY,
             "energy: the paper's; fixed: the log's own coefficients; model: the friction of --joint-model; "
-            "the others: its rivals.",
+            "the others: methods of the literature.",
             one_of=choices.COMPENSATORS,
         ),
     ] = "energy"
@@ -61,7 +61,7 @@ class ReplayOptions:
         str | None,
         option(
             REPLAY,
-            "Apply these coefficients throughout [N m, N m s/rad], whatever the estimate says.",
+            "Apply these coefficients throughout [N m, N m s/rad], in place of the estimate.",
             metavar="coulomb=NM,viscous=NMS",
         ),
     ] = None

@@ -26,7 +26,7 @@ EXAMPLES = """Examples:
   friction-audit simulate --list
   friction-audit simulate joint -o run.parquet --seed 7 --truth run.truth.json
   friction-audit simulate joint -o run.csv --effect stribeck:excess_nm=0.2 --effect time_delay
-  friction-audit simulate joint -o again.parquet --model results/model.toml
+  friction-audit simulate joint -o again.parquet --joint-model results/model.toml
   friction-audit simulate panda -o run.mcap --set joints.coulomb_nm=0.4@2,5 --effect backlash@3"""
 
 
@@ -53,7 +53,7 @@ class SimulationOptions:
         float | None,
         option(SIMULATION, "Sampling rate. Default: the scenario's.", metavar="HZ", callback=_finite),
     ] = None
-    model: Annotated[
+    joint_model: Annotated[
         Path | None,
         option(
             SIMULATION,
@@ -233,8 +233,8 @@ def _settings(scenario: "Scenario", options: SimulationOptions) -> Any:  # noqa:
     settings = replace(settings, **asked)
     if options.ideal:
         settings = replace(settings, sensors=(IDEAL_SENSORS,) * len(settings.sensors))
-    if options.model is not None:
-        settings = _with_model(settings, options.model)
+    if options.joint_model is not None:
+        settings = _with_model(settings, options.joint_model)
     settings = assign_texts(settings, options.assignments or ())
     for name, value in asked.items():
         if getattr(settings, name) != value:
@@ -257,7 +257,7 @@ def _with_model(settings: Any, path: Path) -> Any:  # noqa: ANN401 - of any scen
     try:
         return with_model(settings, model)
     except UsageError as error:
-        raise UsageError(f"--model {path}: {error}") from error
+        raise UsageError(f"--joint-model {path}: {error}") from error
 
 
 def _write_truth(simulated: "SimulatedLog", truth: Path, *, overwrite: bool) -> None:

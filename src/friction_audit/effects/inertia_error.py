@@ -10,8 +10,8 @@ from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
 NOT_DECLARED = (
-    "the inertia was fitted to this log, so it cannot be wrong: state it (--model with inertia_kg_m2), and move at two "
-    "or more frequencies"
+    "the inertia was fitted to this log, so it cannot be wrong: state it (--joint-model with inertia_kg_m2), and move "
+    "at two or more frequencies"
 )
 
 

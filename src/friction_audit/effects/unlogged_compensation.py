@@ -20,8 +20,8 @@ from friction_audit.joint_log import Float
 
 SMOOTH, DEAD_BAND = 0, 1
 NOT_DECLARED = (
-    "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction (--model with held = "
-    '["coulomb"]), or log the commanded torque'
+    "the friction was fitted to this log, and a compensator makes it less: state Coulomb friction (--joint-model with "
+    'held = ["coulomb"]), or log the commanded torque'
 )
 WIDTHS = 6
 LOWEST, HIGHEST = 0.01, 0.4  # shares of the log's high speed below which a compensator may hold back
