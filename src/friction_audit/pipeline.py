@@ -6,7 +6,6 @@ A step loads what it needs when it is taken: who only gives settings, or only es
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from friction_audit.friction import estimate_friction
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float, JointLog
@@ -62,6 +61,7 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
         UsageError: If the settings contradict the log.
         InputError: If the log lacks a channel that the settings ask for.
     """
+    from friction_audit.friction.estimate import estimate_friction
     from friction_audit.preprocessing.segmentation import segment_cycles
 
     log = log.take_window(settings.t_start_s, settings.t_stop_s)

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from friction_audit.errors import UsageError
-from friction_audit.friction import estimate_friction
+from friction_audit.friction.estimate import estimate_friction
 from friction_audit.friction.history import JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float

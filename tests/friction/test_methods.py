@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from friction_audit.friction import estimate_friction
+from friction_audit.friction.estimate import estimate_friction
 from friction_audit.friction.history import FrictionHistory, JointFriction
 from friction_audit.friction.settings import FrictionSettings
 from friction_audit.joint_log import Float

@@ -6,9 +6,8 @@ import numpy as np
 
 from friction_audit.drift.session import COEFFICIENTS, Conditions, JointSummary, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient, FrictionHistory, JointFriction
-from friction_audit.friction.paper import set_up
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import Fit, fit_windows
+from friction_audit.friction.weighted import Fit, fit_windows, set_up
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.preprocessing.energy_cycles import KEPT, EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction

@@ -1,6 +1,7 @@
 """FrictionHistory: friction coefficients per joint over time, with their uncertainty."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,8 +19,9 @@ class Coefficient:
     high: float
 
 
-# What a method that gives no answer answers.
-UNDETERMINED = Coefficient(value=float("nan"), low=float("nan"), high=float("nan"))
+NAN = float("nan")
+UNDETERMINED = Coefficient(value=NAN, low=NAN, high=NAN)
+UNITS = {"coulomb": "nm", "viscous": "nms_per_rad"}
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -52,6 +54,22 @@ class CoefficientHistory:
     net_energy_j: Float
     dissipated_j: Float
 
+    def of(self, name: str) -> tuple[Float, Float, Float]:
+        """Return value, low and high of ``"coulomb"`` or ``"viscous"``, shape (m,) each."""
+        value, low, high = (getattr(self, f"{name}{part}_{UNITS[name]}") for part in ("", "_low", "_high"))
+        return value, low, high
+
+    def with_coefficient(self, name: str, value: Float, low: Float, high: Float) -> "CoefficientHistory":
+        """Return the history with another value, low and high of ``"coulomb"`` or ``"viscous"``."""
+        unit = UNITS[name]
+        changed: Any = {f"{name}_{unit}": value, f"{name}_low_{unit}": low, f"{name}_high_{unit}": high}
+        return replace(self, **changed)
+
+
+NO_HISTORY = CoefficientHistory(
+    cycle=np.empty(0, np.int64), **{f.name: np.empty(0) for f in fields(CoefficientHistory) if f.name != "cycle"}
+)
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TorqueRegression:
@@ -75,8 +93,8 @@ class TorqueRegression:
     inertia: Coefficient
     residual_rms_nm: float
     samples: int
-    condition_number: float = float("nan")
-    correlation: float = float("nan")
+    condition_number: float = NAN
+    correlation: float = NAN
     doubt: str = ""
 
     @property
@@ -116,15 +134,15 @@ class JointFriction:
     cycles: int
     rejected_cycles: int
     moving_s: float
-    coulomb: Coefficient
-    viscous: Coefficient
-    offset_nm: float
-    gravity_error_nm: float
-    condition_number: float
-    correlation: float
-    regression: TorqueRegression | None
-    history: CoefficientHistory
-    reason: str
+    coulomb: Coefficient = UNDETERMINED
+    viscous: Coefficient = UNDETERMINED
+    offset_nm: float = NAN
+    gravity_error_nm: float = NAN
+    condition_number: float = NAN
+    correlation: float = NAN
+    regression: TorqueRegression | None = None
+    history: CoefficientHistory = NO_HISTORY
+    reason: str = ""
     method: str = "energy"
 
 

@@ -1,21 +1,24 @@
 """What the user must know about an estimate: negative coefficients, weak separation, two methods that disagree."""
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
 
-from friction_audit.friction.history import Coefficient, JointFriction
+from friction_audit.friction.history import UNITS, Coefficient, JointFriction
 from friction_audit.friction.settings import FEWEST_CYCLES, FrictionSettings
-from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles, Int
+from friction_audit.joint_log import Float
+from friction_audit.preprocessing.energy_cycles import GAP, KEPT, ONE_WAY, OPEN, SMALL, EnergyCycles
 from friction_audit.preprocessing.interaction import Caution, Interaction
 
 HIGHEST_CORRELATION = 0.97
 FEW_CYCLES = 10
-LEAST_DIFFERENCE = {"coulomb": 0.02, "viscous": 0.02}
-"""Differences between the two methods below this [N m, N m s/rad] matter to nobody."""
-
+# Differences between two estimates below both of these are irrelevant.
+LEAST_DIFFERENCE = 0.02  # N m, N m s/rad
 LEAST_SHARE = 0.1
+SMALLEST_SPREAD = 0.1  # coefficient of variation of the speed over the path below which a log has one speed only
+LEAST_TRAVEL_RAD = 0.01  # a position that changes by less may only be noisy
+SHORT_S = 5.0  # a shorter log holds no four strokes back and forth at usual speeds
+STANDSTILL = 0.1  # share of the initiation threshold below which a joint stands still
 
 MEANING = {
     "coulomb": "low-speed friction (Stribeck), friction that depends on position, or a gravity error pulls them apart",
@@ -25,72 +28,61 @@ MEANING = {
 
 def cautions_of(joint: JointFriction) -> Iterator[Caution]:
     """Yield the cautions about one joint's estimate."""
-    where = f"joint {joint.joint} ({joint.name})"
-    if joint.reason:
-        yield Caution(code="not_determined", joint=joint.joint, message=f"{where}: {joint.reason}")
-        return
-    yield from _negative(joint, where)
+    found = [("not_determined", joint.reason)] if joint.reason else [*_weaknesses(joint), *_disagreements(joint)]
+    for code, message in found:
+        yield Caution(code=code, joint=joint.joint, message=f"joint {joint.joint} ({joint.name}): {message}")
+
+
+def _weaknesses(joint: JointFriction) -> Iterator[tuple[str, str]]:
+    for name in UNITS:
+        value = getattr(joint, name).value
+        if value < 0:
+            message = (
+                f"negative {name} coefficient ({value:.3f}); no friction is negative, so the torque holds something "
+                "else: check gravity, payload, a delay, or too little spread of speed"
+            )
+            yield f"negative_{name}", message
     if abs(joint.correlation) > HIGHEST_CORRELATION:
         message = (
-            f"{where}: Coulomb and viscous coefficient are hardly separable here (correlation "
-            f"{joint.correlation:.3f}); their sum at the recorded speeds is sound, each alone is not; vary the speed"
+            f"Coulomb and viscous coefficient are hardly separable here (correlation {joint.correlation:.3f}); their "
+            "sum at the recorded speeds is sound, each alone is not; vary the speed"
         )
-        yield Caution(code="hardly_separable", joint=joint.joint, message=message)
+        yield "hardly_separable", message
     if joint.cycles < FEW_CYCLES:
-        message = f"{where}: only {joint.cycles} cycles; intervals from so few are wide and rough"
-        yield Caution(code="few_cycles", joint=joint.joint, message=message)
-    yield from _disagreement(joint, where)
-    yield from _change(joint, where)
+        yield "few_cycles", f"only {joint.cycles} cycles; intervals from so few are wide and rough"
 
 
-def _change(joint: JointFriction, where: str) -> Iterator[Caution]:
-    """Compare the first full window of the history with the last one, if they share no cycle."""
-    history, cycles = joint.history, joint.cycles
-    if cycles < 2 * joint.window:
-        return
-    first = joint.window - 1 - (cycles - len(history.cycle))
-    for name, unit in (("coulomb", "nm"), ("viscous", "nms_per_rad")):
-        value, low, high = (getattr(history, f"{name}{part}_{unit}") for part in ("", "_low", "_high"))
-        early, late = (Coefficient(value=value[k], low=low[k], high=high[k]) for k in (first, -1))
-        if _disagree(early, late, LEAST_DIFFERENCE[name]):
+def _disagreements(joint: JointFriction) -> Iterator[tuple[str, str]]:
+    """Compare the two methods, and the first full window of the history with the last, if they share no cycle."""
+    for name in UNITS if joint.regression is not None else ():
+        energy, torque = getattr(joint, name), getattr(joint.regression, name)
+        if _disagree(energy, torque):
             message = (
-                f"{where}: the {name} coefficient changes within the log, from {early.value:.3f} over the first "
-                f"{joint.window} cycles to {late.value:.3f} over the last; the value for the whole log mixes both: "
-                "look at the history"
+                f"the {name} coefficient is {energy.value:.3f} by energy and {torque.value:.3f} by torque regression, "
+                f"and the intervals do not meet; the interval covers both; {MEANING[name]}"
             )
-            yield Caution(code=f"{name}_changes", joint=joint.joint, message=message)
-
-
-def _negative(joint: JointFriction, where: str) -> Iterator[Caution]:
-    for name, coefficient in (("coulomb", joint.coulomb), ("viscous", joint.viscous)):
-        if coefficient.value < 0:
+            yield f"{name}_disagrees", message
+    first = joint.window - 1 - (joint.cycles - len(joint.history.cycle))
+    for name in UNITS if joint.cycles >= 2 * joint.window else ():
+        columns = joint.history.of(name)
+        early, late = (_at(columns, k) for k in (first, -1))
+        if _disagree(early, late):
             message = (
-                f"{where}: negative {name} coefficient ({coefficient.value:.3f}); no friction is negative, so the "
-                "torque holds something else: check gravity, payload, a delay, or too little spread of speed"
+                f"the {name} coefficient changes within the log, from {early.value:.3f} over the first {joint.window} "
+                f"cycles to {late.value:.3f} over the last; the value for the whole log mixes both: look at the history"
             )
-            yield Caution(code=f"negative_{name}", joint=joint.joint, message=message)
+            yield f"{name}_changes", message
 
 
-def _disagreement(joint: JointFriction, where: str) -> Iterator[Caution]:
-    if joint.regression is None:
-        return
-    pairs = (("coulomb", joint.coulomb, joint.regression.coulomb), ("viscous", joint.viscous, joint.regression.viscous))
-    for name, energy, torque in pairs:
-        if _disagree(energy, torque, LEAST_DIFFERENCE[name]):
-            message = (
-                f"{where}: the {name} coefficient is {energy.value:.3f} by energy and {torque.value:.3f} by torque "
-                f"regression, and the intervals do not meet; the interval covers both; {MEANING[name]}"
-            )
-            yield Caution(code=f"{name}_disagrees", joint=joint.joint, message=message)
+def _at(columns: tuple[Float, Float, Float], k: int) -> Coefficient:
+    value, low, high = (float(column[k]) for column in columns)
+    return Coefficient(value=value, low=low, high=high)
 
 
-def _disagree(a: Coefficient, b: Coefficient, least: float) -> bool:
+def _disagree(a: Coefficient, b: Coefficient) -> bool:
     apart = a.low > b.high or b.low > a.high
-    return apart and math.fabs(a.value - b.value) > max(least, LEAST_SHARE * math.fabs(b.value))
+    return apart and abs(a.value - b.value) > max(LEAST_DIFFERENCE, LEAST_SHARE * abs(b.value))
 
-
-SMALLEST_SPREAD = 0.1
-"""Coefficient of variation of the speed over the path below which a log has one speed only."""
 
 ADVICE = {
     GAP: "a hole in the log lies in every one of these; record without dropping samples",
@@ -125,10 +117,6 @@ def dead_channel(interaction: Interaction, column: int, *, dead_torque: bool) ->
     return ""
 
 
-LEAST_TRAVEL_RAD = 0.01
-"""Below, a position may only be noisy."""
-
-
 def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings, duration_s: float) -> str:
     """Say why the cycles of one joint allow no estimate; empty if they do.
 
@@ -147,11 +135,12 @@ def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings
     if kept >= fewest:
         return ""
     left_out = cycles.reason[cycles.reason != KEPT]
+    advice = ADVICE.get(int(np.bincount(left_out).argmax()), "") if len(left_out) else ""
     if kept == 0:
-        return f"{_count(len(left_out))} found, none usable: {ADVICE[_most_common(left_out)]}"
+        return f"{_count(len(left_out))} found, none usable: {advice}"
     shortage = f"only {_count(kept)} usable, at least {fewest} are needed"
     if len(left_out) > kept:
-        return f"{shortage}; {len(left_out)} more were found and left out: {ADVICE[_most_common(left_out)]}"
+        return f"{shortage}; {len(left_out)} more were found and left out: {advice}"
     return f"{shortage}; record more strokes back and forth, or count slower ones with --thresholds auto"
 
 
@@ -198,16 +187,6 @@ def _no_cycle(cycles: EnergyCycles, column: int, duration_s: float) -> str:
         f"no complete energy cycle in {duration_s:.3g} s: {speed} peaks at {fastest:.2g} {unit} but never came back "
         f"below {termination:.2g} {unit}; pause between strokes, or choose other --thresholds, as auto"
     )
-
-
-SHORT_S = 5.0
-"""A log that is shorter holds no four strokes back and forth at usual speeds, paused or not."""
-STANDSTILL = 0.1
-"""Share of the initiation threshold below which a joint stands still."""
-
-
-def _most_common(reasons: Int) -> int:
-    return int(np.bincount(reasons).argmax())
 
 
 def _count(cycles: int) -> str:

@@ -8,8 +8,7 @@ ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 PAPER_WINDOW = 2
 DEFAULT_WINDOW = 20
-FEWEST_CYCLES = 4
-"""With fewer cycles a jackknife has too few degrees of freedom to mean anything."""
+FEWEST_CYCLES = 4  # with fewer a jackknife has too few degrees of freedom
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -11,7 +11,6 @@ position are instruments for them.
 Rows of one stroke share their errors, so strokes are left out one at a time, as cycles are by the default estimator.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -19,18 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.friction.history import TorqueRegression
-from friction_audit.friction.paper import Equations
 from friction_audit.friction.reasons import SMALLEST_SPREAD
 from friction_audit.friction.settings import FEWEST_CYCLES
-from friction_audit.friction.weighted import (
-    Fit,
-    block_length,
-    conditioning,
-    fit_windows,
-    huber_weights,
-    instruments_at,
-    reach,
-)
+from friction_audit.friction.weighted import Equations, Fit, fit_windows
 from friction_audit.joint_log import Float, median_step
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.velocity import filter_velocity
@@ -39,26 +29,27 @@ CUTOFF_HZ = 20.0
 ROW_RATE_HZ = 50.0
 MOST_ROWS = 20_000
 FEWEST_ROWS = 100
+# A difference of neighbours is the mean slope between them; torque and velocity are averaged likewise, or a slow log
+# would give another inertia.
 NEIGHBOURS, SIMPSON = np.array([-1, 0, 1]), np.array([1.0, 4.0, 1.0]) / 6.0
-"""A difference of neighbours is the mean slope between them; torque and velocity are averaged likewise, or a slow log
-would tell another inertia."""
-SETTLED = 41
-"""Samples that the filter's response to an impulse is longer than what is kept of it."""
-LONGEST = 2.0
-"""What a row rests on may last so many times longer than its samples should; beyond, there is a hole in it."""
-
-
+SETTLED = 41  # samples by which the filter's response to an impulse exceeds the part that is used
+LONGEST = 2.0  # times its nominal duration that a row's support may last; beyond, there is a hole in it
+BLOCK_S = 0.02  # the position is averaged over so long, against its noise and resolution [s]
+LEAST_SWING = 1e-3  # of the direction of gravity: what does not turn is an offset
+# Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
+# E. Kuh, R. E. Welsch, Regression Diagnostics, Wiley 1980).
 HIGHEST_CONDITION = 30.0
-"""Of a regression matrix with columns of unit length: beyond, the columns are as good as collinear (D. A. Belsley,
-E. Kuh, R. E. Welsch, Regression Diagnostics, Wiley 1980)."""
-LEAST_ONE_WAY = 0.1
-"""Share of the samples that each direction has at least, or the offset takes what is friction."""
+LEAST_ONE_WAY = 0.1  # share of the samples that each direction has at least, or the offset takes what is friction
+# Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
+# published ones, 0.79 where the inertia of other joints doubles the Coulomb coefficient.
 LEAST_FRICTION_SHARE = 0.85
-"""Partial R^2 of direction and velocity. Measured excitation logs: 0.90 and more where the coefficients agree with the
-published ones, 0.79 where the inertia of other joints doubles the Coulomb coefficient."""
+# Share of the residual that the velocity of another joint may explain: 0.92 and 0.96 on a wrist whose two joints share
+# gears, at most 0.40 elsewhere.
 LARGEST_COUPLED_SHARE = 0.5
-"""Share of the residual that the velocity of another joint may explain: 0.92 and 0.96 on a wrist whose two joints
-share gears, at most 0.40 elsewhere."""
+HUBER = 1.345  # residuals beyond so many standard deviations lose weight: 95 % efficiency where the noise is normal
+SIGMA_PER_MEDIAN = 1 / 0.6744897501960817  # standard deviation of a normal variable over its median absolute value
+REWEIGHTINGS = 9
+CUTOFF = 1e-14  # relative size below which a singular value of the normal matrix counts as zero
 
 
 def regress_torque(
@@ -82,7 +73,7 @@ def regress_torque(
     equations, clipping = _gather(rows)
     fit = fit_windows(equations, strokes)
     fit = replace(fit, error=clipping * fit.error)
-    condition, correlation = conditioning(equations)
+    condition, correlation = equations.conditioning()
     return TorqueRegression(
         coulomb=fit.coefficient("coulomb"),
         viscous=fit.coefficient("viscous"),
@@ -145,16 +136,7 @@ def _left_by(columns: Float, torque: Float) -> float:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class _Rows:
-    """Rows of the regression: m rows, p columns.
-
-    Attributes:
-        names: Names of the columns.
-        columns: Shape (m, p).
-        instruments: What stands for the columns where their noise must not count, shape (m, p).
-        torque: Shape (m,). [N m]
-        stroke: Number of the stroke, shape (m,).
-        index: Sample of each row, shape (m,).
-    """
+    """Rows of the regression, m rows and p columns, their instruments, strokes and samples."""
 
     names: tuple[str, ...]
     columns: Float
@@ -168,46 +150,81 @@ def _rows(interaction: Interaction, column: int, dead_band_rad_s: float) -> _Row
     """Return the rows at which the joint moves."""
     t, step_s = interaction.t, median_step(interaction.t)
     smooth = partial(filter_velocity, rate_hz=1.0 / step_s, cutoff_hz=CUTOFF_HZ)
-    velocity = smooth(interaction.dq[:, column])
-    load = interaction.torque[:, column]
+    velocity, load = smooth(interaction.dq[:, column]), interaction.torque[:, column]
     if interaction.compensation is not None:
         load = load + interaction.compensation[:, column]
     block = block_length(step_s)
-    around = reach(block) + 1
-    index = _whole(t, step_s, around)
+    around = block + block // 2 + 1
+    spacing = max(int(1.0 / (ROW_RATE_HZ * step_s)), len(t) // MOST_ROWS, 1)
+    index = np.arange(around, len(t) - around, spacing)
+    index = index[t[index + around] - t[index - around] < LONGEST * 2 * around * step_s]
     index = index[np.abs(velocity[index]) > dead_band_rad_s]
     near = velocity[index[:, None] + NEIGHBOURS]
     direction = np.sign(near[:, 1])
-    by_position = instruments_at(t, interaction.q[:, column], index, block)
+    # The step of the clock, weighted as the filter weighs the samples around. The filter counts samples: its slope
+    # belongs to their mean step, not to two stamps around a lost sample, of which each may err by a part of a step.
+    impulse = np.zeros(2 * around + SETTLED)
+    middle = len(impulse) // 2
+    impulse[middle] = 1.0
+    kernel = smooth(impulse)[middle - around + 1 : middle + around]
+    weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
+    steps = t[index[:, None] + np.arange(-around, around + 1)] @ weights
     columns = {
         "coulomb": np.sign(near) @ SIMPSON,
         "viscous": near @ SIMPSON,
         "offset": np.ones(len(index)),
-        "inertia": 0.5 * (near[:, 2] - near[:, 0]) / _steps(t, index, around, smooth),
+        "inertia": 0.5 * (near[:, 2] - near[:, 0]) / steps,
         **_gravity(interaction, column, index),
     }
-    instruments = columns | {"viscous": by_position.velocity, "inertia": by_position.acceleration}
+    by_position = dict(zip(("viscous", "inertia"), differences(t, interaction.q[:, column], index, block), strict=True))
     return _Rows(
         names=tuple(columns),
         columns=np.stack(list(columns.values()), axis=1),
-        instruments=np.stack(list(instruments.values()), axis=1),
+        instruments=np.stack(list((columns | by_position).values()), axis=1),
         torque=smooth(load)[index[:, None] + NEIGHBOURS] @ SIMPSON,
         stroke=np.cumsum(np.diff(direction, prepend=direction[:1]) != 0),
         index=index,
     )
 
 
-def _whole(t: Float, step_s: float, around: int) -> NDArray[np.int64]:
-    """Return the samples of the rows, but for those at the ends and beside a hole."""
-    spacing = max(int(1.0 / (ROW_RATE_HZ * step_s)), len(t) // MOST_ROWS, 1)
-    index = np.arange(around, len(t) - around, spacing)
-    return index[t[index + around] - t[index - around] < LONGEST * 2 * around * step_s]
+def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
+    """Return how gravity lies across the axis, where it turns."""
+    if interaction.gravity_direction is None or interaction.gravity_index is None:
+        q = interaction.q[index, column]
+        sides = [np.sin(q), np.cos(q)]
+    else:
+        direction = interaction.gravity_direction[:, column]
+        sides = [np.interp(index, interaction.gravity_index, side) for side in direction.T]
+    named = zip(("gravity_x", "gravity_y"), sides, strict=True)
+    return {name: side for name, side in named if len(side) and np.ptp(side) > LEAST_SWING}
+
+
+def block_length(step_s: float) -> int:
+    """Return how many samples of the position are averaged, an odd number so that the average has a middle."""
+    return 2 * int(0.5 * BLOCK_S / step_s) + 1
+
+
+def differences(t: Float, q: Float, index: NDArray[np.int64], block: int) -> tuple[Float, Float]:
+    """Return velocity [rad/s] and acceleration [rad/s^2] from averages of three neighbouring blocks of the position.
+
+    Args:
+        t: Time, shape (n,). [s]
+        q: Position, shape (n,). [rad]
+        index: Samples at the rows, one block and a half from both ends at least, shape (m,).
+        block: Samples per block.
+    """
+    reach = block + block // 2
+    around = index[:, None] + np.arange(-reach, reach + 1)
+    before, here, after = q[around].reshape(len(index), 3, block).mean(axis=2).T
+    first, middle, last = t[around].reshape(len(index), 3, block).mean(axis=2).T
+    left, right = (here - before) / (middle - first), (after - here) / (last - middle)
+    return (after - before) / (last - first), 2.0 * (right - left) / (last - first)
 
 
 def _gather(rows: _Rows) -> tuple[Equations, float]:
-    """Gather the rows by stroke, outliers counting less, and say by how much that widens the intervals.
+    """Sum the rows by stroke with Huber's weights, and return the factor on the intervals that the weights ask for.
 
-    A clipped residual does not answer to a change of the coefficients, which weights that are held do not know:
+    A clipped residual does not answer to a change of the coefficients, which weights that are held do not show:
     standard errors grow by the mean weight over the share that is not clipped (P. J. Huber, Robust Statistics, 1981,
     7.6).
     """
@@ -225,30 +242,25 @@ def _gather(rows: _Rows) -> tuple[Equations, float]:
     return equations, float(weights.mean() / np.mean(weights >= 1.0))
 
 
-def _steps(t: Float, index: NDArray[np.int64], around: int, smooth: Callable[[Float], Float]) -> Float:
-    """Return the step of the clock at some samples, weighted as the filter weighs the samples around, shape (m,). [s]
+def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
+    """Return the weights of the rows in Huber's estimate, 1 except for outliers.
 
-    The filter counts samples: what it makes of a slope belongs to the step that those samples have on average, not to
-    two stamps beside a lost sample, of which each may err by a good part of a step.
+    The weights of ``RLM`` of statsmodels (a test compares them), which knows no instruments, takes ten times as long
+    on few columns and many rows, and takes longer to load than an hour of log to read.
+
+    Args:
+        design: Columns of comparable length, shape (m, p).
+        target: Shape (m,).
+        instruments: What stands for columns that are noisy themselves, shape (m, p); None: the columns. Weights from a
+            biased solution are biased, for they count less where noise and error have one sign.
     """
-    impulse = np.zeros(2 * around + SETTLED)
-    middle = len(impulse) // 2
-    impulse[middle] = 1.0
-    kernel = smooth(impulse)[middle - around + 1 : middle + around]
-    weights = np.convolve(kernel / kernel.sum(), [-0.5, 0.0, 0.5])
-    return np.asarray(t[index[:, None] + np.arange(-around, around + 1)] @ weights, np.float64)
-
-
-def _gravity(interaction: Interaction, column: int, index: NDArray[np.int64]) -> dict[str, Float]:
-    """Return how gravity lies across the axis, where it turns: what does not turn is an offset."""
-    if interaction.gravity_direction is None or interaction.gravity_index is None:
-        q = interaction.q[index, column]
-        sides = (np.sin(q), np.cos(q))
-    else:
-        at, direction = interaction.gravity_index, interaction.gravity_direction[:, column]
-        sides = (np.interp(index, at, direction[:, 0]), np.interp(index, at, direction[:, 1]))
-    named = zip(("gravity_x", "gravity_y"), sides, strict=True)
-    return {name: side for name, side in named if len(side) and np.ptp(side) > LEAST_SWING}
-
-
-LEAST_SWING = 1e-3
+    own = instruments is None
+    instruments = design if instruments is None else instruments
+    smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
+    weights = np.ones(len(target))
+    for _ in range(REWEIGHTINGS):
+        weighted = instruments * weights[:, None]
+        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
+        residual = np.abs(target - design @ solution).clip(min=smallest)
+        weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
+    return weights

@@ -1,97 +1,104 @@
-"""Huber's weights for a linear regression: outliers count less.
+"""Weighted least squares on the energy balance of parts of cycles, with a jackknife over whole cycles.
 
-The same weights as ``RLM`` of statsmodels (the tests compare them). Written here because the columns are few and the
-rows many: normal equations take a tenth of the time, and loading statsmodels takes longer than reading an hour of log.
+    E_net = mu_c L + mu_v S + b dq + c_x G_x + c_y G_y + B d(v^2/2)
+
+L is the path, S the integral of the squared speed (20); the other columns take up what is not friction: a torque
+offset, an error of the gravity torque, and the kinetic energy at the borders of the parts.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.friction.paper import Equations
 from friction_audit.joint_log import Float
+from friction_audit.preprocessing.energy_cycles import EnergyCycles
 
-HUBER = 1.345
-"""Residuals beyond this many standard deviations lose weight: 95 % efficiency where the noise is normal."""
-
-SIGMA_PER_MEDIAN = 1 / 0.6744897501960817
-"""Standard deviation of a normal variable over the median of its absolute value."""
-
-REWEIGHTINGS = 9
-CUTOFF = 1e-14
-"""Relative size below which a singular value of the normal matrix counts as zero."""
-
-
-def huber_weights(design: Float, target: Float, instruments: Float | None = None) -> Float:
-    """Return the weights of the rows in Huber's estimate, 1 except for outliers.
-
-    Args:
-        design: Columns of comparable length, shape (m, p).
-        target: Shape (m,).
-        instruments: What stands for columns that are noisy themselves, shape (m, p); None: the columns. Weights from a
-            biased solution are biased, for they count less where noise and error have one sign.
-    """
-    own = instruments is None
-    instruments = design if instruments is None else instruments
-    smallest = np.finfo(float).eps * float(np.abs(target).max()) + np.finfo(float).tiny
-    weights = np.ones(len(target))
-    for _ in range(REWEIGHTINGS):
-        weighted = instruments * weights[:, None]
-        solution = np.linalg.pinv(weighted.T @ design, rcond=CUTOFF, hermitian=own) @ (weighted.T @ target)
-        residual = np.abs(target - design @ solution).clip(min=smallest)
-        weights = np.minimum(HUBER * SIGMA_PER_MEDIAN * np.median(residual) / residual, 1.0)
-    return weights
-
-
-BLOCK_S = 0.02
-"""The position is averaged over so long: the finer part of its noise and resolution goes. [s]"""
+FRICTION = {"combined": ("coulomb", "viscous"), "coulomb": ("coulomb",), "viscous": ("viscous",)}
+NUISANCE = ("offset", "inertia", "gravity_x", "gravity_y")
+# A nuisance column counts if at least this share of its length is independent of the columns before it; a column that
+# the motion hardly excites (gravity about a vertical axis) would add nothing but variance.
+INDEPENDENT_SHARE = 0.02
+CONFIDENCE = 0.95
+RIDGE = 1e-10  # relative to unit columns: keeps a window without any motion of one kind solvable
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Instruments:
-    """Motion by the position at m rows.
+class Equations:
+    """Weighted equations of one joint, summed by group (a cycle, or a stroke).
 
     Attributes:
-        velocity: Shape (m,). [rad/s]
-        acceleration: Shape (m,). [rad/s^2]
+        names: Names of the p columns; those of the friction model come first.
+        normal: A_g^T W A_g per group, shape (m, p, p).
+        right: A_g^T W y_g per group, shape (m, p).
+        scale: Lengths by which the columns were divided, shape (p,).
     """
 
-    velocity: Float
-    acceleration: Float
+    names: tuple[str, ...]
+    normal: Float
+    right: Float
+    scale: Float
+
+    def first(self, groups: int) -> "Equations":
+        """Return the equations of the first groups."""
+        return replace(self, normal=self.normal[:groups], right=self.right[:groups])
+
+    def conditioning(self) -> tuple[float, float]:
+        """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
+        values, vectors = np.linalg.eigh(self.normal.sum(axis=0))
+        condition = float(np.sqrt(values[-1] / values[0])) if values[0] > 0 else float("inf")
+        if self.names[:2] != ("coulomb", "viscous"):
+            return condition, float("nan")
+        # Rounding may leave eigenvalues of a singular matrix below zero, and variances with them.
+        covariance = (vectors / values.clip(min=RIDGE)) @ vectors.T
+        return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
 
 
-def block_length(step_s: float) -> int:
-    """Return how many samples are averaged, an odd number so that the average has a middle."""
-    return 2 * int(0.5 * BLOCK_S / step_s) + 1
+def set_up(cycles: EnergyCycles, model: str) -> Equations:
+    """Set up the equations of one joint's cycles.
 
-
-def reach(block: int) -> int:
-    """Return how many samples before and after a row its instruments need."""
-    return block + block // 2
-
-
-def instruments_at(t: Float, q: Float, index: NDArray[np.int64], block: int) -> Instruments:
-    """Difference the averages of three neighbouring blocks of the position.
+    The noise of an energy is the torque's noise weighted with the velocity, so its variance grows with the integral of
+    the squared speed; each row is divided by its square root.
 
     Args:
-        t: Time, shape (n,). [s]
-        q: Position, shape (n,). [rad]
-        index: Samples at the rows, ``reach(block)`` from both ends at least, shape (m,).
-        block: Samples per block.
+        cycles: Cycles of one joint, those that count, m of them.
+        model: Friction model.
+
+    Returns:
+        The equations, columns scaled to unit length.
     """
-    around = index[:, None] + np.arange(-reach(block), reach(block) + 1)
-    before, here, after = q[around].reshape(len(index), 3, block).mean(axis=2).T
-    first, middle, last = t[around].reshape(len(index), 3, block).mean(axis=2).T
-    left, right = (here - before) / (middle - first), (after - here) / (last - middle)
-    return Instruments(velocity=(after - before) / (last - first), acceleration=2.0 * (right - left) / (last - first))
+    parts = cycles.parts
+    usable = parts.square_speed_rad2_s > 0
+    weight = np.sqrt(np.divide(1.0, parts.square_speed_rad2_s, out=np.zeros(usable.shape), where=usable))
+    columns = {
+        "coulomb": parts.path_rad * weight,
+        "viscous": parts.square_speed_rad2_s * weight,
+        "offset": parts.displacement_rad * weight,
+        "inertia": parts.half_square_speed_change * weight,
+        "gravity_x": parts.gravity_x_rad * weight,
+        "gravity_y": parts.gravity_y_rad * weight,
+    }
+    names = _independent(columns, FRICTION[model])
+    matrix = np.stack([columns[name] for name in names], axis=-1)
+    scale = np.sqrt((matrix**2).sum(axis=(0, 1)))
+    matrix = matrix / scale
+    right = np.einsum("gip,gi->gp", matrix, parts.dissipated_j * weight)
+    return Equations(names=names, normal=np.swapaxes(matrix, 1, 2) @ matrix, right=right, scale=scale)
 
 
-CONFIDENCE = 0.95
-RIDGE = 1e-10
-"""Relative to unit columns: keeps a window without any motion of one kind solvable, changes nothing else."""
+def _independent(columns: dict[str, Float], friction: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the friction columns and those nuisance columns that are independent of the ones before."""
+    names = list(friction)
+    basis = np.linalg.qr(np.stack([columns[name].ravel() for name in names], axis=1))[0]
+    for name in NUISANCE:
+        column = columns[name].ravel()
+        length = np.linalg.norm(column)
+        rest = column - basis @ (basis.T @ column)
+        if length > 0 and np.linalg.norm(rest) > INDEPENDENT_SHARE * length:
+            basis = np.column_stack([basis, rest / np.linalg.norm(rest)])
+            names.append(name)
+    return tuple(names)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -104,13 +111,11 @@ class Fit:
     freedom: int
 
     def coefficient(self, name: str, window: int = -1) -> Coefficient:
-        """Return one coefficient with its interval."""
+        """Return one coefficient with its interval; undetermined if it was not fitted."""
         if name not in self.names:
             return UNDETERMINED
-        value, half = self.column(name)
-        return Coefficient(
-            value=float(value[window]), low=float((value - half)[window]), high=float((value + half)[window])
-        )
+        value, half = (float(part[window]) for part in self.column(name))
+        return Coefficient(value=value, low=value - half, high=value + half)
 
     def column(self, name: str) -> tuple[Float, Float]:
         """Return the values of a column and the half widths of their intervals, shape (w,) each."""
@@ -118,36 +123,29 @@ class Fit:
             nothing = np.full(len(self.value), np.nan)
             return nothing, nothing
         column = self.names.index(name)
-        quantile = float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2))
-        return self.value[:, column], quantile * self.error[:, column]
+        return self.value[:, column], float(stdtrit(self.freedom, 0.5 + CONFIDENCE / 2)) * self.error[:, column]
 
 
 def fit_windows(equations: Equations, window: int) -> Fit:
-    """Solve every window of consecutive cycles, with a jackknife over its cycles.
+    """Solve every window of consecutive groups, with a jackknife over its groups.
 
     Args:
-        equations: Equations of m cycles.
-        window: Cycles per window, at most m.
+        equations: Equations of m groups.
+        window: Groups per window, at most m.
 
     Returns:
         Solutions of the m - window + 1 windows, in order.
     """
-    normal = _sliding_sum(equations.normal, window)
-    right = _sliding_sum(equations.right, window)
-    value = _solve(normal, right)
-    error = np.sqrt((window - 1) * _without_one(equations, normal, right, window).var(axis=0))
-    return Fit(
-        names=equations.names, value=value / equations.scale, error=error / equations.scale, freedom=max(window - 1, 1)
-    )
-
-
-def _without_one(equations: Equations, normal: Float, right: Float, window: int) -> Float:
-    """Solve every window without its first cycle, without its second, and so on: shape (window, w, p)."""
+    normal, right = (_sliding_sum(blocks, window) for blocks in (equations.normal, equations.right))
     windows = len(normal)
     if windows == 1:
-        return _solve(normal - equations.normal, right - equations.right)[:, None]
-    places = (slice(first, first + windows) for first in range(window))
-    return np.stack([_solve(normal - equations.normal[place], right - equations.right[place]) for place in places])
+        without = _solve(normal - equations.normal, right - equations.right)[:, None]
+    else:
+        places = [slice(first, first + windows) for first in range(window)]
+        without = np.stack([_solve(normal - equations.normal[p], right - equations.right[p]) for p in places])
+    error = np.sqrt((window - 1) * without.var(axis=0)) / equations.scale
+    value = _solve(normal, right) / equations.scale
+    return Fit(names=equations.names, value=value, error=error, freedom=max(window - 1, 1))
 
 
 def _sliding_sum(blocks: Float, window: int) -> Float:
@@ -157,17 +155,5 @@ def _sliding_sum(blocks: Float, window: int) -> Float:
 
 
 def _solve(normal: Float, right: Float) -> Float:
-    size = normal.shape[-1]
-    return np.asarray(np.linalg.solve(normal + RIDGE * np.eye(size), right[..., None])[..., 0], np.float64)
-
-
-def conditioning(equations: Equations) -> tuple[float, float]:
-    """Return the condition number of the scaled matrix and the correlation of the two friction coefficients."""
-    normal = equations.normal.sum(axis=0)
-    values, vectors = np.linalg.eigh(normal)
-    condition = float(np.sqrt(values[-1] / values[0])) if values[0] > 0 else float("inf")
-    if equations.names[:2] != ("coulomb", "viscous"):
-        return condition, float("nan")
-    # Rounding may leave eigenvalues of a singular matrix below zero, and variances with them.
-    covariance = (vectors / values.clip(min=RIDGE)) @ vectors.T
-    return condition, float(covariance[0, 1] / np.sqrt(covariance[0, 0] * covariance[1, 1]))
+    ridge = RIDGE * np.eye(normal.shape[-1])
+    return np.asarray(np.linalg.solve(normal + ridge, right[..., None])[..., 0], np.float64)
