@@ -25,17 +25,11 @@ _TRUSTED_R2 = 0.8
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class MotionRatio:
-    """Change of q over integral of dq.
+    """Change of q over integral of dq."""
 
-    Attributes:
-        ratio: One per joint, NaN where the joint hardly moves, shape (j,).
-        determination: R^2, the share of the change of q that the integral explains, shape (j,).
-        windows: Windows of time in which the joint moved, 0 where it hardly moves, shape (j,).
-    """
-
-    ratio: Float
-    determination: Float
-    windows: np.ndarray
+    ratio: Float  # one per joint, NaN where the joint hardly moves, shape (j,)
+    determination: Float  # R^2, the share of the change of q that the integral explains, shape (j,)
+    windows: np.ndarray  # windows of time in which the joint moved, 0 where it hardly moves, shape (j,)
 
     @property
     def trusted(self) -> np.ndarray:

@@ -58,23 +58,14 @@ _LABEL = re.compile(r"(?:joint_)?names?", re.IGNORECASE)
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ForeignName:
-    """What a column's name says.
+    """What a column's name says."""
 
-    Attributes:
-        channel: Channel of JointLog.
-        rank: Place in the table of aliases; the smallest is the best.
-        template: The name with ``{i}`` for the joint's number, or ``{joint}`` for its name.
-        index: The joint's number as written, 0- or 1-based, or None.
-        joint: The joint's name, or None.
-        degrees: True if the name says degrees.
-    """
-
-    channel: str
-    rank: int
-    template: str
-    index: int | None
-    joint: str | None
-    degrees: bool
+    channel: str  # channel of JointLog
+    rank: int  # place in the table of aliases; the smallest is the best
+    template: str  # the name with {i} for the joint's number, or {joint} for its name
+    index: int | None  # the joint's number as written, 0- or 1-based, or None
+    joint: str | None  # the joint's name, or None
+    degrees: bool  # true if the name says degrees
 
 
 def parse_name(name: str) -> ForeignName | None:

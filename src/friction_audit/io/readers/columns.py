@@ -26,48 +26,29 @@ JointKey = int | str  # a joint's number (0-based), or its name where it has no 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Group:
-    """The columns of one channel.
+    """The columns of one channel."""
 
-    Attributes:
-        template: Name with ``{i}`` or ``{joint}`` for the joint.
-        cells: Joint -> position of the column.
-        names: Joint -> the joint's name, where the columns have it.
-        degrees: True if the name says degrees.
-        in_order: True if the user gave the columns one by one, in the order of the joints.
-    """
-
-    template: str
-    cells: Mapping[JointKey, int]
-    names: Mapping[JointKey, str] = field(default_factory=dict)
-    degrees: bool = False
-    in_order: bool = False
+    template: str  # name with {i} or {joint} for the joint
+    cells: Mapping[JointKey, int]  # joint -> position of the column
+    names: Mapping[JointKey, str] = field(default_factory=dict)  # joint -> the joint's name, where the columns have it
+    degrees: bool = False  # true if the name says degrees
+    in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ColumnMap:
-    """Which column is what.
+    """Which column is what."""
 
-    Attributes:
-        time: The clock.
-        channels: Channel -> positions of its columns, one per joint; a single one in a long table.
-        joint_names: One name per joint; none yet of a long table.
-        robot: Robot by the joints' names, or ``"unknown"``.
-        mapping: Channel -> name in the file, for people.
-        degrees: Channels whose names say degrees.
-        findings: Channels left out.
-        joint: Position of the column of joints in a table with one row per joint and time, else None.
-        stated: Channels that the user named.
-    """
-
-    time: TimeColumn
+    time: TimeColumn  # the clock
+    # channel -> positions of its columns, one per joint; a single one in a long table
     channels: Mapping[str, tuple[int, ...]]
-    joint_names: tuple[str, ...] = ()
-    robot: str = "unknown"
-    mapping: Mapping[str, str]
-    degrees: frozenset[str]
-    findings: tuple[Finding, ...] = ()
-    joint: int | None = None
-    stated: frozenset[str] = frozenset()
+    joint_names: tuple[str, ...] = ()  # one name per joint; none yet of a long table
+    robot: str = "unknown"  # robot by the joints' names, or "unknown"
+    mapping: Mapping[str, str]  # channel -> name in the file, for people
+    degrees: frozenset[str]  # channels whose names say degrees
+    findings: tuple[Finding, ...] = ()  # channels left out
+    joint: int | None = None  # position of the column of joints in a table with one row per joint and time, else None
+    stated: frozenset[str] = frozenset()  # channels that the user named
 
 
 def map_columns(

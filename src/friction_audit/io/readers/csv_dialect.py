@@ -20,29 +20,17 @@ _UTF16, _UTF32 = (b"\xff\xfe", b"\xfe\xff"), (b"\xff\xfe\0\0", b"\0\0\xfe\xff")
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Dialect:
-    """How a text table is written.
+    """How a text table is written."""
 
-    Attributes:
-        separator: ``","``, ``";"``, tab, or ``" "`` for any blanks.
-        decimal: Sign between units and tenths.
-        names: Names of the columns as they stand; ``#1``, ``#2``... where the file has no header.
-        has_header: True if the file names its columns.
-        width: Fields of a line of numbers.
-        offset: Byte at which the numbers begin.
-        line: Number of the line there, counted from 1.
-        size: Bytes of the file; what a logger appends later is not looked at.
-        rows: The fields of the first lines of numbers.
-    """
-
-    separator: str
-    decimal: str
-    names: tuple[str, ...]
-    has_header: bool
-    width: int
-    offset: int
-    line: int
-    size: int
-    rows: tuple[tuple[str, ...], ...]
+    separator: str  # ",", ";", tab, or " " for any blanks
+    decimal: str  # sign between units and tenths
+    names: tuple[str, ...]  # names of the columns as they stand; #1, #2... where the file has no header
+    has_header: bool  # true if the file names its columns
+    width: int  # fields of a line of numbers
+    offset: int  # byte at which the numbers begin
+    line: int  # number of the line there, counted from 1
+    size: int  # bytes of the file; what a logger appends later is not looked at
+    rows: tuple[tuple[str, ...], ...]  # the fields of the first lines of numbers
 
 
 def is_number(text: str, decimal: str = ".") -> bool:

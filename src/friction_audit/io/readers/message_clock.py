@@ -31,7 +31,7 @@ def choose_clock(log_time: Int, stamp: Int | None, robot_time: Float | None) -> 
     """Choose the best clock that runs.
 
     Args:
-        log_time: Time of recording, shape (n,). [ns]
+        log_time: Time of recording, shape (n,) [ns]
         stamp: Time stamp of the source, if there is one. [ns]
         robot_time: The robot's own clock, if there is one. [s]
     """

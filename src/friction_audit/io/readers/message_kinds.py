@@ -24,25 +24,15 @@ class UndecodableError(Exception):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MessageKind:
-    """One family of joint state messages.
+    """One family of joint state messages."""
 
-    Attributes:
-        rank: Preference when a file holds several; the smallest wins.
-        fields: Channel -> dotted path of its array.
-        required: Channels of which a definition must have all.
-        names: Path of the joint names, if the message carries them.
-        robot_time: Path of the robot's own clock. [s]
-        stamps: Paths of the source's time stamp, the first one present is taken.
-        elements: Path of a list with one entry per joint; the other paths then lie within an entry.
-    """
-
-    rank: int
-    fields: Mapping[str, str]
-    required: tuple[str, ...]
-    names: str | None = None
-    robot_time: str | None = None
-    stamps: tuple[str, ...] = ("header.stamp",)
-    elements: str | None = None
+    rank: int  # preference when a file holds several; the smallest wins
+    fields: Mapping[str, str]  # channel -> dotted path of its array
+    required: tuple[str, ...]  # channels of which a definition must have all
+    names: str | None = None  # path of the joint names, if the message carries them
+    robot_time: str | None = None  # path of the robot's own clock [s]
+    stamps: tuple[str, ...] = ("header.stamp",)  # paths of the source's time stamp, the first one present is taken
+    elements: str | None = None  # path of a list with one entry per joint; the other paths then lie within an entry
 
     @property
     def stamp_paths(self) -> tuple[str, ...]:
@@ -112,19 +102,12 @@ def match_kind(paths: Iterable[str]) -> MessageKind | None:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Row:
-    """Joint values of one message.
+    """Joint values of one message."""
 
-    Attributes:
-        names: Joint names, in the order of the message; joint1..n if it carries none.
-        channels: Channel -> values, one per joint; only channels with content.
-        stamp: Time stamp of the source. [ns]
-        robot_time: The robot's own clock. [s]
-    """
-
-    names: tuple[str, ...]
-    channels: dict[str, Float]
-    stamp: int | None
-    robot_time: float | None
+    names: tuple[str, ...]  # Joint names, in the order of the message; joint1..n if it carries none
+    channels: dict[str, Float]  # channel -> values, one per joint; only channels with content
+    stamp: int | None  # time stamp of the source [ns]
+    robot_time: float | None  # the robot's own clock [s]
 
 
 def row_of(message: object, kind: MessageKind) -> Row:

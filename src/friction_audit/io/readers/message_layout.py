@@ -42,19 +42,13 @@ class Leaf:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Layout:
-    """Layout of one payload.
+    """Layout of one payload."""
 
-    Attributes:
-        size: Length of the payload. [byte]
-        numbers: Dotted path of a field -> where its numbers lie.
-        strings: Dotted path of a string or of an array of strings -> its content.
-        fixed: Offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header).
-            Payloads of the same size that agree in these bytes have the same layout and the same strings.
-    """
-
-    size: int
-    numbers: Mapping[str, Leaf]
-    strings: Mapping[str, tuple[str, ...]]
+    size: int  # length of the payload [byte]
+    numbers: Mapping[str, Leaf]  # dotted path of a field -> where its numbers lie
+    strings: Mapping[str, tuple[str, ...]]  # dotted path of a string or of an array of strings -> its content
+    # offsets of the bytes that decide the layout (string and sequence lengths, string contents, CDR header). Payloads
+    # of the same size that agree in these bytes have the same layout and the same strings
     fixed: NDArray[np.intp]
 
 

@@ -18,44 +18,26 @@ _SHORTEST_RUN = 16  # a shorter run of equally long messages means that topics a
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Connection:
-    """One publisher's stream in a file; several connections may share a topic.
+    """One publisher's stream in a file; several connections may share a topic."""
 
-    Attributes:
-        key: What the container calls it, unique in the stream.
-        topic: Topic name, with its leading slash if the file has one.
-        type: Message type, ``package/msg/Name`` for ROS.
-        encoding: How payloads are serialised: ``"ros1"``, ``"cdr"``, ``"json"``, ``"protobuf"`` or something else.
-        definition: The message definition that the file carries, empty if it carries none.
-        definition_format: Language of the definition, e.g. ``"ros2msg"``, ``"ros2idl"``, ``"protobuf"``.
-        messages: Number of messages, or None when the file does not say.
-    """
-
-    key: int
-    topic: str
-    type: str
-    encoding: str
-    definition: bytes = b""
-    definition_format: str = ""
-    messages: int | None = None
+    key: int  # what the container calls it, unique in the stream
+    topic: str  # topic name, with its leading slash if the file has one
+    type: str  # message type, package/msg/Name for ROS
+    encoding: str  # how payloads are serialised: "ros1", "cdr", "json", "protobuf" or something else
+    definition: bytes = b""  # the message definition that the file carries, empty if it carries none
+    definition_format: str = ""  # language of the definition, e.g. "ros2msg", "ros2idl", "protobuf"
+    messages: int | None = None  # number of messages, or None when the file does not say
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Block:
-    """Consecutive messages of one connection: payloads as ranges of one buffer.
+    """Consecutive messages of one connection: payloads as ranges of one buffer."""
 
-    Attributes:
-        key: Key of the connection.
-        log_time: Time at which each message was recorded, shape (n,). [ns]
-        buffer: Bytes that hold all payloads.
-        start: Offset of each payload in the buffer, shape (n,).
-        size: Length of each payload, shape (n,). [byte]
-    """
-
-    key: int
-    log_time: Int
-    buffer: bytes
-    start: Int
-    size: Int
+    key: int  # key of the connection
+    log_time: Int  # time at which each message was recorded, shape (n,) [ns]
+    buffer: bytes  # bytes that hold all payloads
+    start: Int  # offset of each payload in the buffer, shape (n,)
+    size: Int  # length of each payload, shape (n,) [byte]
 
     def __len__(self) -> int:
         """Return the number of messages."""
@@ -69,21 +51,13 @@ class Block:
 
 @dataclass(slots=True)
 class Window:
-    """A part of a log by the time of recording, and what was left out on either side of it.
+    """A part of a log by the time of recording, and what was left out on either side of it."""
 
-    Attributes:
-        first: Log time of its start. [ns]
-        last: Log time of its end. [ns]
-        before: True if messages before it were left out.
-        after: True if messages after it were left out.
-        latest: Latest log time of the messages left out before it. [ns]
-    """
-
-    first: float
-    last: float
-    before: bool = False
-    after: bool = False
-    latest: float = -inf
+    first: float  # log time of its start [ns]
+    last: float  # log time of its end [ns]
+    before: bool = False  # true if messages before it were left out
+    after: bool = False  # true if messages after it were left out
+    latest: float = -inf  # latest log time of the messages left out before it [ns]
 
     def leaves_out(self, times: tuple[int, int]) -> bool:
         """Return True if messages from one log time to another lie outside; times that run back are not trusted."""

@@ -145,20 +145,12 @@ class Topic:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Reader:
-    """A container format.
+    """A container format."""
 
-    Attributes:
-        name: Name of the format, shown to people and stored in results.
-        suffixes: File name endings, lower case, with the dot.
-        recognises: True if this file (or directory) is of this format, from its content; never raises.
-        read: Reads it.
-        topics: Lists what is in it.
-        summary: One line for the documentation.
-    """
-
-    name: str
-    suffixes: tuple[str, ...]
+    name: str  # name of the format, shown to people and stored in results
+    suffixes: tuple[str, ...]  # file name endings, lower case, with the dot
+    # true if this file (or directory) is of this format, from its content; never raises
     recognises: Callable[[Path], bool]
-    read: Callable[[Path, ReadOptions], Recording]
-    topics: Callable[[Path], tuple[Topic, ...]]
-    summary: str
+    read: Callable[[Path, ReadOptions], Recording]  # reads it
+    topics: Callable[[Path], tuple[Topic, ...]]  # lists what is in it
+    summary: str  # one line for the documentation

@@ -242,17 +242,11 @@ def _time(header: Mapping[str, bytes], name: str) -> int:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MessageHead:
-    """What message records look like up to their payload; writers differ in the order of the header's fields.
+    """What message records look like up to their payload; writers differ in the order of the header's fields."""
 
-    Attributes:
-        pattern: Matches such a head, with the values as groups named conn, time and length.
-        record: The same as a NumPy record.
-        fixed: Offsets in it of all bytes but those values.
-    """
-
-    pattern: re.Pattern[bytes]
-    record: np.dtype[np.void]
-    fixed: NDArray[np.intp]
+    pattern: re.Pattern[bytes]  # matches such a head, with the values as groups named conn, time and length
+    record: np.dtype[np.void]  # the same as a NumPy record
+    fixed: NDArray[np.intp]  # offsets in it of all bytes but those values
 
     def unpack(self, match: re.Match[bytes]) -> tuple[int, int, int]:
         """Return connection, time [ns] and length of the payload [byte]."""

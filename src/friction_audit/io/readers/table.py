@@ -25,19 +25,12 @@ _WHOLE = re.compile(r"^(\d+)\.0+$")  # a joint's number in a column that was wri
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Part:
-    """The numbers that were read of a table: all of it, or the part asked for.
+    """The numbers that were read of a table: all of it, or the part asked for."""
 
-    Attributes:
-        clock: Its clock, n rows.
-        channels: Channel -> array of shape (n, columns), Fortran order.
-        joint: Joint of each row of a long table, shape (n,), else None.
-        first_s: First stamp of the whole table on the clock, where a part was read. [s]
-    """
-
-    clock: Clock
-    channels: dict[str, Float]
-    joint: NDArray[Any] | None = None
-    first_s: float | None = None
+    clock: Clock  # its clock, n rows
+    channels: dict[str, Float]  # channel -> array of shape (n, columns), Fortran order
+    joint: NDArray[Any] | None = None  # Joint of each row of a long table, shape (n,), else None
+    first_s: float | None = None  # first stamp of the whole table on the clock, where a part was read [s]
 
 
 class Table(ABC):

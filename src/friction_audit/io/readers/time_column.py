@@ -34,34 +34,21 @@ _LONGEST_S = 1e10  # three centuries: from no stamp to the last one in nanosecon
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TimeColumn:
-    """The column that is the clock.
+    """The column that is the clock."""
 
-    Attributes:
-        cells: Its position; two for seconds and nanoseconds kept apart.
-        name: Its name in the file.
-        unit: ``"s"``, ``"ms"``, ``"us"``, ``"ns"``, or None when the median step decides.
-        clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-    """
-
-    cells: tuple[int, ...]
-    name: str
-    unit: str | None
-    clock: str
+    cells: tuple[int, ...]  # its position; two for seconds and nanoseconds kept apart
+    name: str  # its name in the file
+    unit: str | None  # "s", "ms", "us", "ns", or None when the median step decides
+    clock: str  # "robot_time", "header_stamp", "log_time" or "column"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Clock:
-    """A clock read.
+    """A clock read."""
 
-    Attributes:
-        t: Time since the first sample, shape (n,). [s]
-        start_s: Unix time of the first sample, or None. [s]
-        unit: The unit found.
-    """
-
-    t: Float
-    start_s: float | None
-    unit: str
+    t: Float  # time since the first sample, shape (n,) [s]
+    start_s: float | None  # unix time of the first sample, or None [s]
+    unit: str  # the unit found
 
 
 def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, NDArray[np.bool_], float]:

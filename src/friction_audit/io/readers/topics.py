@@ -21,23 +21,14 @@ _NOT_MEASURED = re.compile(r"desired|command|target|goal|motor_state|external")
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Candidate:
-    """A topic whose messages can be read as joint states.
+    """A topic whose messages can be read as joint states."""
 
-    Attributes:
-        topic: Its name.
-        type: Its message type.
-        messages: Number of messages, or None when the file does not say.
-        kind: Which fields are which channel.
-        decoders: Key of each connection -> its decoder.
-        rows: The first messages, decoded.
-    """
-
-    topic: str
-    type: str
-    messages: int | None
-    kind: MessageKind
-    decoders: Mapping[int, MessageDecoder]
-    rows: Sequence[Row] = field(default=())
+    topic: str  # its name
+    type: str  # its message type
+    messages: int | None  # number of messages, or None when the file does not say
+    kind: MessageKind  # which fields are which channel
+    decoders: Mapping[int, MessageDecoder]  # key of each connection -> its decoder
+    rows: Sequence[Row] = field(default=())  # the first messages, decoded
 
     @property
     def arms(self) -> dict[str, tuple[str, ...]]:

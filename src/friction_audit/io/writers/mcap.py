@@ -27,25 +27,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Channel:
-    """The channel and how its messages are written.
+    """The channel and how its messages are written."""
 
-    Attributes:
-        topic: Topic.
-        schema: Name of the schema.
-        schema_encoding: Language of the schema.
-        schema_data: The schema.
-        encoding: Encoding of the messages.
-        profile: Profile of the file.
-        notes: Metadata of the channel.
-    """
-
-    topic: str
-    schema: str
-    schema_encoding: str
-    schema_data: bytes
-    encoding: str
-    profile: str = ""
-    notes: Mapping[str, str] = field(default_factory=dict)
+    topic: str  # topic
+    schema: str  # name of the schema
+    schema_encoding: str  # language of the schema
+    schema_data: bytes  # the schema
+    encoding: str  # encoding of the messages
+    profile: str = ""  # profile of the file
+    notes: Mapping[str, str] = field(default_factory=dict)  # metadata of the channel
 
 
 def write_channels(path: Path, channels: Sequence[Channel], messages: Iterable[tuple[int, int, bytes]]) -> None:

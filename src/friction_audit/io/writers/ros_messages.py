@@ -22,25 +22,15 @@ _BLOCK = 4096  # messages made at once
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class MessageType:
-    """A message type that holds joint states.
+    """A message type that holds joint states."""
 
-    Attributes:
-        name: Name as ROS 2 spells it.
-        topic: Topic on which it is published.
-        ros: 1 or 2.
-        fields: Path of an array -> channel.
-        names: Paths of the lists of joint names.
-        robot_time: Path of the robot's own clock, or None.
-        definitions: Type -> file of its definition, for types that ROS does not come with.
-    """
-
-    name: str
-    topic: str
-    ros: int
-    fields: Mapping[str, str]
-    names: tuple[str, ...] = ()
-    robot_time: str | None = None
-    definitions: Mapping[str, str]
+    name: str  # name as ROS 2 spells it
+    topic: str  # topic on which it is published
+    ros: int  # 1 or 2
+    fields: Mapping[str, str]  # path of an array -> channel
+    names: tuple[str, ...] = ()  # paths of the lists of joint names
+    robot_time: str | None = None  # path of the robot's own clock, or None
+    definitions: Mapping[str, str]  # type -> file of its definition, for types that ROS does not come with
 
     @property
     def encoding(self) -> str:

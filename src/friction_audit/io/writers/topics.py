@@ -29,15 +29,10 @@ JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Span:
-    """When a log was recorded, on its own clock.
+    """When a log was recorded, on its own clock."""
 
-    Attributes:
-        start_ns: Unix time of its first sample, or one second where its clock does not tell the time. [ns]
-        duration_s: From the first sample to the last. [s]
-    """
-
-    start_ns: int
-    duration_s: float
+    start_ns: int  # unix time of its first sample, or one second where its clock does not tell the time. [ns]
+    duration_s: float  # from the first sample to the last. [s]
 
     def stamps(self, time_s: Float) -> list[int]:
         """Return the Unix time of moments of the log, none outside it. [ns]"""
