@@ -55,13 +55,6 @@ def assert_nearly_equal(actual: Float, desired: Float) -> None:
     assert_allclose(actual, desired, rtol=1e-5, atol=0.51e-3)
 
 
-@pytest.mark.parametrize("writer", WRITERS, ids=NAMES)
-def test_channels_without_a_place_are_told(writer: Writer, tmp_path: Path) -> None:
-    log = make_log(samples=10)
-    used = write_log(log, place(tmp_path, writer), dialect=writer.name)
-    assert set(used.left_out(log)) == set(JOINT_CHANNELS) - set(writer.holds)
-
-
 @pytest.mark.parametrize("name", ["mcap", "rosbag1-joint-state", "rosbag2-sqlite3", "csv-rostopic", "mcap-protobuf"])
 def test_start_of_the_recording_is_kept(name: str, tmp_path: Path) -> None:
     log = make_log(channels=JOINT_STATE, start_s=1_700_000_000.25)
@@ -147,10 +140,6 @@ def test_writers_are_listed_without_their_libraries() -> None:
     heavy = ("pandas", "pyarrow", "rosbags", "mcap", "google.protobuf", "scipy")
     code = f"import sys, friction_audit.io.writers; print([name for name in {heavy} if name in sys.modules])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
-
-
-def test_names_are_unique() -> None:
-    assert len(set(NAMES)) == len(NAMES)
 
 
 def test_several_blocks_of_messages_read_back(tmp_path: Path) -> None:

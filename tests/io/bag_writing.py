@@ -14,6 +14,8 @@ from rosbags.rosbag2 import Writer as Rosbag2Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+from friction_audit.io.recording import Recording
+
 JOINTS = tuple(f"panda_joint{number}" for number in range(1, 8))
 START_NS = 1_700_000_000_000_000_123
 STEP_NS = 1_000_000
@@ -26,6 +28,14 @@ def samples(n: int, joints: int = 7, seed: int = 0) -> Samples:
     """Random q, dq and tau_J of shape (n, joints)."""
     rng = np.random.default_rng(seed)
     return {name: rng.normal(size=(n, joints)) for name in ("q", "dq", "tau_J")}
+
+
+def assert_read(recording: Recording, values: Samples) -> None:
+    """The recording has these channels, to the bit, column by column."""
+    assert list(recording.channels) == list(values)
+    for name, array in values.items():
+        np.testing.assert_array_equal(recording.channels[name], array)
+        assert recording.channels[name].flags.f_contiguous
 
 
 def ros1_store(*definitions: tuple[str, str]) -> Typestore:

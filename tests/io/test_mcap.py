@@ -13,7 +13,7 @@ from google.protobuf.message_factory import GetMessageClassesForFiles
 from google.protobuf.timestamp_pb2 import DESCRIPTOR as TIMESTAMP
 from mcap.writer import CompressionType, IndexType
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError
 from friction_audit.io.readers.mcap import MCAP
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.recording import Recording
@@ -21,6 +21,7 @@ from tests.io.bag_writing import (
     JOINTS,
     STEP_NS,
     Samples,
+    assert_read,
     joint_state,
     joint_states,
     ros1_store,
@@ -37,13 +38,6 @@ STORE = ros2_store()
 
 def read(path: Path, **options: Any) -> Recording:
     return MCAP.read(path, ReadOptions(**options))
-
-
-def assert_read(recording: Recording, values: Samples) -> None:
-    assert list(recording.channels) == list(values)
-    for name, array in values.items():
-        np.testing.assert_array_equal(recording.channels[name], array)
-        assert recording.channels[name].flags.f_contiguous
 
 
 @pytest.mark.parametrize(
@@ -310,11 +304,6 @@ def test_broken_definition_matters_only_on_the_topic_asked_for(tmp_path: Path) -
         read(path, topic="/half")
 
 
-def test_no_messages(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="no messages at all"):
-        read(write_mcap(tmp_path / "a.mcap", STORE, []))
-
-
 def test_no_such_topic_and_no_joints(tmp_path: Path) -> None:
     text: Any = STORE.types["std_msgs/msg/String"]
     notes = [(stamp_ns(0), text("x"))]
@@ -323,12 +312,3 @@ def test_no_such_topic_and_no_joints(tmp_path: Path) -> None:
         read(path, topic="/nota")
     with pytest.raises(InputError, match="expected fields q, dq and tau_J"):
         read(path)
-
-
-def test_two_arms(tmp_path: Path) -> None:
-    values = samples(5)
-    streams = [joint_states(STORE, values, f"/{side}/joint_states") for side in ("left", "right")]
-    path = write_mcap(tmp_path / "a.mcap", STORE, streams)
-    with pytest.raises(UsageError, match="--topic '/left/joint_states'"):
-        read(path)
-    assert read(path, topic="/right/joint_states").topic == "/right/joint_states"

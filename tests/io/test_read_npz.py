@@ -71,30 +71,6 @@ def test_lengths_that_differ(tmp_path: Path) -> None:
         read_log(path)
 
 
-def test_missing_arrays(tmp_path: Path) -> None:
-    arrays = motion(300)
-    path = tmp_path / "run.npz"
-    np.savez(path, t=arrays["t"], q=arrays["q"])
-    with pytest.raises(InputError, match="no column for dq and a torque"):
-        read_log(path)
-
-
-def test_truncated(tmp_path: Path) -> None:
-    path = tmp_path / "run.npz"
-    np.savez(path, **motion(300))  # type: ignore[arg-type]
-    path.write_bytes(path.read_bytes()[:-300])
-    with pytest.raises(InputError, match="damaged NumPy archive"):
-        read_log(path)
-
-
-@pytest.mark.parametrize("samples", [0, 1])
-def test_too_few_samples(tmp_path: Path, samples: int) -> None:
-    path = tmp_path / "run.npz"
-    np.savez(path, **motion(samples))  # type: ignore[arg-type]
-    with pytest.raises(InputError, match=f"{samples} sample"):
-        read_log(path)
-
-
 def rewrite(path: Path, name: str, change: Callable[[bytes], bytes]) -> None:
     """Change an entry, and make its checksum right."""
     with zipfile.ZipFile(path) as archive:

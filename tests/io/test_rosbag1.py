@@ -16,6 +16,7 @@ from tests.io.bag_writing import (
     STEP_NS,
     Samples,
     Stream,
+    assert_read,
     header,
     joint_state,
     joint_states,
@@ -42,13 +43,6 @@ bool[3] errors
 
 def read(path: Path, **options: Any) -> Recording:
     return ROSBAG1.read(path, ReadOptions(**options))
-
-
-def assert_read(recording: Recording, values: Samples) -> None:
-    assert list(recording.channels) == list(values)
-    for name, array in values.items():
-        np.testing.assert_array_equal(recording.channels[name], array)
-        assert recording.channels[name].flags.f_contiguous
 
 
 def codes(recording: Recording) -> set[str]:
@@ -97,12 +91,6 @@ def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
     recording = read(path)
     assert_read(recording, values)
     assert codes(recording) == set()
-
-
-def test_nan_effort_passes_through(tmp_path: Path) -> None:
-    values = samples(30)
-    values["tau_J"][3:5, 2] = np.nan
-    assert_read(read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)])), values)
 
 
 def franka_states(store: Any, values: Samples, topic: str, **changes: Any) -> Stream:
@@ -155,34 +143,6 @@ def test_first_hand_joint_states_before_the_republished_ones(tmp_path: Path) -> 
     recording = read(write_rosbag1(tmp_path / "a.bag", STORE, streams))
     assert recording.topic == "/franka_state_controller/joint_states"
     assert "topic_chosen" in codes(recording)
-
-
-def test_robot_time_that_stands_still_is_not_used(tmp_path: Path) -> None:
-    store = ros1_store((FRANKA_STATE, FRANKA_DEFINITION))
-    values = samples(30)
-    stream = franka_states(store, values, "/states", time=lambda _: 0.0)
-    recording = read(write_rosbag1(tmp_path / "a.bag", store, [stream]))
-    assert recording.clock == "header_stamp"
-    assert "clock_stopped" in codes(recording)
-
-
-def test_zero_stamps_fall_back_to_log_time(tmp_path: Path) -> None:
-    values = samples(30)
-    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, stamp=0)]))
-    assert recording.clock == "log_time"
-    np.testing.assert_array_equal(recording.t, np.arange(30) * STEP_NS / 1e9)
-    assert "header stamp" in recording.findings[0].message
-
-
-def test_log_time_that_disagrees_is_reported(tmp_path: Path) -> None:
-    values = samples(400)
-    rng = np.random.default_rng(0)
-    topic, kind, messages = joint_states(STORE, values)
-    late = [(time + int(rng.uniform(0, 1e8)), message) for time, message in messages]
-    recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [(topic, kind, late)]))
-    (finding,) = recording.findings
-    assert finding.code == "clock_disagreement"
-    assert finding.amount == pytest.approx(0.1 / np.sqrt(12), rel=0.1)
 
 
 def test_two_arms_are_for_the_user_to_choose(tmp_path: Path) -> None:
@@ -337,14 +297,6 @@ def test_bag_without_joint_states(tmp_path: Path) -> None:
     path = write_rosbag1(tmp_path / "a.bag", STORE, [text])
     with pytest.raises(InputError, match=r"topics are /note \(std_msgs/msg/String, 1 messages\)"):
         read(path)
-
-
-def test_missing_file_and_directory(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match=r"absent.bag: cannot be read"):
-        read(tmp_path / "absent.bag")
-    with pytest.raises(InputError, match="cannot be read"):
-        read(tmp_path)
-    assert not ROSBAG1.recognises(tmp_path)
 
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")

@@ -12,7 +12,7 @@ import pytest
 from rosbags.highlevel import AnyReader
 from rosbags.typesys.store import Typestore
 
-from friction_audit.errors import InputError, UsageError
+from friction_audit.errors import InputError
 from friction_audit.io.readers import read_log
 from friction_audit.io.readers.message_decoder import _ERROR_FLAGS, _FRANKA_GENERATIONS, _franka_definitions
 from friction_audit.io.readers.reader import ReadOptions
@@ -23,6 +23,7 @@ from tests.io.bag_writing import (
     STEP_NS,
     Samples,
     Stream,
+    assert_read,
     header,
     joint_state,
     joint_states,
@@ -37,13 +38,6 @@ STORE = ros2_store()
 
 def read(path: Path, **options: Any) -> Recording:
     return ROSBAG2.read(path, ReadOptions(**options))
-
-
-def assert_read(recording: Recording, values: Samples) -> None:
-    assert list(recording.channels) == list(values)
-    for name, array in values.items():
-        np.testing.assert_array_equal(recording.channels[name], array)
-        assert recording.channels[name].flags.f_contiguous
 
 
 def storage_file(bag: Path) -> Path:
@@ -139,18 +133,6 @@ def test_messages_that_lack_joints(tmp_path: Path) -> None:
     assert [finding.code for finding in recording.findings] == ["incomplete_messages"]
 
 
-def test_joints_without_numbers_keep_the_order_of_the_file(tmp_path: Path) -> None:
-    values = samples(5, joints=3)
-    kind: Any = STORE.types["sensor_msgs/msg/JointState"]
-    names = ["shoulder", "elbow", "wrist"]
-    messages = [
-        (stamp_ns(i), kind(header(STORE, i), names, *(values[c][i] for c in ("q", "dq", "tau_J")))) for i in range(5)
-    ]
-    recording = read(write_rosbag2(tmp_path / "bag", STORE, [("/j", "sensor_msgs/msg/JointState", messages)]))
-    assert recording.joint_names == tuple(names)
-    assert_read(recording, values)
-
-
 def franka_store(typename: str, generation: int) -> Typestore:
     types = list(_franka_definitions(typename))[generation]
     store = ros2_store()
@@ -241,16 +223,6 @@ def test_franka_state_of_no_known_generation(tmp_path: Path) -> None:
     remove_definitions(storage_file(bag))
     with pytest.raises(InputError, match=r"no topic with measured joint states.*/state"):
         read(bag)
-
-
-def test_two_namespaces_are_two_arms(tmp_path: Path) -> None:
-    values = samples(5)
-    streams = [
-        joint_states(STORE, values, f"/NS_{i}/franka_robot_state_broadcaster/measured_joint_states") for i in (1, 2)
-    ]
-    path = write_rosbag2(tmp_path / "bag", STORE, streams)
-    with pytest.raises(UsageError, match="--topic '/NS_1/franka_robot"):
-        read(path)
 
 
 def test_big_endian_messages_are_decoded_one_by_one(tmp_path: Path) -> None:

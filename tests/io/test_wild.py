@@ -14,7 +14,7 @@ from friction_audit.io.readers import read_log
 from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.joint_log import Float, JointLog
 from tests.io.synthetic_recordings import motion, recording
-from tests.io.test_vet import codes, finding, vetted
+from tests.io.test_checks import codes, finding, vetted
 
 TRUTH = {"coulomb_nm": 0.3, "viscous_nms_per_rad": 0.1}
 

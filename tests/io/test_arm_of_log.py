@@ -8,7 +8,7 @@ import pyarrow.parquet as pq
 import pytest
 from mcap.writer import Writer
 
-from friction_audit.io.readers import SeveralArmsError, arm_of_log, read_log
+from friction_audit.io.readers import arm_of_log, read_log
 from friction_audit.io.readers.channel_names import serial_in
 from friction_audit.io.writers import write_log
 from friction_audit.joint_log import JointLog, Source
@@ -104,14 +104,3 @@ def test_a_bag_tells_it_in_its_custom_data(tmp_path: Path) -> None:
     with (bag / "metadata.yaml").open("a") as stream:
         stream.write("  custom_data:\n    serial: '295341'\n    operator: Ann\n")
     assert read_log(bag).source.serial == "295341"
-
-
-def test_the_arms_of_a_log_are_told_apart(tmp_path: Path) -> None:
-    path = tmp_path / "pair.csv"
-    columns = [
-        f"{arm}_joint{n}/{channel}" for arm in ("left", "right") for channel in ("q", "dq", "tau_J") for n in (1, 2)
-    ]
-    path.write_text(",".join(["time", *columns]) + "\n" + "".join(f"{t}" + ",0" * 12 + "\n" for t in (0, 1, 2)))
-    with pytest.raises(SeveralArmsError) as caught:
-        read_log(path)
-    assert caught.value.topics == ("#left", "#right")

@@ -1,0 +1,215 @@
+"""What names say: of columns the channel, of joints the arm and the robot, of message fields the kind."""
+
+from collections.abc import Mapping, Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from friction_audit.errors import InputError
+from friction_audit.io.readers.channel_names import is_label, labels_of, parse_name, torque_unit
+from friction_audit.io.readers.columns import ColumnMap, map_columns
+from friction_audit.io.readers.joint_names import arms_in, robot_of
+from friction_audit.io.readers.message_kinds import KINDS, match_kind
+from friction_audit.io.readers.reader import SeveralArmsError
+from friction_audit.joint_log import JOINT_CHANNELS
+
+PANDA = tuple(f"panda_joint{i}" for i in range(1, 8))
+TWO_ARMS = ["time", *(f"{a}_joint{i}/{c}" for a in ("left", "right") for c in ("q", "dq", "tau_J") for i in (1, 2))]
+
+
+@pytest.mark.parametrize(
+    ("names", "channel", "index", "joint"),
+    [
+        ("q[0]|state.q[0]|field.position0|position.0", "q", 0, None),
+        (" q[3]|joint_positions[3]|measured_joint_state.position[3]", "q", 3, None),
+        ("joint_position_2", "q", 2, None),
+        ("q_joint1|joint1.q", "q", 1, "joint1"),
+        ("/joint_states/panda_joint1/position", "q", 1, "panda_joint1"),
+        ("shoulder_pan_joint/position", "q", None, "shoulder_pan_joint"),
+        ("dq1", "dq", 1, None),
+        ("joint1/dq", "dq", 1, "joint1"),
+        ("state.tau_J[3]|tau_J_3|effort.3|motor_torques_measured.3", "tau_J", 3, None),
+        ("tau_J_1 [Nm]", "tau_J", 1, None),
+        ("tau_J_panda_joint2", "tau_J", 2, "panda_joint2"),
+        ("cmd.tau_J_d[2]|tau_J_d_2|desired_joint_state.effort[2]", "tau_J_d", 2, None),
+        ("/joint_states_desired/panda_joint1/effort", "tau_J_d", 1, "panda_joint1"),
+        ("field.tau_ext_hat_filtered1|tau_ext_1|tau_external_1|tau_J_ext_1", "tau_ext_hat_filtered", 1, None),
+        ("tau_ext_hat_filtered.effort.0", "tau_ext_hat_filtered", 0, None),
+        ("tau_interaction_1", "tau_interaction", 1, None),
+        ("F_m", "tau_interaction", None, None),
+        ("g_2", "gravity", 2, None),
+        ("temp_1", "temperature", 1, None),
+    ],
+)
+def test_names_of_columns_in_use(names: str, channel: str, index: int | None, joint: str | None) -> None:
+    for name in names.split("|"):
+        parsed = parse_name(name)
+        assert parsed is not None
+        assert (parsed.channel, parsed.index, parsed.joint, parsed.degrees) == (channel, index, joint, False)
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["q_d[0]", "cmd.q_d[0]", "dq_d[1]", "ddq_1", "dtau_J_1", "theta_1", "O_F_ext_hat_K[0]", "time", "success rate", "",
+     "panda_finger_joint1_position", "measured_joint_motor_state.position[0]", "desired_joint_state.position[1]",
+     "observation.state[3]", "sent commands", "elbow[0]"],
+)  # fmt: skip
+def test_names_of_something_else(name: str) -> None:
+    assert parse_name(name) is None
+
+
+@pytest.mark.parametrize("name", ["q1_deg", "q_1 [deg]", "q_deg_1", "dq_1[deg/s]"])
+def test_names_that_say_degrees(name: str) -> None:
+    parsed = parse_name(name)
+    assert parsed is not None
+    assert (parsed.degrees, parsed.index) == (True, 1)
+
+
+@pytest.mark.parametrize(
+    ("unit", "names"),
+    [
+        ("A", ["actual_current_{i}", "target_current", "joint1.curr", "i_{i}", "motorCurrent{i}", "effort_{i} [A]"]),
+        ("mA", ["effort_{i} [mA]"]),
+        ("N m", ["current_torque_{i}", "tau_J_{i}", "amplitude_{i}"]),
+    ],
+)
+def test_a_column_of_motor_current_is_in_ampere(unit: str, names: Sequence[str]) -> None:
+    assert {torque_unit(name) for name in names} == {unit}
+
+
+def test_labels_belong_to_the_columns_of_their_message() -> None:
+    assert all(map(is_label, ("field.name3", "name[0]", "joint_states.name.10")))
+    assert not any(map(is_label, ("field.header.frame_id", "field.position3")))
+    names = ["field.position0", "field.position10", "other.position0", "position[0]"]
+    assert labels_of(names, {"field.name0": "elbow", "field.name10": "wrist"}) == {0: "elbow", 1: "wrist"}
+
+
+@pytest.mark.parametrize(
+    ("names", "arms"),
+    [
+        (["panda_finger_joint1", *PANDA[::-1], "panda_finger_joint2"], {"panda": PANDA}),
+        ([f"joint{i}" for i in (10, 9, 1, 2, 3)], {"": ("joint1", "joint2", "joint3", "joint9", "joint10")}),
+        (["r_fr3_joint2", "l_fr3_joint1", "r_fr3_joint1", "l_fr3_joint2"],
+         {"l_fr3": ("l_fr3_joint1", "l_fr3_joint2"), "r_fr3": ("r_fr3_joint1", "r_fr3_joint2")}),
+        (["lift_joint1", *PANDA, "wheel_left"], {"panda": PANDA}),
+        (["shoulder", "elbow", "left_finger"], {"": ("shoulder", "elbow")}),
+        (["joint2", "joint0", "joint1"], {"": ("joint0", "joint1", "joint2")}),
+        (["lbr_A10", "lbr_A2", "lbr_A1"], {"": ("lbr_A1", "lbr_A2", "lbr_A10")}),
+        (["3", "0", "12"], {"": ("0", "3", "12")}),
+        (["shoulder2", "elbow1"], {"": ("shoulder2", "elbow1")}),
+        (["panda_finger_joint1", "panda_finger_joint2"], {}),
+        (["gripper_joint_1", "gripper_joint_2", "joint_2", "joint_1"], {"": ("joint_1", "joint_2")}),
+        (["A2", "A1", "left_gripper"], {"": ("A1", "A2")}),
+    ],
+)  # fmt: skip
+def test_arms_and_the_order_of_their_joints(names: Sequence[str], arms: Mapping[str, tuple[str, ...]]) -> None:
+    assert arms_in(names) == arms
+
+
+@pytest.mark.parametrize(
+    ("robot", "prefixes"),
+    [
+        ("panda", ["panda_", "fer_", "panda_1_", "panda1_", "Panda_", "left/panda_", "left_fer_", "left_panda_"]),
+        ("fr3", ["left_fr3_", "fr3_", "right_fr3_", "fr3v2_"]),
+        ("unknown", ["iiwa_", "transfer_", ""]),
+    ],
+)
+def test_robot_by_the_prefix_of_its_joints(robot: str, prefixes: Sequence[str]) -> None:
+    assert {robot_of([f"{prefix}joint{i}" for i in range(1, 8)]) for prefix in prefixes} == {robot}
+    assert robot_of(("panda_joint1", "fr3_joint1")) == "unknown"
+
+
+def mapped(names: str | Sequence[str], **mapping: str) -> ColumnMap:
+    return map_columns(names.split() if isinstance(names, str) else names, path="log", mapping=mapping)
+
+
+@given(st.integers(1, 12), st.sampled_from([0, 1]), st.randoms())
+def test_any_number_of_joints_in_any_order(joints: int, first: int, random: object) -> None:
+    names = ["t", *(f"{c}{i}" for c in ("q", "dq", "tau_J") for i in range(first, first + joints))]
+    shuffled = list(names)
+    random.shuffle(shuffled)  # type: ignore[attr-defined]
+    columns = mapped(shuffled)
+    for channel in ("q", "dq", "tau_J"):
+        expected = [f"{channel}{i}" for i in range(first, first + joints)]
+        assert [shuffled[cell] for cell in columns.channels[channel]] == expected
+
+
+@pytest.mark.parametrize(
+    ("names", "mapping", "channels"),
+    [
+        ("t q dq F_m", {}, {"q": (1,), "dq": (2,), "tau_interaction": (3,)}),
+        ("time q_1 position_1 dq_1 velocity_1 effort_1 tau_J_1", {}, {"q": (1,), "dq": (3,), "tau_J": (6,)}),
+        ("time q_1 dq_1 dq_filtered_1 tau_J_1", {"dq": "dq_filtered_{i}"}, {"q": (1,), "dq": (3,), "tau_J": (4,)}),
+        ("#1 #2 #3 #4 #5 #6 #7", {"t": "#1:ms", "q": "#2-#3", "dq": "#4,#5", "tau_J": "#6-7"},
+         {"q": (1, 2), "dq": (3, 4), "tau_J": (5, 6)}),
+        ("time a[0] a[1] b[0] b[1] c[0] c[1]", {"q": "a", "dq": "b", "tau_J": "c"},
+         {"q": (1, 2), "dq": (3, 4), "tau_J": (5, 6)}),
+        (TWO_ARMS, {c: f"right_joint{{i}}/{c}" for c in ("q", "dq", "tau_J")},
+         {"q": (7, 8), "dq": (9, 10), "tau_J": (11, 12)}),
+    ],
+)  # fmt: skip
+def test_columns_of_channels(
+    names: str | Sequence[str], mapping: Mapping[str, str], channels: Mapping[str, tuple[int, ...]]
+) -> None:
+    columns = mapped(names, **mapping)
+    assert columns.channels == channels
+    assert columns.time.unit == ("ms" if "t" in mapping else None)
+
+
+def test_all_missing_columns_at_once_with_near_misses() -> None:
+    with pytest.raises(InputError) as caught:
+        mapped(["tyme", *(f"{name}_{i}" for name in ("velocty", "q") for i in range(1, 8))])
+    for words in (
+        "no column for t and dq and a torque (tau_interaction, tau_J, tau_ext_hat_filtered)",
+        "tyme (t), velocty_1 (dq)",
+        "--map dq=<column with {i} for the joint>",
+        "dq is not made from q",
+        "velocty_1...velocty_7",
+    ):
+        assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("names", "mapping", "words"),
+    [
+        ("time q_1 dq_1 tau_J_1", {"tau_J": "tau_1"}, r"no column for --map tau_J=.*did you mean .*tau_J_1"),
+        ("time q_1 dq_1 tau_J_1", {"tau_J": "tauJ_{i}"}, "no column for --map tau_J=tauJ_"),
+        ("time q_1 q_2 dq_1 dq_2 tau_J_1", {}, r"expected 2 joints: 1, 2 as in q_\{i\}, but tau_J \(1 joint: 1\)"),
+    ],
+)
+def test_columns_that_are_not_there(names: str, mapping: Mapping[str, str], words: str) -> None:
+    with pytest.raises(InputError, match=words):
+        mapped(names, **mapping)
+
+
+def test_two_arms_are_refused_with_their_names() -> None:
+    with pytest.raises(SeveralArmsError, match=r"several arms for q: left_joint\{i\}/q, right_joint\{i\}/q") as caught:
+        mapped(TWO_ARMS)
+    assert caught.value.topics == ("#left", "#right")
+
+
+def test_an_incomplete_channel_that_is_not_needed_is_left_out() -> None:
+    columns = mapped("time q_1 q_2 dq_1 dq_2 tau_J_1 tau_J_2 temperature_1")
+    assert "temperature" not in columns.channels
+    assert [finding.code for finding in columns.findings] == ["incomplete_channel"]
+
+
+@pytest.mark.parametrize(
+    ("paths", "torque", "robot_time"),
+    [
+        ("header.stamp header.frame_id name position velocity effort", "effort", None),
+        ("header.stamp q q_d dq tau_J tau_J_d time", "tau_J", "time"),
+        ("header.stamp q q_d dq tau_j tau_j_d time", "tau_j", "time"),  # ROS 2 forces lower case
+    ],
+)
+def test_messages_are_matched_by_their_fields(paths: str, torque: str, robot_time: str | None) -> None:
+    kind = match_kind(paths.split())
+    assert kind is not None
+    assert (kind.fields["tau_J"], kind.robot_time, kind.stamps) == (torque, robot_time, ("header.stamp",))
+
+
+@pytest.mark.parametrize("paths", ["joint_names desired.positions actual.positions", "position.x orientation.w"])
+def test_commands_and_poses_are_no_joint_states(paths: str) -> None:
+    assert match_kind(["header.stamp", *paths.split()]) is None
+    assert all(set(kind.fields) <= set(JOINT_CHANNELS) for kind in KINDS)
