@@ -13,9 +13,8 @@ import numpy as np
 from friction_audit.compensation.counterfactual import recording_of
 from friction_audit.compensation.operator_fit import FittedOperator, fit_operator
 from friction_audit.pipeline import AuditSettings, estimate_log
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters
 
 BENCH = BenchSettings(

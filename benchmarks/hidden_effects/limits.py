@@ -29,7 +29,7 @@ from friction_audit.diagnosis.ranking import BY_CHANCE
 from friction_audit.diagnosis.rows import Rows, make_rows
 from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 
 PRICE = float(chdtri(1, BY_CHANCE / len(effects())))
 """Of an effect whose torque is known but for its factor."""

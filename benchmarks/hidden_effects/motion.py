@@ -23,7 +23,7 @@ from benchmarks.marked_page import write_between
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 
 PLAIN = 1.5
 """Times what is left without an effect: from there on the gap in motion is the effect's."""

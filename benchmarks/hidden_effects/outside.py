@@ -8,7 +8,7 @@ import numpy as np
 from benchmarks.hidden_effects.draw import Case, settings_of
 from benchmarks.hidden_effects.strength import left_over
 from friction_audit.joint_log import Float, JointLog
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 
 Torque = Callable[[Float, Float, Float, np.random.Generator], Float]
 

@@ -27,8 +27,8 @@ from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
-from friction_audit.simulation.dispatch import simulate
 from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.scenarios import simulate
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (

@@ -28,7 +28,7 @@ from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 
 POWER = 0.9
 """With which the test must reject a rival."""

@@ -16,8 +16,8 @@ from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.interaction_torque import extract_interaction
 from friction_audit.preprocessing.segmentation import segment_cycles
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.simulation.dispatch import simulate
 from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.scenarios import simulate
 
 ROUNDS = 8
 CLOSE = 0.1

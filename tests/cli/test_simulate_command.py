@@ -20,9 +20,8 @@ from friction_audit.reporting.schemas import load_schema
 from friction_audit.simulation import Simulation, dispatch, simulate
 from friction_audit.simulation.assign import paths
 from friction_audit.simulation.bench import Progress
-from friction_audit.simulation.dispatch import AnySettings
 from friction_audit.simulation.effects import EFFECTS
-from friction_audit.simulation.scenarios import SCENARIOS, Scenario
+from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario
 from friction_audit.simulation.settings import IDEAL_SENSORS
 from tests.cli.conftest import Run
 
@@ -174,7 +173,7 @@ def fail(kind: type[BaseException]) -> Any:
 
 
 @pytest.mark.parametrize(
-    "step", ["friction_audit.simulation.dispatch.simulate", "friction_audit.reporting.json.simulate.truth_document"]
+    "step", ["friction_audit.simulation.scenarios.simulate", "friction_audit.reporting.json.simulate.truth_document"]
 )
 def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(step, fail(KeyboardInterrupt))

@@ -9,7 +9,7 @@ from friction_audit.compensation.comparison.margin import amplified
 from friction_audit.compensation.comparison.methods import ByHand, Joint, Method, Tuning
 from friction_audit.compensation.comparison.trial import Outcome, find_reference, measure
 from friction_audit.compensation.compensators import Compensator, TorqueRegulation
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 from tests.comparison.conftest import short_joint
 
 EACH = pytest.mark.parametrize("method", METHODS, ids=lambda method: method.name)

@@ -11,7 +11,7 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator, Sensors
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 
 TICK_S = 1e-3
 INERTIA, COULOMB, VISCOUS = 0.3, 0.30, 0.07
@@ -26,7 +26,7 @@ def guided(
     hand: float = HAND,
     sensors: Sensors = IDEAL_SENSORS,
     duration_s: float = 14.0,
-) -> Motion:
+) -> TrueMotion:
     """Return the truth: the hand draws the joint to and fro for 12 s, then rests."""
     settings = BenchSettings(
         joints=(joint,),
@@ -38,13 +38,13 @@ def guided(
     return simulate_bench(settings, 0).truth.motion
 
 
-def work_j(motion: Motion) -> float:
+def work_j(motion: TrueMotion) -> float:
     """Return what the hand puts in; F_m jumps when u does, and the value at a tick is the one before the jump."""
     moved = (motion.dq[1:] + motion.dq[:-1]) / 2 * TICK_S
     return float(np.sum(motion.interaction_nm[1:] * moved))
 
 
-def runs_away(motion: Motion) -> bool:
+def runs_away(motion: TrueMotion) -> bool:
     """Return True if the loop of a compensator diverges."""
     return not (np.abs(motion.dq).max() <= 100.0 and np.abs(motion.compensation_nm).max() <= 100.0)
 

@@ -11,9 +11,8 @@ from friction_audit.compensation.settings import OperatorImpedance, ReplaySettin
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.motion import Sinusoid, StopAndGo
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)

@@ -20,10 +20,9 @@ from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, replay_log
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.from_model import with_model
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
 
 SIMPLE = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)

@@ -13,11 +13,10 @@ from friction_audit.compensation.settings import ReplaySettings, energy_compensa
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
 from friction_audit.reporting.figures.replay import applied
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects.friction_step import FrictionStep
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)

@@ -7,9 +7,9 @@ from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
-from friction_audit.simulation.clock import make_streams
 from friction_audit.simulation.effects.contact_event import draw_events
 from friction_audit.simulation.hide import hide
+from friction_audit.simulation.settings import make_streams
 
 SEED = 3
 BENCH = BenchSettings()

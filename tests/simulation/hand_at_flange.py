@@ -8,10 +8,10 @@ from scipy.spatial.transform import Rotation
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import ArmSettings, Motion
-from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation import ArmSettings, TrueMotion
 from friction_audit.simulation.motion import plan_hand
 from friction_audit.simulation.motion.hand_path import HandMotion
+from friction_audit.simulation.settings import make_streams
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -49,7 +49,7 @@ def flange_poses(arm: Arm, q: Float) -> tuple[Float, Float, Float]:
     return place, turned, jacobian
 
 
-def pull(settings: ArmSettings, seed: int, motion: Motion) -> Pull:
+def pull(settings: ArmSettings, seed: int, motion: TrueMotion) -> Pull:
     """Return what the hand does along a motion."""
     arm, hand = load_arm(), settings.hand
     path = intended(settings, seed, len(motion.t) - 1)

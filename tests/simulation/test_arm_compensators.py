@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
 from friction_audit.errors import UsageError
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, JointParameters, Motion, Simulation, simulate
+from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, JointParameters, Simulation, TrueMotion, simulate
 
 JOINT = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.3, viscous_nms_per_rad=0.06)
 ALONE = ArmSettings(joints=(JOINT,) * 7, sensors=(IDEAL_SENSORS,) * 7, duration_s=14.0)
@@ -27,13 +27,13 @@ def told_by_the_hand() -> Simulation:
     return simulate(replace(ALONE, compensator=EnergyCompensator()), SEED)
 
 
-def power(motion: Motion, since_s: float = 0.0) -> float:
+def power(motion: TrueMotion, since_s: float = 0.0) -> float:
     """Return the mean power that the person spends on the motors and their friction. [W]"""
     late = motion.t >= since_s
     return float((motion.interaction_nm * motion.inner_dq)[late].sum(axis=1).mean())
 
 
-def effort(motion: Motion, since_s: float = 0.0) -> float:
+def effort(motion: TrueMotion, since_s: float = 0.0) -> float:
     """Return the root mean square of the interaction torques. [N m]"""
     return float(np.sqrt((motion.interaction_nm[motion.t >= since_s] ** 2).mean()))
 

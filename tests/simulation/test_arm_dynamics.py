@@ -11,11 +11,20 @@ from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Motion, Simulation, clock, mechanism, simulate
+from friction_audit.simulation import (
+    IDEAL_SENSORS,
+    ArmSettings,
+    Hand,
+    Simulation,
+    TrueMotion,
+    clock,
+    mechanism,
+    simulate,
+)
 from friction_audit.simulation.arm import move
 from friction_audit.simulation.bench import make_motion
-from friction_audit.simulation.clock import make_streams
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.settings import make_streams
 from tests.simulation.hand_at_flange import Pull, pull
 
 IDEAL = (IDEAL_SENSORS,) * 7
@@ -39,7 +48,7 @@ def model_of(settings: ArmSettings) -> Arm:
     return load_arm().with_load(held + settings.carried_kg, np.zeros(3), turning)
 
 
-def energies(settings: ArmSettings, motion: Motion) -> Float:
+def energies(settings: ArmSettings, motion: TrueMotion) -> Float:
     """Return the kinetic and potential energy of links, load, hand and motors, shape (n,). [J]"""
     model = model_of(settings).model
     data, links = mujoco.MjData(model), []
@@ -51,7 +60,7 @@ def energies(settings: ArmSettings, motion: Motion) -> Float:
     return np.array(links) + motors
 
 
-def inverse_dynamics(settings: ArmSettings, motion: Motion) -> Float:
+def inverse_dynamics(settings: ArmSettings, motion: TrueMotion) -> Float:
     return model_of(settings).inverse_dynamics(motion.q, motion.dq, motion.inner_ddq)
 
 
@@ -61,14 +70,14 @@ def work(power: Float) -> Float:
     return np.concatenate((np.zeros_like(power[:1]), np.cumsum(steps, axis=0)))
 
 
-def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> Motion:
+def at_rate(settings: ArmSettings, rate_hz: float, monkeypatch: pytest.MonkeyPatch) -> TrueMotion:
     """Return the motion under a controller with another rate."""
     for module in (clock, mechanism):
         monkeypatch.setattr(module, "CONTROL_RATE_HZ", rate_hz)
     return make_motion(move(settings, make_streams(SEED, 7))[0], "free swing", driven=settings.driven)
 
 
-def imbalance(settings: ArmSettings, motion: Motion) -> Float:
+def imbalance(settings: ArmSettings, motion: TrueMotion) -> Float:
     """Return how far energy and friction's work together have gone from where they were, shape (n,). [J]"""
     total = energies(settings, motion) + motion.dissipated_j.sum(axis=1)
     gone: Float = np.abs(total - total[0])
@@ -101,7 +110,7 @@ class Guided:
     hand: Pull
 
     @property
-    def motion(self) -> Motion:
+    def motion(self) -> TrueMotion:
         """The truth."""
         return self.simulation.truth.motion
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Motion, Simulation, simulate
+from friction_audit.simulation import EFFECTS, IDEAL_SENSORS, ArmSettings, Hidden, Simulation, TrueMotion, simulate
 from friction_audit.simulation.effects.backlash import Backlash
 from friction_audit.simulation.effects.inertial_coupling import InertialCoupling
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
@@ -71,7 +71,7 @@ def test_inertial_coupling_pulls_at_the_neighbour() -> None:
 
 
 @cache
-def moved(inside: Hidden, driven: bool) -> Motion:
+def moved(inside: Hidden, driven: bool) -> TrueMotion:
     """Return how an arm moves that hides the same in all joints."""
     return simulate(replace(IDEAL, hidden=(inside,) * 7, driven=driven), SEED).truth.motion
 

@@ -6,9 +6,9 @@ import pytest
 from friction_audit.pipeline import AuditSettings, Estimate, estimate_log
 from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.simulation import ArmSettings, Simulation, simulate
-from friction_audit.simulation.clock import make_streams
 from friction_audit.simulation.motion import intend_joints
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.settings import make_streams
 
 COULOMB = np.array([joint.coulomb_nm for joint in PANDA_JOINTS])
 DRIVEN = ArmSettings(driven=True, duration_s=15.0)

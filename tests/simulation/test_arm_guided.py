@@ -10,7 +10,15 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
-from friction_audit.simulation import IDEAL_SENSORS, PANDA_SENSORS, ArmSettings, Hidden, Motion, Simulation, simulate
+from friction_audit.simulation import (
+    IDEAL_SENSORS,
+    PANDA_SENSORS,
+    ArmSettings,
+    Hidden,
+    Simulation,
+    TrueMotion,
+    simulate,
+)
 from friction_audit.simulation.effects.gravity_error import GravityError
 from tests.simulation.hand_at_flange import flange_poses, intended, pull
 
@@ -34,7 +42,7 @@ def plain() -> Simulation:
     return simulate(SHORT, SEED)
 
 
-def flange(motion: Motion) -> Float:
+def flange(motion: TrueMotion) -> Float:
     """Return the places of the flange, shape (n, 3). [m]"""
     return flange_poses(load_arm(), motion.q)[0]
 

@@ -9,8 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.assign import Kind, PerJoint, assign, assign_text, assign_texts, paths, write_value
-from friction_audit.simulation.plain_values import as_nested
+from friction_audit.simulation.assign import (
+    Kind,
+    PerJoint,
+    as_nested,
+    assign,
+    assign_text,
+    assign_texts,
+    paths,
+    write_value,
+)
 from friction_audit.simulation.scenarios import SCENARIOS, Scenario
 
 EACH_SCENARIO = pytest.mark.parametrize("scenario", SCENARIOS, ids=lambda scenario: scenario.name)

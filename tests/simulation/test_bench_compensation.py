@@ -8,9 +8,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.compensation.compensators import Compensator, EnergyCompensator, FixedCompensation
 from friction_audit.compensation.replay import run
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from friction_audit.simulation.simulation import Simulation
 

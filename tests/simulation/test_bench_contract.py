@@ -9,11 +9,10 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Effect, Hidden
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
-from friction_audit.simulation.simulation import Motion, Simulation
+from friction_audit.simulation.simulation import Simulation, TrueMotion
 
 SEED = 4
 PLAIN = BenchSettings(duration_s=20.0)
@@ -54,7 +53,7 @@ def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
     """Yield everything that was logged and everything that truly happened."""
     yield "t", simulation.log.t
     yield from simulation.log.channels().items()
-    yield from ((item.name, getattr(simulation.truth.motion, item.name)) for item in fields(Motion))
+    yield from ((item.name, getattr(simulation.truth.motion, item.name)) for item in fields(TrueMotion))
 
 
 def others_changed(effect: Effect) -> dict[str, float]:
@@ -85,13 +84,13 @@ def test_as_usual_it_shows_and_stays_finite(effect: Effect, form: str, nothing: 
     motion, plain = simulation.truth.motion, nothing.truth.motion
     assert np.abs(motion.dq).max() < 2.0 * np.abs(plain.dq).max()
     if effect.name in READING or form == "reading":
-        for item in fields(Motion):
+        for item in fields(TrueMotion):
             assert_array_equal(getattr(motion, item.name), getattr(plain, item.name))
     else:
         assert np.abs(motion.q - plain.q).max() > 1e-5
 
 
-def net_work(motion: Motion) -> Any:
+def net_work(motion: TrueMotion) -> Any:
     """Return the work of everything but friction on its side of the joint: trapezoids, held torques exactly."""
     moved = np.diff(motion.inner_q[:, 0])
     port = 0.5 * (motion.interaction_nm[1:, 0] + motion.interaction_nm[:-1, 0]) * moved

@@ -9,7 +9,7 @@ from scipy.signal import lfilter
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation import bench
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.frictional_lag import DELAYED, RELAXING, FrictionalLag
 from friction_audit.simulation.effects.load_dependent_friction import BACKDRIVE, LoadDependentFriction
@@ -18,19 +18,18 @@ from friction_audit.simulation.effects.position_dependent_friction import Positi
 from friction_audit.simulation.effects.stribeck import LORENTZIAN, Stribeck
 from friction_audit.simulation.effects.torque_ripple import TorqueRipple
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
 from friction_audit.simulation.settings import IDEAL_SENSORS
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 
 SEED = 2
 IDEAL = BenchSettings(duration_s=8.0, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid(period_s=2.0)))
 
 
-def truth(hidden: Hidden) -> Motion:
+def truth(hidden: Hidden) -> TrueMotion:
     return simulate_bench(replace(IDEAL, hidden=(hidden,)), SEED).truth.motion
 
 
-def law(hidden: Hidden, motion: Motion) -> Float:
+def law(hidden: Hidden, motion: TrueMotion) -> Float:
     """Return the magnitude of friction by hand, shape (n + 1, 1)."""
     speed, level = np.abs(motion.dq), np.full_like(motion.dq, 0.30)
     if hidden.stribeck.excess_nm:

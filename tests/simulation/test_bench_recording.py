@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.contact_event import STEP, ContactEvent, draw_events
 from friction_audit.simulation.effects.friction_step import ABRUPT, RAMP, SETTLING, FrictionStep
@@ -15,16 +14,15 @@ from friction_audit.simulation.effects.torque_bias import TorqueBias
 from friction_audit.simulation.effects.torque_drift import TorqueDrift
 from friction_audit.simulation.effects.warm_up import AMBIENT, SELF_HEATING, WarmUp
 from friction_audit.simulation.motion import Sinusoid
-from friction_audit.simulation.operator import Operator
-from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, Sensors
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, Sensors, make_streams
+from friction_audit.simulation.simulation import TrueMotion
 
 SEED = 6
 PLAIN = BenchSettings(duration_s=12.0)
 IDEAL = replace(PLAIN, sensors=(IDEAL_SENSORS,), operator=Operator(motion=Sinusoid()))
 
 
-def truth(hidden: Hidden, settings: BenchSettings = IDEAL) -> Motion:
+def truth(hidden: Hidden, settings: BenchSettings = IDEAL) -> TrueMotion:
     return simulate_bench(replace(settings, hidden=(hidden,)), SEED).truth.motion
 
 

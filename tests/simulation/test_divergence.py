@@ -7,8 +7,7 @@ import pytest
 
 from friction_audit.errors import AnalysisError
 from friction_audit.simulation.arm import ArmSettings, Servo, simulate_arm
-from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.operator import Operator
+from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.simulation import require_sane
 
 SHORT = BenchSettings(duration_s=5.0)

@@ -8,8 +8,8 @@ import pytest
 from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation, Guard, SigmoidCompensation
 from friction_audit.errors import UsageError
 from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.dispatch import simulate
-from friction_audit.simulation.mechanism import JointByJoint, any_guards, of_each_joint
+from friction_audit.simulation.scenarios import simulate
+from friction_audit.simulation.settings import JointByJoint, any_guards, of_each_joint
 
 ONE = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.03)
 SHORT = ArmSettings(duration_s=2.0)

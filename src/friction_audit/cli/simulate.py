@@ -154,7 +154,7 @@ class _Run:
     seed: int
 
     def simulate(self, path: Path, voice: Voice) -> "JointLog":
-        from friction_audit.simulation.dispatch import simulate
+        from friction_audit.simulation.scenarios import simulate
 
         with voice.progress(f"simulate {self.scenario.name}") as progress:
             return simulate(self.scenario.settings, self.seed, path=str(path), progress=progress).log

@@ -17,7 +17,7 @@ from friction_audit.compensation.replay import run
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.paper import Course
 from friction_audit.reproduce.reproduction import Simulations
-from friction_audit.simulation.clock import CONTROL_RATE_HZ
+from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation
 
 if TYPE_CHECKING:

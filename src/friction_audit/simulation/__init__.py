@@ -1,14 +1,12 @@
 """Settings and a seed -> JointLog with known truth."""
 
-from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.dispatch import AnySettings, simulate
+from friction_audit.simulation.arm import ArmSettings, Hand
+from friction_audit.simulation.bench import BenchSettings, Operator
 from friction_audit.simulation.effects import EFFECTS, Hidden
-from friction_audit.simulation.operator import Hand, Operator
 from friction_audit.simulation.panda_joint import HandGuidedPanda
-from friction_audit.simulation.scenarios import SCENARIOS, Scenario
+from friction_audit.simulation.scenarios import SCENARIOS, AnySettings, Scenario, simulate
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters, Sensors
-from friction_audit.simulation.simulation import Motion, Simulation, Truth
+from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth
 
 __all__ = [
     "EFFECTS",
@@ -22,11 +20,11 @@ __all__ = [
     "HandGuidedPanda",
     "Hidden",
     "JointParameters",
-    "Motion",
     "Operator",
     "Scenario",
     "Sensors",
     "Simulation",
+    "TrueMotion",
     "Truth",
     "simulate",
 ]

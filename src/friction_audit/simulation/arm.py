@@ -2,29 +2,65 @@
 
 from dataclasses import dataclass, field, replace
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.robot import load_arm
-from friction_audit.simulation import reading
+from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import Progress, make_motion, make_traces
-from friction_audit.simulation.clock import Streams, count_ticks, make_streams
 from friction_audit.simulation.effects.hidden import Hidden
-from friction_audit.simulation.mechanism import AnyCompensator, Mechanism, assemble, rotor_mass
-from friction_audit.simulation.motion import Commanded, intend_joints, plan_hand
-from friction_audit.simulation.operator import Hand
+from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
+from friction_audit.simulation.motion import Commanded, HandPath, intend_joints, plan_hand
 from friction_audit.simulation.panda_joint import PANDA_JOINTS, READY_RAD
-from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors, require_within
-from friction_audit.simulation.simulation import Motion, Simulation, Truth
+from friction_audit.simulation.settings import (
+    PANDA_SENSORS,
+    AnyCompensator,
+    JointParameters,
+    Sensors,
+    Streams,
+    count_ticks,
+    make_streams,
+    require_within,
+)
+from friction_audit.simulation.simulation import Simulation, Truth
 
-CHUNK_TICKS = 1000
-"""So many ticks go by between two words about the progress."""
+if TYPE_CHECKING:
+    from friction_audit.simulation.rigid_body import RigidBody
 
-BRAKE_NM = 1e6
-"""What a brake holds. [N m]"""
+CHUNK_TICKS = 1000  # between two reports of the progress
+BRAKE_NM = 1e6  # what a brake holds
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Hand:
+    """A mass that holds the flange, drawn by springs and dampers along an intended path; the person bears its weight.
+
+    The defaults are those of a person who guides with braced arms: stiff, and damped well enough that the hand comes to
+    rest in its pauses instead of swinging back (a Panda in its ready pose weighs 4 to 8 kg at its flange).
+
+    Attributes:
+        mass_kg: Mass of the hand. [kg]
+        stiffness_n_per_m: Spring between intended and actual place. [N/m]
+        damping_ns_per_m: Damper between them. [N s/m]
+        turning_stiffness_nm_per_rad: Spring between intended and actual orientation. [N m/rad]
+        turning_damping_nms_per_rad: Damper between them. [N m s/rad]
+        path: The intended path.
+    """
+
+    mass_kg: float = 1.0
+    stiffness_n_per_m: float = 1500.0
+    damping_ns_per_m: float = 250.0
+    turning_stiffness_nm_per_rad: float = 25.0
+    turning_damping_nms_per_rad: float = 5.0
+    path: HandPath = field(default_factory=HandPath)
+
+    def __post_init__(self) -> None:
+        springs = ("stiffness_n_per_m", "turning_stiffness_nm_per_rad")
+        dampers = ("damping_ns_per_m", "turning_damping_nms_per_rad")
+        require_within("hand", 0, inf, **{name: getattr(self, name) for name in ("mass_kg", *springs, *dampers)})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,7 +78,6 @@ class Servo:
     motion: Commanded = field(default_factory=Commanded)
 
     def __post_init__(self) -> None:
-        """Check the signs."""
         names = ("stiffness_nm_per_rad", "damping_nms_per_rad")
         require_within("servo", 0.0, inf, **{name: getattr(self, name) for name in names})
 
@@ -90,7 +125,6 @@ class ArmSettings:
     rate_hz: float = 1000.0
 
     def __post_init__(self) -> None:
-        """Check the numbers of joints."""
         count_ticks(self.duration_s, self.rate_hz)
         require_within("arm", 0.0, 100.0, carried_kg=self.carried_kg)
         counts = {len(part) for part in (self.joints, self.hidden, self.sensors, self.pose_rad)}
@@ -117,29 +151,21 @@ class ArmSettings:
 def simulate_arm(
     settings: ArmSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate a whole arm. The same settings and seed give the same log to the bit.
+    """Simulate a whole arm; without a compensator in the loop, the motion does not depend on the sensors.
 
-    Args:
-        settings: The arm, who moves it, the sensors, what is hidden.
-        seed: Seed; without a compensator in the loop, the motion does not depend on the sensors.
-        path: Path that the log names as its source.
-        progress: Told how far the simulation is.
+    Arguments as of ``scenarios.simulate``.
     """
     streams = make_streams(seed, len(settings.joints))
     mechanism, gravity = move(settings, streams, progress)
     motion = make_motion(mechanism, path, driven=settings.driven)
-    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
-    channels = _channels(settings, motion, mechanism, gravity)
-    names = load_arm().joint_names
-    log = reading.write_down(settings, channels, names, path, streams, robot="panda")
-    return Simulation(log=log, truth=truth)
-
-
-def _channels(settings: ArmSettings, motion: Motion, mechanism: Mechanism, gravity: Float) -> dict[str, Float]:
     channels = reading.arm_channels(settings, motion, mechanism.loop, gravity, driven=settings.driven)
     if not settings.driven:
         channels["tau_J_d"] = motion.compensation_nm + motion.passivity_nm
-    return channels | ({"temperature": reading.temperatures(settings, motion)} if settings.logs_temperature else {})
+    if settings.logs_temperature:
+        channels["temperature"] = reading.temperatures(settings, motion)
+    log = reading.write_down(settings, channels, load_arm().joint_names, path, streams, robot="panda")
+    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
+    return Simulation(log=log, truth=truth)
 
 
 def move(settings: ArmSettings, streams: Streams, progress: Progress | None = None) -> tuple[Mechanism, Float]:
@@ -150,18 +176,17 @@ def move(settings: ArmSettings, streams: Streams, progress: Progress | None = No
     from friction_audit.simulation.mechanics.tick import settle
     from friction_audit.simulation.rigid_body import GuidedArm, ServoedArm
 
-    ticks = count_ticks(settings.duration_s, settings.rate_hz)
-    known = load_arm()
-    mechanism = assemble(_with_brakes(settings), ticks, np.array(settings.pose_rad), streams, driven=settings.driven)
-    rotor = rotor_mass(settings.joints, settings.hidden)
+    ticks, known, pose = count_ticks(settings.duration_s, settings.rate_hz), load_arm(), np.array(settings.pose_rad)
+    mechanism = assemble(_with_brakes(settings), ticks, pose, streams, driven=settings.driven)
+    rotor, dt = rotor_mass(settings.joints, settings.hidden), mechanism.clock.dt
     gravity = np.zeros((ticks + 1, len(settings.joints)))
+    drive: RigidBody
     if settings.driven:
-        command = intend_joints(settings.servo.motion, len(settings.joints), ticks, mechanism.clock.dt, streams.person)
-        drive: Any = ServoedArm(settings, known, mechanism, rotor, command)
+        command = intend_joints(settings.servo.motion, len(settings.joints), ticks, dt, streams.person)
+        drive = ServoedArm(settings, known, mechanism, rotor, command)
     else:
-        intended = plan_hand(settings.hand.path, ticks, mechanism.clock.dt, streams.person)
-        drive = GuidedArm(settings, known, mechanism, rotor, intended)
-    settle(mechanism.joints, mechanism.body, drive.load(np.array(settings.pose_rad)))
+        drive = GuidedArm(settings, known, mechanism, rotor, plan_hand(settings.hand.path, ticks, dt, streams.person))
+    settle(mechanism.joints, mechanism.body, drive.load(pose))
     for k in range(ticks + 1):
         drive.tick(k, gravity[k])
         if progress is not None and k % CHUNK_TICKS == 0:

@@ -1,31 +1,30 @@
 """``name=value`` on a tree of settings: nested frozen dataclasses, some of them in tuples with one per joint.
 
-Names, types and limits are those of the dataclasses themselves; nothing is written down a second time.
+Names, types and limits are those of the dataclasses themselves. Where a field is a union of dataclasses, its kind can
+be assigned too, by name: ``SlowSweep`` is ``slow_sweep``, None is ``none``.
 """
 
+import math
+import re
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import Field, fields, is_dataclass, replace
+from dataclasses import MISSING, Field, fields, is_dataclass, replace
 from difflib import SequenceMatcher
 from functools import partial
 from math import inf
-from typing import Any, NamedTuple, TypeVar, get_type_hints
+from types import NoneType, UnionType
+from typing import Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
-from friction_audit.simulation.plain_values import Value, can_be_made, kinds_of, name_of, reader_of, write_plain
 
 Settings = TypeVar("Settings")
-Change = Callable[[Any], Any]
-"""What is there -> what shall be there."""
+Value = float | int | bool | str | tuple["Value", ...] | None
+Reader = Callable[[str], Value]  # raises ValueError with what it expected
+Change = Callable[[Any], Any]  # what is there -> what shall be there
 
-APART = ("hidden",)
-"""Parts of the settings that have an option of their own."""
-
-
-LIKE = 0.7
-"""Names more alike than this may have been meant for each other."""
-
-TIE = 0.01
+APART = ("hidden",)  # parts of the settings that have an option of their own
+NOTHING = "none"
+LIKE, TIE = 0.7, 0.01  # names more alike than the first may have been meant; the place in the tree breaks ties
 
 
 class PerJoint(NamedTuple):
@@ -54,21 +53,51 @@ class _Leaf(NamedTuple):
 
 def paths(settings: object) -> dict[str, Setting]:
     """Return every setting that can be assigned, by its dotted path, in the order of declaration."""
-    return {name: leaf.value for name, leaf in _named(settings).items()}
+    return {".".join(leaf.path): leaf.value for leaf in _leaves(settings)}
+
+
+def as_nested(node: Any) -> Any:  # noqa: ANN401 - settings or a part of them
+    """Return settings as nested dictionaries; where there was a choice, ``kind`` says what it was."""
+    if isinstance(node, tuple):
+        return tuple(map(as_nested, node))
+    if not is_dataclass(node):
+        return node
+    hints = get_type_hints(type(node))
+    nested: dict[str, Any] = {}
+    for name in (item.name for item in fields(node)):
+        value = getattr(node, name)
+        below = as_nested(value)
+        chosen = value is not None and _kinds_of(hints[name])
+        nested[name] = {"kind": _name_of(type(value)), **below} if chosen else below
+    return nested
 
 
 def write_value(value: Setting) -> str:
-    """Return a value as ``assign`` reads it; different ones of the joints side by side, their joints behind ``@``."""
+    """Return a value as ``assign`` reads it; different ones of the joints side by side, their joints after ``@``."""
     if isinstance(value, Kind):
         return value.name
-    if not isinstance(value, PerJoint):
-        return write_plain(value)
-    joints: dict[str, list[int]] = {}
-    for number, one in enumerate(value.values, start=1):
-        joints.setdefault(write_plain(one), []).append(number)
-    if len(joints) == 1:
-        return next(iter(joints))
-    return "  ".join(f"{text}@{write_joint_numbers(numbers)}" for text, numbers in joints.items())
+    if isinstance(value, PerJoint):
+        joints: dict[str, list[int]] = {}
+        for number, one in enumerate(value.values, start=1):
+            joints.setdefault(_write_plain(one), []).append(number)
+        if len(joints) == 1:
+            return next(iter(joints))
+        return "  ".join(f"{text}@{write_joint_numbers(numbers)}" for text, numbers in joints.items())
+    return _write_plain(value)
+
+
+def _write_plain(value: Value) -> str:
+    match value:
+        case None:
+            return NOTHING
+        case bool():
+            return str(value).lower()
+        case float():
+            short = f"{value:g}"
+            return short if float(short) == value else repr(value)
+        case tuple():
+            return ",".join(map(_write_plain, value)) or NOTHING
+    return str(value)
 
 
 def assign_texts(settings: Settings, entries: Iterable[str]) -> Settings:
@@ -120,7 +149,7 @@ def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | N
     Raises:
         UsageError: If there is no such setting or more than one, or value or joints do not fit.
     """
-    known = _named(settings)
+    known = {".".join(leaf.path): leaf for leaf in _leaves(settings)}
     full = _find(path, tuple(known))
     behind = "" if joints is None else f"@{write_joint_numbers(joints)}"
     where, leaf = f"--set {full}={text}{behind}", known[full]
@@ -139,66 +168,6 @@ def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | N
     return changed
 
 
-def _named(settings: object) -> dict[str, _Leaf]:
-    return {".".join(leaf.path): leaf for leaf in _leaves(settings)}
-
-
-def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
-    hints = get_type_hints(type(node))
-    for item in fields(node):
-        if item.name not in APART:
-            below = _below(getattr(node, item.name), item, hints[item.name])
-            yield from (leaf._replace(path=(item.name, *leaf.path)) for leaf in below)
-
-
-def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
-    """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
-    kinds = kinds_of(hint)
-    if kinds:
-        others = tuple(name for name, kind in kinds.items() if can_be_made(kind) and not isinstance(value, kind))
-        yield _Leaf((), Kind(name_of(type(value)), others), partial(_turn_into, kinds))
-    if is_dataclass(value):
-        yield from _leaves(value)
-    elif _one_per_joint(value):
-        yield from _side_by_side(value)
-    elif not kinds:
-        read = reader_of(hint, endless=inf in (value, item.default))
-        if read is not None:
-            yield _Leaf((), value, lambda text: _always(read(text)))
-
-
-def _always(value: Value) -> Change:
-    return lambda _: value
-
-
-def _turn_into(kinds: dict[str, type], name: str) -> Change:
-    """Return what turns settings into another kind with its usual values, and leaves them if they are of that kind."""
-    if name not in kinds:
-        raise ValueError(f"one of {', '.join(kinds)}")
-
-    def change(old: object) -> object:
-        if isinstance(old, kinds[name]):
-            return old
-        if not can_be_made(kinds[name]):
-            raise UsageError(f"{name} has no usual values; a scenario must have it")
-        return kinds[name]()
-
-    return change
-
-
-def _one_per_joint(value: object) -> bool:
-    return isinstance(value, tuple) and len(value) > 0 and all(map(is_dataclass, value))
-
-
-def _side_by_side(nodes: tuple[object, ...]) -> Iterator[_Leaf]:
-    """Yield the settings that all joints have, with the joints' values."""
-    own = [{leaf.path: leaf for leaf in _leaves(node)} for node in nodes]
-    for path, leaf in own[0].items():
-        if all(path in one for one in own):
-            values: Any = tuple(one[path].value for one in own)
-            yield leaf._replace(value=PerJoint(values))
-
-
 def _find(name: str, known: tuple[str, ...]) -> str:
     """Return the one path that a name stands for."""
     found = [path for path in known if path == name] or [path for path in known if path.endswith(f".{name}")]
@@ -206,16 +175,10 @@ def _find(name: str, known: tuple[str, ...]) -> str:
         return found[0]
     if found:
         raise UsageError(f"--set {name}: stands for {len(found)} settings; expected one of {', '.join(found)}")
-    near = _near(name, known)
+    likeness = {path: _likeness(name, path) for path in known}
+    near = sorted((path for path in known if likeness[path] >= LIKE), key=lambda path: -likeness[path])[:3]
     hint = f"did you mean {' or '.join(near)}?" if near else "--list with the scenario names all of them"
     raise UsageError(f"--set {name}: no such setting; {hint}")
-
-
-def _near(name: str, known: tuple[str, ...]) -> list[str]:
-    """Return the paths that a name may have meant, the likeliest first."""
-    likeness = {path: _likeness(name, path) for path in known}
-    near = sorted((path for path in known if likeness[path] >= LIKE), key=lambda path: -likeness[path])
-    return near[:3]
 
 
 def _likeness(name: str, path: str) -> float:
@@ -238,3 +201,139 @@ def _put(node: Any, path: tuple[str, ...], change: Change, joints: tuple[int, ..
     else:
         new = put(old, joints=joints)
     return replace(node, **{name: new})
+
+
+def _leaves(node: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any dataclass
+    hints = get_type_hints(type(node))
+    for item in fields(node):
+        if item.name not in APART:
+            below = _below(getattr(node, item.name), item, hints[item.name])
+            yield from (leaf._replace(path=(item.name, *leaf.path)) for leaf in below)
+
+
+def _below(value: Any, item: Field[Any], hint: Any) -> Iterator[_Leaf]:  # noqa: ANN401 - any value, any annotation
+    """Yield the settings that a field of a dataclass holds, the field itself with an empty path."""
+    kinds = _kinds_of(hint)
+    if kinds:
+        others = tuple(name for name, kind in kinds.items() if _can_be_made(kind) and not isinstance(value, kind))
+        yield _Leaf((), Kind(_name_of(type(value)), others), partial(_turn_into, kinds))
+    if is_dataclass(value):
+        yield from _leaves(value)
+    elif isinstance(value, tuple) and value and all(map(is_dataclass, value)):
+        # One per joint: the settings that all joints have, with the joints' values.
+        own = [{leaf.path: leaf for leaf in _leaves(node)} for node in value]
+        for path, leaf in own[0].items():
+            if all(path in one for one in own):
+                values: Any = tuple(one[path].value for one in own)
+                yield leaf._replace(value=PerJoint(values))
+    elif not kinds:
+        read = _reader_of(hint, endless=inf in (value, item.default))
+        if read is not None:
+            yield _Leaf((), value, lambda text: _always(read(text)))
+
+
+def _always(value: Value) -> Change:
+    return lambda _: value
+
+
+def _name_of(kind: type) -> str:
+    return NOTHING if kind is NoneType else re.sub(r"(?<=[a-z])(?=[A-Z])", "_", kind.__name__).lower()
+
+
+def _kinds_of(hint: Any) -> dict[str, type]:  # noqa: ANN401 - any annotation
+    """Return the kinds that an annotation leaves open, by name; empty where it leaves nothing open."""
+    members = get_args(hint) if get_origin(hint) in (Union, UnionType) else ()
+    return {_name_of(member): member for member in members} if any(map(is_dataclass, members)) else {}
+
+
+def _can_be_made(kind: type) -> bool:
+    """Return True if a kind has usual values for everything."""
+    if not is_dataclass(kind):
+        return True
+    return all(item.default is not MISSING or item.default_factory is not MISSING for item in fields(kind))
+
+
+def _turn_into(kinds: dict[str, type], name: str) -> Change:
+    """Return what turns settings into another kind with its usual values, and leaves them if they are of that kind."""
+    if name not in kinds:
+        raise ValueError(f"one of {', '.join(kinds)}")
+
+    def change(old: object) -> object:
+        if isinstance(old, kinds[name]):
+            return old
+        if not _can_be_made(kinds[name]):
+            raise UsageError(f"{name} has no usual values; a scenario must have it")
+        return kinds[name]()
+
+    return change
+
+
+def _reader_of(hint: Any, *, endless: bool = False) -> Reader | None:  # noqa: ANN401 - any annotation
+    """Return what reads a value of an annotated type, None where text cannot give one; an endless number may be inf."""
+    plain: dict[Any, Reader] = {
+        float: partial(_read_float, endless=endless),
+        int: _read_int,
+        bool: _read_bool,
+        str: str,
+    }
+    if hint in plain:
+        return plain[hint]
+    origin, arguments = get_origin(hint), get_args(hint)
+    if origin is Literal:
+        return lambda text: _read_word(text, arguments)
+    if origin is tuple:
+        return _tuple_reader(arguments)
+    others = [one for one in arguments if one is not NoneType]
+    if origin in (Union, UnionType) and NoneType in arguments and len(others) == 1:
+        present = _reader_of(others[0])
+        return None if present is None else lambda text: None if text == NOTHING else present(text)
+    return None
+
+
+def _tuple_reader(arguments: tuple[Any, ...]) -> Reader | None:
+    """Return the reader of a tuple of numbers or words of one type: a fixed number of them, or any, even none."""
+    kinds = set(arguments) - {Ellipsis}
+    kind = kinds.pop() if len(kinds) == 1 else tuple
+    item = None if kind is tuple or get_origin(kind) is tuple else _reader_of(kind)
+    if item is None:
+        return None
+    count = None if Ellipsis in arguments else len(arguments)
+
+    def read(text: str) -> Value:
+        parts = [] if text == NOTHING and count is None else text.split(",")
+        if count not in (None, len(parts)):
+            raise ValueError(f"{count} values separated by commas, found {len(parts)}")
+        return tuple(item(part.strip()) for part in parts)
+
+    return read
+
+
+def _read_float(text: str, *, endless: bool) -> float:
+    if endless and text == "inf":
+        return inf
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError("a number")
+    return value
+
+
+def _read_int(text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise ValueError("a whole number") from None
+
+
+def _read_bool(text: str) -> bool:
+    if text not in ("true", "false"):
+        raise ValueError("true or false")
+    return text == "true"
+
+
+def _read_word(text: str, words: tuple[Any, ...]) -> str:
+    if text not in words:
+        raise ValueError(f"one of {', '.join(map(str, words))}")
+    return text

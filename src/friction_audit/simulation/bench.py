@@ -9,21 +9,49 @@ from friction_audit.compensation.compensators import Compensator
 from friction_audit.compensation.records import TRACE
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation import reading
-from friction_audit.simulation.clock import CONTROL_RATE_HZ, Streams, count_ticks, make_streams
+from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.mechanics import records as rows
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
-from friction_audit.simulation.motion import intend
-from friction_audit.simulation.operator import Operator
-from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
-from friction_audit.simulation.simulation import Motion, Simulation, Truth, require_sane
+from friction_audit.simulation.motion import MotionSettings, StopAndGo, intend
+from friction_audit.simulation.settings import (
+    CONTROL_RATE_HZ,
+    PANDA_SENSORS,
+    JointParameters,
+    Sensors,
+    Streams,
+    count_ticks,
+    make_streams,
+    require_positive,
+)
+from friction_audit.simulation.simulation import Simulation, TrueMotion, Truth, require_sane
 
-Progress = Callable[[float], None]
-"""Told the share that is done, 0 to 1."""
+Progress = Callable[[float], None]  # is given the share that is done, 0 to 1
+CHUNK_TICKS = 20_000  # between two reports of the progress
 
-CHUNK_TICKS = 20_000
-"""So many ticks go by between two words about the progress."""
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Operator:
+    """A mass that holds the outer side of the joint rigidly, drawn by a spring and a damper along an intended motion.
+
+    Where a hand moves the joint, the mass is that of hand and link; where the robot moves by itself, it is the motor's
+    and the spring and the damper are its position controller.
+
+    Attributes:
+        inertia_kg_m2: Inertia on the outer side of the torque sensor. [kg m^2]
+        stiffness_nm_per_rad: Spring between intended and actual motion. [N m/rad]
+        damping_nms_per_rad: Damper between intended and actual motion. [N m s/rad]
+        motion: The intended motion.
+    """
+
+    inertia_kg_m2: float = 0.3
+    stiffness_nm_per_rad: float = 60.0
+    damping_nms_per_rad: float = 9.0
+    motion: MotionSettings = field(default_factory=StopAndGo)
+
+    def __post_init__(self) -> None:
+        names = ("inertia_kg_m2", "stiffness_nm_per_rad", "damping_nms_per_rad")
+        require_positive("operator", **{name: getattr(self, name) for name in names})
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -36,7 +64,7 @@ class BenchSettings:
         sensors: Its sensors and the recorder.
         operator: Who moves it.
         driven: False: a hand moves the link and friction is on the motor's side of the sensor. True: the motor moves
-            the link, nobody touches it, and friction is on the link's side.
+            the link, nothing touches it, and friction is on the link's side.
         compensator: An active friction compensator whose torque is logged, or None.
         gravity_nm: Gravity torque of the load with the link level; the motor holds it. [N m]
         gravity_phase_rad: The gravity torque is that times sin(q + phase). [rad]
@@ -60,7 +88,6 @@ class BenchSettings:
     rate_hz: float = 1000.0
 
     def __post_init__(self) -> None:
-        """Check the length of the recording and that the log can be made."""
         count_ticks(self.duration_s, self.rate_hz)
         if (self.gravity_nm != 0.0 or self.driven) and not self.logs_sensor:
             raise UsageError(
@@ -86,30 +113,23 @@ class BenchSettings:
 def simulate_bench(
     settings: BenchSettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
 ) -> Simulation:
-    """Simulate one joint. The same settings and seed give the same log to the bit.
+    """Simulate one joint; without a compensator in the loop, the motion does not depend on the sensors.
 
-    Args:
-        settings: The joint, who moves it, the sensors, what is hidden.
-        seed: Seed; without a compensator in the loop, the motion does not depend on the sensors.
-        path: Path that the log names as its source.
-        progress: Told how far the simulation is.
+    Arguments as of ``scenarios.simulate``.
     """
     streams = make_streams(seed, 1)
     mechanism = move(settings, streams, progress)
     motion = make_motion(mechanism, path, driven=settings.driven)
-    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
-    channels = _channels(settings, motion, mechanism)
-    log = reading.write_down(settings, channels, ("joint1",), path, streams, robot="unknown")
-    return Simulation(log=log, truth=truth)
-
-
-def _channels(settings: BenchSettings, motion: Motion, mechanism: Mechanism) -> dict[str, Float]:
     if settings.logs_sensor:
         weight = settings.gravity_nm * np.sin(motion.q + settings.gravity_phase_rad)
         channels = reading.arm_channels(settings, motion, mechanism.loop, weight, driven=settings.driven)
     else:
         channels = reading.bench_channels(settings, motion, mechanism.loop)
-    return channels | ({"temperature": reading.temperatures(settings, motion)} if settings.logs_temperature else {})
+    if settings.logs_temperature:
+        channels["temperature"] = reading.temperatures(settings, motion)
+    log = reading.write_down(settings, channels, ("joint1",), path, streams, robot="unknown")
+    truth = Truth(settings=settings, seed=seed, motion=motion, compensators=make_traces(mechanism))
+    return Simulation(log=log, truth=truth)
 
 
 def move(
@@ -118,16 +138,19 @@ def move(
     """Let the operator move the joint from rest at the start; return the mechanism with the truth written down."""
     from friction_audit.simulation.mechanics.tick import run_bench, settle
 
-    ticks = count_ticks(settings.duration_s, settings.rate_hz)
-    hand = settings.operator
+    ticks, hand = count_ticks(settings.duration_s, settings.rate_hz), settings.operator
     intended = intend(hand.motion, ticks, 1.0 / CONTROL_RATE_HZ, streams.person)
     place = start_rad + intended.position
     push = hand.stiffness_nm_per_rad * place + hand.damping_nms_per_rad * intended.velocity
     mechanism = assemble(settings, ticks, np.array([start_rad]), streams, driven=settings.driven)
-    _hold(mechanism, hand, rotor_mass(settings.joints, settings.hidden))
+    body, rotor = mechanism.body, rotor_mass(settings.joints, settings.hidden)
+    body.inner_mass[0, 0] = rotor[0, 0]
+    body.mass[0, 0] += hand.inertia_kg_m2
+    body.mass[body.inner[0], body.inner[0]] += rotor[0, 0]
+    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
     gravity = np.array([settings.gravity_nm, settings.gravity_phase_rad])
     weight = settings.gravity_nm * np.sin(start_rad + settings.gravity_phase_rad)
-    settle(mechanism.joints, mechanism.body, np.array([-weight if settings.driven else weight]))
+    settle(mechanism.joints, body, np.array([-weight if settings.driven else weight]))
     for first in range(0, ticks + 1, CHUNK_TICKS):
         last = min(first + CHUNK_TICKS, ticks + 1)
         run_bench(mechanism.parts, push, gravity, settings.driven, first, last, mechanism.out, mechanism.traced)
@@ -136,26 +159,16 @@ def move(
     return mechanism
 
 
-def _hold(mechanism: Mechanism, hand: Operator, rotor: Float) -> None:
-    """Let the operator hold the outer side of the joint."""
-    body = mechanism.body
-    body.inner_mass[0, 0] = rotor[0, 0]
-    body.mass[0, 0] += hand.inertia_kg_m2
-    body.mass[body.inner[0], body.inner[0]] += rotor[0, 0]
-    body.stiffness[0, 0], body.drive_damping[0, 0] = hand.stiffness_nm_per_rad, hand.damping_nms_per_rad
-
-
-def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> Motion:
+def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> TrueMotion:
     """Return the truth by its names.
 
     Raises:
         AnalysisError: If the simulation diverged; it names the path of the log that is not made.
     """
     row = np.swapaxes(mechanism.out, 0, 1)
-    ticks = np.arange(len(mechanism.out), dtype=np.float64)
     link, speed = (rows.INNER, rows.SPEED) if driven else (rows.OUTER, rows.OUTER_SPEED)
-    motion = Motion(
-        t=ticks * mechanism.clock.dt,
+    motion = TrueMotion(
+        t=np.arange(len(mechanism.out), dtype=np.float64) * mechanism.clock.dt,
         q=row[link],
         dq=row[speed],
         inner_q=row[rows.INNER],

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
+from friction_audit.simulation.assign import as_nested
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.effects.effect import FORM, Effect
-from friction_audit.simulation.plain_values import as_nested
 from friction_audit.simulation.scenarios import SCENARIOS
 
 Settings = TypeVar("Settings", bound=Any)

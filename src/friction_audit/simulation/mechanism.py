@@ -1,88 +1,39 @@
-"""A compensator in every joint of an arm: the same in all, or one for each."""
+"""The mechanism of a simulation: joints, coordinates, compensators and what they see, at rest at the start."""
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.compensation.records import TRACE, fresh_memory
 from friction_audit.compensation.records import pack as pack_compensators
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.clock import CONTROL_RATE_HZ, HALF_SUBSTEPS, Streams
 from friction_audit.simulation.effects import contact_event, torque_bias, torque_drift
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.inertial_coupling import coupled_mass
-from friction_audit.simulation.mechanics.body import Body, make_body
-from friction_audit.simulation.mechanics.records import ROWS, STATE, Clock, Loop, Parts, pack, pad_events
+from friction_audit.simulation.mechanics.records import (
+    ROWS,
+    STATE,
+    Body,
+    Clock,
+    Loop,
+    Parts,
+    make_body,
+    pack,
+    pad_events,
+)
 from friction_audit.simulation.sensors import draw_noise
-from friction_audit.simulation.settings import JointParameters, Sensors
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, JointParameters, Streams, of_each_joint
 
+if TYPE_CHECKING:
+    from friction_audit.simulation.arm import ArmSettings
+    from friction_audit.simulation.bench import BenchSettings
+    from friction_audit.simulation.panda_joint import HandGuidedPanda
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class JointByJoint:
-    """Compensators that differ from joint to joint.
+    Settings: TypeAlias = BenchSettings | HandGuidedPanda | ArmSettings
 
-    Attributes:
-        compensators: One per joint.
-    """
-
-    compensators: tuple[Compensator, ...]
-
-
-AnyCompensator = Compensator | JointByJoint
-"""What runs in an arm; None where nothing does."""
-
-
-def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Compensator | None, ...]:
-    """Return what runs in each joint.
-
-    Raises:
-        UsageError: If there are not as many as joints.
-    """
-    if not isinstance(compensator, JointByJoint):
-        return (compensator,) * joints
-    if len(compensator.compensators) != joints:
-        raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
-    return compensator.compensators
-
-
-def any_guards(compensator: AnyCompensator | None) -> bool:
-    """Return True if a passivity controller acts in some joint."""
-    return any(guard_of(one).passivity for one in of_each_joint(compensator, _number(compensator)))
-
-
-def _number(compensator: AnyCompensator | None) -> int:
-    return len(compensator.compensators) if isinstance(compensator, JointByJoint) else 1
-
-
-class Settings(Protocol):
-    """What the settings of every simulation have in common; the tuples have one entry per joint."""
-
-    @property
-    def joints(self) -> tuple[JointParameters, ...]:
-        """Motors and friction."""
-
-    @property
-    def hidden(self) -> tuple[Hidden, ...]:
-        """What is hidden."""
-
-    @property
-    def sensors(self) -> tuple[Sensors, ...]:
-        """Sensors."""
-
-    @property
-    def compensator(self) -> AnyCompensator | None:
-        """Runs in every joint."""
-
-    @property
-    def duration_s(self) -> float:
-        """Length of the recording. [s]"""
-
-    @property
-    def rate_hz(self) -> float:
-        """Rate at which states are kept. [Hz]"""
+HALF_SUBSTEPS = 5  # integration steps in half a tick of the controller
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -101,13 +52,13 @@ class Mechanism:
 
     Attributes:
         joints: Records of the joints, shape (n,).
-        states: What they remember, shape (n,).
+        states: Their states, shape (n,).
         events: Contact events, shape (n, m, 3).
         body: Coordinates and matrices.
         loop: Compensators and what they see.
         clock: The controller's clock.
         out: Truth of every tick, shape (ticks + 1, ROWS, n).
-        traced: What the compensators knew, shape (ticks + 1, n, columns); no columns without one.
+        traced: Memory of the compensators, shape (ticks + 1, n, columns); no columns without one.
     """
 
     joints: np.ndarray[Any, Any]
@@ -126,7 +77,7 @@ class Mechanism:
 
 
 def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) -> Float:
-    """Return the mass matrix of the motors behind the sensors, with what is hidden in it, shape (n, n). [kg m^2]
+    """Return the mass matrix of the motors, with what is hidden in it, shape (n, n). [kg m^2]
 
     Raises:
         UsageError: If an inertia error leaves a joint no inertia.
@@ -142,7 +93,7 @@ def rotor_mass(joints: tuple[JointParameters, ...], hidden: tuple[Hidden, ...]) 
     return coupled_mass(inertias, np.array([inside.inertial_coupling.ratio for inside in hidden]))
 
 
-def assemble(settings: Settings, ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
+def assemble(settings: "Settings", ticks: int, start: Float, streams: Streams, *, driven: bool) -> Mechanism:
     """Build the mechanism at rest; its masses and its drive are the caller's to set.
 
     Args:
@@ -152,20 +103,29 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams, *, 
         streams: Random numbers.
         driven: True if the motors are on the outer side, friction and links on the inner one.
     """
-    n = len(settings.joints)
-    pairs = list(zip(settings.joints, settings.hidden, strict=True))
-    rows = [_Joint(**{name: getattr(joint, name) for name in _NUMBERS}, hidden=inside) for joint, inside in pairs]
+    n, hidden = len(settings.joints), settings.hidden
     drawn = [
         contact_event.draw_events(inside.contact_event, settings.duration_s, rng)
-        for inside, rng in zip(settings.hidden, streams.events, strict=True)
+        for inside, rng in zip(hidden, streams.events, strict=True)
     ]
+    rows = [
+        _Joint(
+            inertia_kg_m2=joint.inertia_kg_m2,
+            coulomb_nm=joint.coulomb_nm,
+            viscous_nms_per_rad=joint.viscous_nms_per_rad,
+            hidden=inside,
+        )
+        for joint, inside in zip(settings.joints, hidden, strict=True)
+    ]
+    two_sided = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
+    free = [row.hidden.presliding.displacement_rad != 0.0 and row.coulomb_nm > 0.0 for row in rows]
     states = np.zeros(n, STATE)
     states["start_rad"], states["driven"] = start, driven
     return Mechanism(
         joints=pack(rows),
         states=states,
         events=pad_events(drawn),
-        body=make_body(*_sides(pairs), start),
+        body=make_body(np.array(two_sided), np.array(free), start),
         loop=make_loop(settings, ticks, streams),
         clock=Clock(dt=1.0 / CONTROL_RATE_HZ, substeps=HALF_SUBSTEPS, duration=settings.duration_s),
         out=np.zeros((ticks + 1, ROWS, n)),
@@ -173,26 +133,14 @@ def assemble(settings: Settings, ticks: int, start: Float, streams: Streams, *, 
     )
 
 
-_NUMBERS = ("inertia_kg_m2", "coulomb_nm", "viscous_nms_per_rad")
-
-
-def _sides(pairs: list[tuple[JointParameters, Hidden]]) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Return which joints turn separately on their two sides, and which are held by bristles."""
-    hidden = [inside for _, inside in pairs]
-    two = [h.joint_elasticity.compliance_rad_per_nm != 0.0 or h.backlash.gap_rad != 0.0 for h in hidden]
-    free = [h.presliding.displacement_rad != 0.0 and joint.coulomb_nm > 0.0 for joint, h in pairs]
-    return np.array(two), np.array(free)
-
-
-def make_loop(settings: Settings, ticks: int, streams: Streams) -> Loop:
+def make_loop(settings: "Settings", ticks: int, streams: Streams) -> Loop:
     """Draw the noise of the sensors and prepare the compensators."""
     t = np.arange(ticks + 1) / CONTROL_RATE_HZ
     torque, velocity, position = (np.empty((ticks + 1, len(settings.joints))) for _ in range(3))
     for j, (sensors, inside) in enumerate(zip(settings.sensors, settings.hidden, strict=True)):
-        noise = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
+        noise, velocity[:, j], position[:, j] = draw_noise(ticks, CONTROL_RATE_HZ, sensors, streams.sensors)
         drift = torque_drift.reading_nm(inside.torque_drift, t, streams.drifts[j])
-        torque[:, j] = noise.torque + torque_bias.reading_nm(inside.torque_bias, t) + drift
-        velocity[:, j], position[:, j] = noise.velocity, noise.position
+        torque[:, j] = noise + torque_bias.reading_nm(inside.torque_bias, t) + drift
     return Loop(
         settings=pack_compensators(of_each_joint(settings.compensator, len(settings.joints)), CONTROL_RATE_HZ),
         memory=fresh_memory(len(settings.joints)),

@@ -8,15 +8,14 @@ import numpy as np
 from friction_audit.compensation.hand_cycles import CYCLE_STATE
 from friction_audit.joint_log import Float
 from friction_audit.robot import STANDARD_GRAVITY, Arm
-from friction_audit.simulation.mechanics import arm_tick
+from friction_audit.simulation.mechanics.tick import guide, load_masses, tick_arm
 from friction_audit.simulation.mechanism import Mechanism
 from friction_audit.simulation.motion import HandMotion, Intention
 
 if TYPE_CHECKING:
     from friction_audit.simulation.arm import ArmSettings
 
-HAND_INERTIA_KG_M2 = 0.002
-"""Of the hand about any axis through the flange; a guess that hardly matters. [kg m^2]"""
+HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a guess that hardly matters
 
 
 class RigidBody:
@@ -38,7 +37,7 @@ class RigidBody:
         self._known, self._model = known.model, true.model
         self._known_data, self._data = mj.MjData(self._known), mj.MjData(self._model)
         self._flange = self._model.body(known.flange).id
-        self._parts = mechanism.parts
+        self._parts, self._cycle = mechanism.parts, np.zeros(CYCLE_STATE)
         self._half = 0.5 * mechanism.clock.dt
         self._last = len(mechanism.out) - 1
         self._joints = n = len(settings.joints)
@@ -81,6 +80,14 @@ class RigidBody:
         mj.mj_rne(model, data, 0, self._bias)
         return self._mass, self._bias
 
+    def tick(self, k: int, gravity: Float) -> None:
+        """Move on from half a tick before tick k to half a tick after it; write the gravity compensation down."""
+        raise NotImplementedError
+
+    def _advance(self, k: int, *, by_hand: bool) -> None:
+        out, traced = self.mechanism.out, self.mechanism.traced
+        tick_arm(self._parts, self._jacobian, self._cycle, by_hand, k, self._last, out, traced)
+
 
 class GuidedArm(RigidBody):
     """An arm whose hand is guided."""
@@ -95,7 +102,6 @@ class GuidedArm(RigidBody):
         self._lift = -hand.mass_kg * np.array([*STANDARD_GRAVITY, 0.0, 0.0, 0.0])
         self._target = np.hstack([intended.velocity, intended.angular])
         self._place, self._orientation = self._intend(intended)
-        self._cycle = np.zeros(CYCLE_STATE)
         self._quaternion, self._turn = np.zeros(4), np.zeros(3)
 
     def _intend(self, intended: HandMotion) -> tuple[Float, Float]:
@@ -118,7 +124,7 @@ class GuidedArm(RigidBody):
         target = self._target[k]
         pull = self._springs * off + self._dampers * target + self._lift
         gravity[:] = self.support(q)
-        arm_tick.guide(
+        guide(
             self.mechanism.body,
             mass,
             bias,
@@ -131,17 +137,7 @@ class GuidedArm(RigidBody):
             self.rotor,
             gravity,
         )
-        told = self.settings.compensator is not None and self.settings.hand_cycles
-        arm_tick.tick(
-            self._parts,
-            jacobian,
-            self._cycle,
-            told,
-            k,
-            self._last,
-            self.mechanism.out,
-            self.mechanism.traced,
-        )
+        self._advance(k, by_hand=self.settings.compensator is not None and self.settings.hand_cycles)
 
 
 class ServoedArm(RigidBody):
@@ -156,7 +152,6 @@ class ServoedArm(RigidBody):
         body = mechanism.body
         body.stiffness[:] = np.eye(len(body.y)) * servo.stiffness_nm_per_rad
         body.drive_damping[:] = np.eye(len(body.y)) * servo.damping_nms_per_rad
-        self._cycle = np.zeros(CYCLE_STATE)
 
     def tick(self, k: int, gravity: Float) -> None:
         """Move on from half a tick before tick k to half a tick after it."""
@@ -168,14 +163,5 @@ class ServoedArm(RigidBody):
         body.push[:n] = gravity + servo.stiffness_nm_per_rad * place + servo.damping_nms_per_rad * speed
         body.push_rate[:n] = servo.stiffness_nm_per_rad * speed
         body.support[:n] = -bias
-        arm_tick.load_masses(body, self.rotor, mass)
-        arm_tick.tick(
-            self._parts,
-            self._jacobian,
-            self._cycle,
-            False,  # noqa: FBT003 - compiled code takes no keywords
-            k,
-            self._last,
-            self.mechanism.out,
-            self.mechanism.traced,
-        )
+        load_masses(body, self.rotor, mass)
+        self._advance(k, by_hand=False)

@@ -1,18 +1,19 @@
-"""What a scenario is: settings with a name."""
+"""Scenarios: settings with a name; and the simulation of any settings."""
 
 from dataclasses import dataclass, replace
 from math import inf
 
 from friction_audit.compensation.compensators import Coefficients, EnergyCompensator, FixedCompensation
-from friction_audit.simulation.arm import ArmSettings
-from friction_audit.simulation.bench import BenchSettings
-from friction_audit.simulation.dispatch import AnySettings
+from friction_audit.simulation.arm import ArmSettings, simulate_arm
+from friction_audit.simulation.bench import BenchSettings, Operator, Progress, simulate_bench
 from friction_audit.simulation.effects.friction_step import FrictionStep
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.motion import Commanded, Sinusoid, SlowSweep, StopAndGo
-from friction_audit.simulation.operator import Operator
-from friction_audit.simulation.panda_joint import HandGuidedPanda
+from friction_audit.simulation.panda_joint import HandGuidedPanda, simulate_hand_guided_panda
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS, JointParameters
+from friction_audit.simulation.simulation import Simulation
+
+AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -32,9 +33,9 @@ class Scenario:
     figure: str | None = None
 
 
+# Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then
+# 0.10 N m s/rad, about what a joint of a Panda has. Every claim is a ratio and would hold with any other factor.
 NMS_PER_RAD_OF_NS_PER_MM = 0.01
-"""Rotary friction that stands for 1 Ns/mm of the paper, on a lever of sqrt(1e-5) m = 3.2 mm: 10 Ns/mm are then
-0.10 N m s/rad, about what a joint of a Panda has. Every claim is a ratio and would hold with any other factor."""
 
 _TEN, _TWENTY, _THIRTY = (ns_per_mm * NMS_PER_RAD_OF_NS_PER_MM for ns_per_mm in (10.0, 20.0, 30.0))
 
@@ -100,6 +101,7 @@ _DOUBLES_AT_6_S = Hidden(friction_step=FrictionStep(change=1.0, at_share=0.6))
 _COULOMB_NM = 0.3
 _TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TEN, dead_band_rad_s=0.0)
 
+# The figures of the paper, in their order.
 PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
         name="fig3",
@@ -170,8 +172,6 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
         figure="Fig. 13",
     ),
 )
-"""The figures of the paper, in their order."""
-
 
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
 
@@ -220,4 +220,23 @@ _PANDA = (
 )
 
 SCENARIOS: tuple[Scenario, ...] = (*_ONE_JOINT, *_PANDA, *PAPER_SCENARIOS)
-"""All scenarios, in the order of the help text."""
+
+
+def simulate(
+    settings: AnySettings, seed: int, *, path: str = "simulation", progress: Progress | None = None
+) -> Simulation:
+    """Simulate a recording. The same settings and seed give the same log to the bit.
+
+    Args:
+        settings: The joints, who moves them, the sensors, what is hidden.
+        seed: Seed of everything that is drawn.
+        path: Path that the log names as its source.
+        progress: Is given the share that is done, 0 to 1.
+    """
+    match settings:
+        case BenchSettings():
+            return simulate_bench(settings, seed, path=path, progress=progress)
+        case HandGuidedPanda():
+            return simulate_hand_guided_panda(settings, seed, path=path, progress=progress)
+        case ArmSettings():
+            return simulate_arm(settings, seed, path=path, progress=progress)

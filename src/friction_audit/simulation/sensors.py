@@ -1,55 +1,166 @@
-"""What the sensors and the recorder make of the truth."""
+"""What the sensors and the recorder make of the truth: noise, resolution, the channels of a log, losses and jitter."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.joint_log import Float
-from friction_audit.simulation.settings import Sensors
+from friction_audit.joint_log import Float, JointLog
+from friction_audit.simulation.effects import gravity_error, time_delay, torque_crosstalk, torque_ripple, warm_up
+from friction_audit.simulation.effects.time_delay import TORQUE_LATE, VELOCITY_LATE
+from friction_audit.simulation.settings import CONTROL_RATE_HZ, Sensors, Streams, any_guards, sampled_ticks
+from friction_audit.simulation.simulation import TrueMotion, make_log
 
-STAMP_ROOM = 0.45
-"""A stamp errs by less than this share of the sampling interval, so that stamps keep their order."""
+if TYPE_CHECKING:
+    from friction_audit.simulation.mechanics.records import Loop
+    from friction_audit.simulation.mechanism import Settings
 
-NANOSECONDS = 1e9
-"""Clocks count whole nanoseconds."""
+STAMP_ROOM = 0.45  # a stamp errs by less than this share of the sampling interval, so that stamps keep their order
+NANOSECONDS = 1e9  # clocks count whole nanoseconds
+BINARY_NOISE_DIGITS = 9  # decimal places of a quantised value: finer than any resolution, coarser than rounding errors
 
-BINARY_NOISE_DIGITS = 9
-"""Decimal places kept of a quantised value: finer than any resolution, coarser than rounding errors."""
+EXTERNAL_CUTOFF_HZ = 100.0  # of the filter on ``tau_ext_hat_filtered``; an assumption, the vendor's is not published
+EXTERNAL_STEP_NM = 1e-3  # resolutions as logged
+GRAVITY_STEP_NM = 1e-6
+TEMPERATURE_STEP_C = 0.1
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class SensorNoise:
-    """What the sensors of one joint add to the truth, drawn before the motion; n + 1 ticks.
+def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, Float, Float]:
+    """Draw what the sensors of one joint add to torque, velocity and position at ticks + 1 states.
 
     A sensor reads ``quantise(truth + noise, step)``: a compensator in the loop can thus be given what the log shows.
-
-    Attributes:
-        torque: Shape (n + 1,). [N m]
-        velocity: Shape (n + 1,). [rad/s]
-        position: Shape (n + 1,). [rad]
     """
+    velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
+    # A fast and a slow first-order autoregressive process, together of the variance of the noise.
+    share = sensors.slow_noise_share
+    fast = _colour(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.torque_correlation_s)
+    slow = _colour(rng.normal(0.0, 1.0, ticks + 1), rate_hz, sensors.slow_correlation_s)
+    torque = np.asarray(sensors.torque_noise_nm * (np.sqrt(1.0 - share) * fast + np.sqrt(share) * slow))
+    return torque, velocity, sensors.position_noise_rad * rng.normal(0.0, 1.0, ticks + 1)
 
-    torque: Float
-    velocity: Float
-    position: Float
+
+def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:
+    """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
+    if correlation_s == 0:
+        return noise
+    keep = np.exp(-1.0 / (rate_hz * correlation_s))
+    gain = np.sqrt((1.0 + keep) / (1.0 - keep))
+    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Recorder:
-    """Which states were recorded, and when; m samples.
+def _smooth(signal: Float, keep: float, start: float) -> Float:
+    """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
+    from scipy.signal import lfilter
 
-    Attributes:
-        t: Stamps from 0, strictly increasing, shape (m,). [s]
-        tick: Which of the states each sample holds, shape (m,).
+    smoothed, _ = lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * start])
+    return np.asarray(smoothed)
+
+
+def quantise(signal: Float, step: float) -> Float:
+    """Round to multiples of a step; a step of 0 changes nothing. ``mechanics.tick`` has the same for one value."""
+    if step == 0:
+        return signal
+    return np.round(np.rint(signal / step) * step, BINARY_NOISE_DIGITS)
+
+
+def bench_channels(settings: "Settings", motion: TrueMotion, loop: "Loop") -> dict[str, Float]:
+    """Return the channels of a rig that logs the interaction torque itself."""
+    q, dq, port = _sense(settings, motion, loop, _gravity_errors(settings, motion.q))
+    return {"q": q, "dq": dq, "tau_interaction": port} | _compensator_channels(settings, motion)
+
+
+def arm_channels(
+    settings: "Settings", motion: TrueMotion, loop: "Loop", gravity: Float, *, driven: bool
+) -> dict[str, Float]:
+    """Return the channels of an arm that logs the torque at its sensors, gravity in it.
+
+    Args:
+        settings: Sensors and what is hidden.
+        motion: The truth.
+        loop: The noise.
+        gravity: Gravity torque at every tick, shape (n + 1, j). [N m]
+        driven: True if the robot moves by itself: friction is then on the link's side of the sensor.
     """
+    q, dq, port = _sense(settings, motion, loop, np.zeros_like(motion.q))
+    tau_J = port if driven else -port
+    logged = gravity + _gravity_errors(settings, motion.q)
+    # First order, causal, settled at the first value, as a vendor's controller filters.
+    keep = np.exp(-2.0 * np.pi * EXTERNAL_CUTOFF_HZ / CONTROL_RATE_HZ)
+    external = _per_joint(settings, lambda j: _smooth((tau_J - logged)[:, j], keep, (tau_J - logged)[0, j]))
+    channels = {
+        "q": q,
+        "dq": dq,
+        "tau_J": tau_J,
+        "tau_ext_hat_filtered": quantise(external, EXTERNAL_STEP_NM),
+        "gravity": quantise(logged, GRAVITY_STEP_NM),
+    }
+    return channels | _compensator_channels(settings, motion)
 
-    t: Float
-    tick: NDArray[np.int64]
+
+def _sense(settings: "Settings", motion: TrueMotion, loop: "Loop", error: Float) -> tuple[Float, Float, Float]:
+    """Return position, velocity and the interaction torque less its support, as read at every tick, shape (n + 1, j).
+
+    The compensator in the loop saw the same numbers, where no effect of the reading itself is hidden. ``error`` is
+    what else is in the torque before it is rounded.
+    """
+    hidden, sensors = settings.hidden, settings.sensors
+    port = _late(settings, motion.port_nm, TORQUE_LATE)
+    port = torque_crosstalk.mixed([inside.torque_crosstalk for inside in hidden], port)
+    ripple = _per_joint(settings, lambda j: torque_ripple.reading_nm(hidden[j].torque_ripple, motion.q[:, j]))
+    torque = port + ripple + loop.torque_noise + error
+    place = _late(settings, motion.q, VELOCITY_LATE) + loop.position_noise
+    velocity = _late(settings, motion.dq, VELOCITY_LATE) + loop.velocity_noise
+    return (
+        _per_joint(settings, lambda j: quantise(place[:, j], sensors[j].position_step_rad)),
+        _per_joint(settings, lambda j: quantise(velocity[:, j], sensors[j].velocity_step_rad_s)),
+        _per_joint(settings, lambda j: quantise(torque[:, j], sensors[j].torque_step_nm)),
+    )
 
 
-def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Recorder:
-    """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times."""
+def _per_joint(settings: "Settings", column: Callable[[int], Float]) -> Float:
+    return np.column_stack([column(j) for j in range(len(settings.joints))])
+
+
+def _late(settings: "Settings", signal: Float, form: int) -> Float:
+    """Return a signal after its delay lines."""
+
+    def column(j: int) -> Float:
+        hidden = settings.hidden[j].time_delay
+        return time_delay.delayed(signal[:, j], hidden.delay_s if hidden.form == form else 0.0, 1.0 / CONTROL_RATE_HZ)
+
+    return _per_joint(settings, column)
+
+
+def _gravity_errors(settings: "Settings", q: Float) -> Float:
+    """Return what is wrong with the gravity torque that is subtracted from the sensor's."""
+    return _per_joint(settings, lambda j: gravity_error.reading_nm(settings.hidden[j].gravity_error, q[:, j]))
+
+
+def _compensator_channels(settings: "Settings", motion: TrueMotion) -> dict[str, Float]:
+    """Return what an active compensator logs."""
+    if settings.compensator is None:
+        return {}
+    guarded = {"tau_passivity": motion.passivity_nm} if any_guards(settings.compensator) else {}
+    return {"tau_compensation": motion.compensation_nm} | guarded
+
+
+def temperatures(settings: "Settings", motion: TrueMotion) -> Float:
+    """Return the temperature of every joint as a thermometer logs it, shape (n + 1, j). [degC]"""
+
+    def column(j: int) -> Float:
+        truth = warm_up.temperature_c(settings.hidden[j].warm_up, motion.warmth[:, j])
+        return quantise(truth, TEMPERATURE_STEP_C)
+
+    return _per_joint(settings, column)
+
+
+def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> tuple[Float, NDArray[np.int64]]:
+    """Draw lost samples, stale samples and the jitter of the stamps for the states at the given times.
+
+    Returns:
+        Stamps from 0, strictly increasing [s], and which of the states each sample holds, shape (m,) each.
+    """
     kept = np.flatnonzero(~_lost(len(times), sensors, rng))
     stale = rng.random(len(kept)) < sensors.stale
     stale[0] = False
@@ -59,7 +170,7 @@ def record(times: Float, rate_hz: float, sensors: Sensors, rng: np.random.Genera
         room = STAMP_ROOM / rate_hz
         stamps = stamps + np.clip(rng.normal(0.0, sensors.clock_jitter_s / np.sqrt(2.0), len(kept)), -room, room)
     nanoseconds = np.rint(stamps * NANOSECONDS).astype(np.int64)
-    return Recorder(t=(nanoseconds - nanoseconds[0]) / NANOSECONDS, tick=kept[source])
+    return (nanoseconds - nanoseconds[0]) / NANOSECONDS, kept[source]
 
 
 def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[np.bool_]:
@@ -73,46 +184,11 @@ def _lost(samples: int, sensors: Sensors, rng: np.random.Generator) -> NDArray[n
     return lost
 
 
-def draw_noise(ticks: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> SensorNoise:
-    """Draw the noise of one joint's sensors for ticks + 1 states; zeros where they are ideal."""
-    velocity = sensors.velocity_noise_rad_s * rng.normal(0.0, 1.0, ticks + 1)
-    torque = _torque_noise(ticks + 1, rate_hz, sensors, rng)
-    position = sensors.position_noise_rad * rng.normal(0.0, 1.0, ticks + 1)
-    return SensorNoise(torque=torque, velocity=velocity, position=position)
-
-
-def _torque_noise(samples: int, rate_hz: float, sensors: Sensors, rng: np.random.Generator) -> Float:
-    """Draw a fast and a slow first-order autoregressive process, together of the variance of the noise."""
-    share = sensors.slow_noise_share
-    fast = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.torque_correlation_s)
-    slow = _colour(rng.normal(0.0, 1.0, samples), rate_hz, sensors.slow_correlation_s)
-    return np.asarray(sensors.torque_noise_nm * (np.sqrt(1.0 - share) * fast + np.sqrt(share) * slow))
-
-
-def _colour(noise: Float, rate_hz: float, correlation_s: float) -> Float:
-    """Turn white noise of unit variance into first-order autoregressive noise of unit variance."""
-    if correlation_s == 0:
-        return noise
-    keep = np.exp(-1.0 / (rate_hz * correlation_s))
-    gain = np.sqrt((1.0 + keep) / (1.0 - keep))
-    return np.asarray(gain * _smooth(noise, keep, noise[0] / gain))
-
-
-def quantise(signal: Float, step: float) -> Float:
-    """Round to multiples of a step; a step of 0 changes nothing. ``mechanics.sensing`` has the same for one value."""
-    if step == 0:
-        return signal
-    return np.round(np.rint(signal / step) * step, BINARY_NOISE_DIGITS)
-
-
-def low_pass(signal: Float, cutoff_hz: float, rate_hz: float) -> Float:
-    """Filter as a vendor's controller does: first order, causal, settled at the first value."""
-    return _smooth(signal, np.exp(-2.0 * np.pi * cutoff_hz / rate_hz), signal[0])
-
-
-def _smooth(signal: Float, keep: float, start: float) -> Float:
-    """Apply the first-order recursion y[k] = keep y[k-1] + (1 - keep) x[k], beginning at ``start``."""
-    from scipy.signal import lfilter
-
-    smoothed, _ = lfilter([1.0 - keep], [1.0, -keep], signal, zi=[keep * start])
-    return np.asarray(smoothed)
+def write_down(
+    settings: "Settings", channels: dict[str, Float], names: tuple[str, ...], path: str, streams: Streams, *, robot: str
+) -> JointLog:
+    """Return the log: the states that were kept, with the stamps of the recorder."""
+    ticks = sampled_ticks(len(channels["q"]) - 1, settings.rate_hz)
+    t, kept = record(ticks / CONTROL_RATE_HZ, settings.rate_hz, settings.sensors[0], streams.recorder)
+    columns = {name: channel[ticks[kept]] for name, channel in channels.items()}
+    return make_log(t, columns, names, path, robot=robot)

@@ -1,9 +1,21 @@
-"""Checks that the settings of the motions share."""
+"""Checks that settings share, the joint, its sensors, and the clock of a recording."""
 
 from dataclasses import dataclass, fields, replace
 from math import inf
 
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.compensation.compensators import Compensator, guard_of
 from friction_audit.errors import UsageError
+
+CONTROL_RATE_HZ = 1000.0  # at which the controller reads its sensors and sets its torques
+FEWEST_TICKS = 2
+LONGEST_S = 7200.0  # every tick is kept in memory: two hours of one joint take about a gigabyte
+
+HIGHEST_SHARE = 0.5
+LARGEST = 1e3  # no error of a sensor comes near it, in any unit
+FINEST_STEP = 1e-9  # readings are kept to so many places (``sensors.BINARY_NOISE_DIGITS``)
 
 
 def require_positive(where: str, **numbers: float) -> None:
@@ -41,34 +53,68 @@ def require_order(where: str, **pairs: tuple[float, float]) -> None:
             raise UsageError(f"{where}: {name} {low:g}, {high:g}: expected the smaller number first")
 
 
-def require_room(where: str, range_rad: tuple[float, float], low: float, high: float) -> None:
-    """Refuse a range about the start at 0 that leaves less room than low below it and high above it.
+def count_ticks(duration_s: float, rate_hz: float) -> int:
+    """Return the number of the controller's ticks in a recording, after checking its length and its rate.
 
     Raises:
-        UsageError: If it does.
+        UsageError: If the recording is too short or too long, or the rate is above that of the controller.
     """
-    if -range_rad[0] < low or range_rad[1] < high:
+    require_positive("simulation", duration_s=duration_s, rate_hz=rate_hz)
+    if rate_hz > CONTROL_RATE_HZ:
         raise UsageError(
-            f"{where}: range_rad {range_rad[0]:g}, {range_rad[1]:g}: expected a range around the start at 0, "
-            f"from {-low:g} or less to {high:g} or more"
+            f"simulation: rate_hz {rate_hz:g}: expected at most {CONTROL_RATE_HZ:g}, the rate of the controller"
         )
+    if duration_s > LONGEST_S:
+        raise UsageError(f"simulation: duration_s {duration_s:g}: expected at most {LONGEST_S:g}; make several logs")
+    if duration_s * rate_hz < FEWEST_TICKS:
+        raise UsageError(
+            f"simulation: {duration_s:g} s at {rate_hz:g} Hz: expected at least {FEWEST_TICKS} sampling intervals"
+        )
+    return round(duration_s * CONTROL_RATE_HZ)
 
 
-HIGHEST_SHARE = 0.5
+def sampled_ticks(ticks: int, rate_hz: float) -> NDArray[np.int64]:
+    """Return the ticks whose states are logged at a lower rate, the first one always."""
+    samples = int(ticks * rate_hz / CONTROL_RATE_HZ + 1e-9)
+    ticks_of_samples: NDArray[np.int64] = np.rint(np.arange(samples + 1) * (CONTROL_RATE_HZ / rate_hz)).astype(np.int64)
+    return ticks_of_samples
 
-LARGEST = 1e3
-"""What no error of a sensor comes near, in whatever unit."""
 
-FINEST_STEP = 1e-9
-"""Readings are kept to so many places (``sensors.BINARY_NOISE_DIGITS``): a finer resolution cannot be told."""
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Streams:
+    """The random streams of one simulation.
+
+    Attributes:
+        person: Draws the motion.
+        sensors: Draws the noise of the sensors.
+        recorder: Draws losses and jitter.
+        events: Draw the contact events, one per joint.
+        drifts: Draw the torque drifts, one per joint.
+    """
+
+    person: np.random.Generator
+    sensors: np.random.Generator
+    recorder: np.random.Generator
+    events: tuple[np.random.Generator, ...]
+    drifts: tuple[np.random.Generator, ...]
+
+
+def make_streams(seed: int, joints: int) -> Streams:
+    """Return the streams of a seed."""
+    *first, hidden = np.random.SeedSequence(seed).spawn(4)
+    person, sensors, recorder = (np.random.default_rng(part) for part in first)
+    parts = [np.random.default_rng(part) for part in hidden.spawn(2 * joints)]
+    return Streams(
+        person=person, sensors=sensors, recorder=recorder, events=tuple(parts[::2]), drifts=tuple(parts[1::2])
+    )
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class JointParameters:
-    """The joint behind the torque sensor: B ddq = F_m + u - tau_f.
+    """The joint on the motor's side of the torque sensor: B ddq = F_m + u - tau_f.
 
     Attributes:
-        inertia_kg_m2: Reflected inertia B behind the sensor. [kg m^2]
+        inertia_kg_m2: Reflected inertia B. [kg m^2]
         coulomb_nm: Coulomb friction, static and sliding. [N m]
         viscous_nms_per_rad: Viscous friction. [N m s/rad]
     """
@@ -78,7 +124,6 @@ class JointParameters:
     viscous_nms_per_rad: float = 0.07
 
     def __post_init__(self) -> None:
-        """Check that the joint is passive."""
         require_positive("joint", inertia_kg_m2=self.inertia_kg_m2)
         require_within("joint", 0, inf, coulomb_nm=self.coulomb_nm, viscous_nms_per_rad=self.viscous_nms_per_rad)
 
@@ -118,7 +163,6 @@ class Sensors:
     longest_loss: int = 8
 
     def __post_init__(self) -> None:
-        """Check signs and shares."""
         numbers = {item.name: getattr(self, item.name) for item in fields(self)}
         require_within("sensors", 0, LARGEST, **numbers)
         for name, number in numbers.items():
@@ -151,5 +195,37 @@ _PANDA_PROXIMAL = Sensors(
     lost=0.02,
 )
 _PANDA_DISTAL = replace(_PANDA_PROXIMAL, torque_noise_nm=0.03, torque_step_nm=0.006)
-PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3
-"""The sensors of a Panda's joints 1 to 7."""
+PANDA_SENSORS = (_PANDA_PROXIMAL,) * 4 + (_PANDA_DISTAL,) * 3  # of joints 1 to 7
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class JointByJoint:
+    """Compensators that differ from joint to joint.
+
+    Attributes:
+        compensators: One per joint.
+    """
+
+    compensators: tuple[Compensator, ...]
+
+
+AnyCompensator = Compensator | JointByJoint  # what runs in an arm; None where nothing does
+
+
+def of_each_joint(compensator: AnyCompensator | None, joints: int) -> tuple[Compensator | None, ...]:
+    """Return what runs in each joint.
+
+    Raises:
+        UsageError: If there are not as many as joints.
+    """
+    if not isinstance(compensator, JointByJoint):
+        return (compensator,) * joints
+    if len(compensator.compensators) != joints:
+        raise UsageError(f"joint by joint: {len(compensator.compensators)} compensators: expected {joints}")
+    return compensator.compensators
+
+
+def any_guards(compensator: AnyCompensator | None) -> bool:
+    """Return True if a passivity controller acts in some joint."""
+    several = compensator.compensators if isinstance(compensator, JointByJoint) else (compensator,)
+    return any(guard_of(one).passivity for one in several)

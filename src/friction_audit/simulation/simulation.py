@@ -12,7 +12,7 @@ from friction_audit.joint_log import Float, JointLog, Source
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Motion:
+class TrueMotion:
     """What truly happened at every tick of the controller, free of noise; n + 1 ticks, j joints.
 
     Attributes:
@@ -58,13 +58,13 @@ class Truth:
         settings: Everything that was simulated.
         seed: The seed.
         motion: The motion, free of noise.
-        compensators: What each joint's compensator knew at every tick, by the names in ``replay.records.TRACE``, shape
-            (n + 1, j) each; empty without one.
+        compensators: Memory of each joint's compensator at every tick, by the names in
+            ``compensation.records.TRACE``, shape (n + 1, j) each; empty without one.
     """
 
     settings: Any
     seed: int
-    motion: Motion
+    motion: TrueMotion
     compensators: Mapping[str, Float]
 
 
@@ -87,16 +87,10 @@ def make_log(t: Float, channels: Mapping[str, Float], names: tuple[str, ...], pa
     return JointLog(t=t, **columns, joint_names=names, source=source)
 
 
-FASTEST_RAD_S = 1e3
-"""No joint of an arm turns a hundredth as fast. [rad/s]"""
-
-STRONGEST_NM = 1e6
-"""No joint of an arm holds a thousandth of it. [N m]"""
-
-ADVICE = "set masses, stiffnesses and torques closer to those of a joint, or leave the effect out"
+FASTEST_RAD_S, STRONGEST_NM = 1e3, 1e6  # far beyond all joints of arms
 
 
-def require_sane(motion: Motion, path: str) -> Motion:
+def require_sane(motion: TrueMotion, path: str) -> TrueMotion:
     """Return a motion that did not diverge.
 
     Raises:
@@ -104,20 +98,18 @@ def require_sane(motion: Motion, path: str) -> Motion:
     """
     speeds = (motion.dq, motion.inner_dq)
     torques = (motion.port_nm, motion.support_nm, motion.friction_nm, motion.compensation_nm, motion.passivity_nm)
-    _require(speeds, FASTEST_RAD_S, "speed", "rad/s", motion.t, path)
-    _require(torques, STRONGEST_NM, "torque", "N m", motion.t, path)
+    for signals, limit, what, unit in (
+        (speeds, FASTEST_RAD_S, "speed", "rad/s"),
+        (torques, STRONGEST_NM, "torque", "N m"),
+    ):
+        # Written so that NaN, which compares as false, is caught.
+        if all(-limit <= signal.min() and signal.max() <= limit for signal in signals):
+            continue
+        _, ticks, joints = np.nonzero(np.array([~(np.abs(signal) <= limit) for signal in signals]))
+        first = ticks.argmin()
+        raise AnalysisError(
+            f"{path}: the simulation diverged: joint {joints[first] + 1} has a {what} above {limit:g} {unit} at "
+            f"{motion.t[ticks[first]]:.3f} s, or none that is a number; nothing was written; set masses, stiffnesses "
+            "and torques closer to those of a joint, or leave the effect out"
+        )
     return motion
-
-
-def _require(signals: tuple[Float, ...], limit: float, what: str, unit: str, t: Float, path: str) -> None:
-    """Refuse what is not finite or above the limit; written so that NaN, which compares as false, is caught."""
-    if all(-limit <= signal.min() and signal.max() <= limit for signal in signals):
-        return
-    bad = np.array([~(np.abs(signal) <= limit) for signal in signals])
-    _, ticks, joints = np.nonzero(bad)
-    first = ticks.argmin()
-    joint, instant = joints[first] + 1, t[ticks[first]]
-    raise AnalysisError(
-        f"{path}: the simulation diverged: joint {joint} has a {what} above {limit:g} {unit} at {instant:.3f} s, or "
-        f"none that is a number; nothing was written; {ADVICE}"
-    )

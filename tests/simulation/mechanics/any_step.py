@@ -5,15 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.bench import BenchSettings, make_motion
-from friction_audit.simulation.clock import make_streams
+from friction_audit.simulation.bench import BenchSettings, Operator, make_motion
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.mechanics.records import Clock
 from friction_audit.simulation.mechanics.tick import run_bench
 from friction_audit.simulation.mechanism import Mechanism, assemble, rotor_mass
-from friction_audit.simulation.operator import Operator
-from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.settings import IDEAL_SENSORS, JointParameters, make_streams
+from friction_audit.simulation.simulation import TrueMotion
 
 NEXT_TO_NOTHING = 1e-300
 """Stiffness, or damping, of a hand that has none; the operator's must be above zero."""
@@ -40,7 +38,7 @@ def release(
     push: Float | None = None,
     q: tuple[float, float] = (0.0, 0.0),
     dq: tuple[float, float] = (0.0, 0.0),
-) -> Motion:
+) -> TrueMotion:
     """Let go of a joint whose outer and inner side are at q with dq, under a push of the hand known at every tick."""
     tick_s = 2.0 * step_s if tick_s is None else tick_s
     ticks = round(duration_s / tick_s)

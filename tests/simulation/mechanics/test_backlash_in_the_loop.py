@@ -9,7 +9,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.backlash import Backlash
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
 from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release
 
 GAP = 0.02
@@ -17,16 +17,16 @@ MOTOR, LINK = 0.3, 0.2
 LOOSE = JointParameters(inertia_kg_m2=MOTOR, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
 
 
-def stretch(motion: Motion) -> Float:
+def stretch(motion: TrueMotion) -> Float:
     return (motion.inner_q - motion.q)[:, 0]
 
 
-def beyond(motion: Motion) -> Float:
+def beyond(motion: TrueMotion) -> Float:
     """Return by how much the stretch is beyond the gap, signed."""
     return np.asarray(np.sign(stretch(motion)) * np.maximum(np.abs(stretch(motion)) - GAP / 2, 0.0))
 
 
-def collide(damping_ratio: float, compliance: float = 0.0) -> Motion:
+def collide(damping_ratio: float, compliance: float = 0.0) -> TrueMotion:
     """Let the link, at 0.5 rad/s, run to and fro in the gap of a motor at rest."""
     flanks = Backlash(gap_rad=GAP, contact_damping_ratio=damping_ratio)
     elastic = JointElasticity(compliance_rad_per_nm=compliance)
@@ -34,7 +34,7 @@ def collide(damping_ratio: float, compliance: float = 0.0) -> Motion:
     return release(bench(LOOSE, hidden, inertia_kg_m2=LINK), 0.6, dq=(0.5, 0.0))
 
 
-def energy(motion: Motion, compliance: float) -> Float:
+def energy(motion: TrueMotion, compliance: float) -> Float:
     kinetic = 0.5 * MOTOR * motion.inner_dq**2 + 0.5 * LINK * motion.dq**2
     return np.asarray(kinetic[:, 0] + 0.5 * beyond(motion) ** 2 / compliance)
 

@@ -13,7 +13,7 @@ from friction_audit.simulation.effects.presliding import BRISTLES as BRISTLE_COU
 from friction_audit.simulation.effects.presliding import DAHL, FIRST_YIELD, LUGRE, MAXWELL_SLIP, Presliding
 from friction_audit.simulation.effects.stribeck import Stribeck
 from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
@@ -23,7 +23,7 @@ SPRING, DAMPER, CREEP = 10.0, 0.05, 0.05
 SOFT = Presliding(displacement_rad=0.002, damping_s=0.02)
 
 
-def creep(step_s: float) -> Motion:
+def creep(step_s: float) -> TrueMotion:
     """Pull the joint by a soft spring, slowly: it sticks and slips."""
     hidden = Hidden(presliding=SOFT, stribeck=Stribeck(excess_nm=0.3, speed_rad_s=0.1))
     t = np.arange(6001, dtype=np.float64) * TICK_S
@@ -69,7 +69,7 @@ def test_stick_slip_of_lugre_is_of_order_two() -> None:
     assert 1.5 < order < 2.7
 
 
-def guided(form: int, course: Float, speed: Float) -> Motion:
+def guided(form: int, course: Float, speed: Float) -> TrueMotion:
     """Guide the joint by a stiff hand."""
     stiff = {"stiffness_nm_per_rad": 600.0, "damping_nms_per_rad": 60.0}
     hidden = Hidden(presliding=Presliding(displacement_rad=0.005, form=form))

@@ -10,7 +10,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.backlash import Backlash
 from friction_audit.simulation.effects.joint_elasticity import HARDENING, KNEE_NM, LEAST_COMPLIANCE, JointElasticity
 from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
 
 MOTOR, LINK = 0.3, 0.2
@@ -19,18 +19,18 @@ SMOOTH = JointParameters(inertia_kg_m2=MOTOR, coulomb_nm=0.0, viscous_nms_per_ra
 HELD = {"stiffness_nm_per_rad": 60.0, "damping_nms_per_rad": 9.0}
 
 
-def ring(elastic: JointElasticity, stretch_rad: float, duration_s: float = 2.0, gap_rad: float = 0.0) -> Motion:
+def ring(elastic: JointElasticity, stretch_rad: float, duration_s: float = 2.0, gap_rad: float = 0.0) -> TrueMotion:
     """Stretch the joint about its centre of mass and let go."""
     hidden = Hidden(joint_elasticity=elastic, backlash=Backlash(gap_rad=gap_rad))
     q = (stretch_rad * MOTOR / (MOTOR + LINK), -stretch_rad * LINK / (MOTOR + LINK))
     return release(bench(SMOOTH, hidden, inertia_kg_m2=LINK), duration_s, q=q)
 
 
-def stretch(motion: Motion) -> Float:
+def stretch(motion: TrueMotion) -> Float:
     return (motion.inner_q - motion.q)[:, 0]
 
 
-def frequency(motion: Motion) -> float:
+def frequency(motion: TrueMotion) -> float:
     """Return the frequency between the first and the last upward passage through zero. [Hz]"""
     x = stretch(motion)
     before = np.flatnonzero((x[:-1] < 0.0) & (x[1:] >= 0.0))
@@ -95,7 +95,7 @@ def test_elasticity_and_backlash_in_series_swing_through_the_gap_unpushed() -> N
     assert_allclose(np.abs(motion.port_nm).max(), twist / 1e-3, rtol=1e-3)
 
 
-def guided(compliance: float) -> Motion:
+def guided(compliance: float) -> TrueMotion:
     """Move a joint with friction to and fro."""
     t = np.arange(2001) * 1e-3
     push = 60.0 * 0.3 * (1.0 - np.cos(np.pi * t)) + 9.0 * 0.3 * np.pi * np.sin(np.pi * t)

@@ -9,7 +9,7 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.stiction import IMMEDIATE, Stiction
 from friction_audit.simulation.effects.stribeck import Stribeck
 from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import STEP_S, bench, release
 from tests.simulation.mechanics.stick_slip import Course, DryMass, solve
 
@@ -24,13 +24,13 @@ def orders(errors: list[float]) -> Float:
     return np.asarray(np.diff(np.log(errors)) / np.diff(np.log(STEPS)))
 
 
-def swing(step_s: float, duration_s: float, joint: JointParameters | None = None) -> Motion:
+def swing(step_s: float, duration_s: float, joint: JointParameters | None = None) -> TrueMotion:
     """Let a mass go on a hand's spring, drawn out by REACH."""
     settings = bench(joint, stiffness_nm_per_rad=SPRING) if joint else bench(stiffness_nm_per_rad=SPRING)
     return release(settings, duration_s, step_s=step_s, tick_s=2e-3, q=(REACH, REACH))
 
 
-def stored(motion: Motion) -> Float:
+def stored(motion: TrueMotion) -> Float:
     """Return kinetic and elastic energy."""
     return np.asarray((0.5 * MASS * motion.dq**2 + 0.5 * SPRING * motion.q**2)[:, 0])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.simulation.mechanics.body import Body, make_body
+from friction_audit.simulation.mechanics.records import Body, make_body
 from friction_audit.simulation.mechanics.step import accelerate
 
 JOINTS = 7

@@ -9,14 +9,14 @@ from friction_audit.simulation.effects import Hidden
 from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb
 from friction_audit.simulation.effects.stiction import IMMEDIATE, SATURATING, Stiction
 from friction_audit.simulation.settings import JointParameters
-from friction_audit.simulation.simulation import Motion
+from friction_audit.simulation.simulation import TrueMotion
 from tests.simulation.mechanics.any_step import bench, release
 
 JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 TICK_S = 1e-3
 
 
-def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> Motion:
+def pushed(push: Float, hidden: Hidden | None = None, speed: float = 0.0) -> TrueMotion:
     """Push a joint, hand and all 0.6 kg m^2, by a torque and nothing else."""
     duration = (len(push) - 1) * TICK_S
     return release(bench(JOINT, hidden), duration, tick_s=TICK_S, push=push, dq=(speed, speed))

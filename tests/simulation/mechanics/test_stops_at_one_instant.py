@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.simulation.mechanics.body import make_body
+from friction_audit.simulation.mechanics.records import make_body
 from friction_audit.simulation.mechanics.step import _first_stop
 
 

@@ -34,7 +34,7 @@ from friction_audit.compensation.comparison.trial import (
     make_course,
     measure,
 )
-from friction_audit.simulation.dispatch import simulate
+from friction_audit.simulation.scenarios import simulate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

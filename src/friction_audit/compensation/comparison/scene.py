@@ -7,8 +7,8 @@ from friction_audit.simulation.arm import ArmSettings
 from friction_audit.simulation.bench import BenchSettings
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
-from friction_audit.simulation.mechanism import JointByJoint
 from friction_audit.simulation.panda_joint import PANDA_JOINTS
+from friction_audit.simulation.settings import JointByJoint
 
 # In a rigid joint nothing but the controller's tick would bound the gains of what feeds torque or motion back.
 _ELASTIC = Hidden(joint_elasticity=JointElasticity(compliance_rad_per_nm=1e-4, damping_ratio=0.1))

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.clock import CONTROL_RATE_HZ
-from friction_audit.simulation.simulation import Motion, Simulation
+from friction_audit.simulation.settings import CONTROL_RATE_HZ
+from friction_audit.simulation.simulation import Simulation, TrueMotion
 
 VIBRATION_S = 0.1
 """What is faster than a moving average over this time is no motion of a person. [s]"""
@@ -155,7 +155,7 @@ def measure(simulation: Simulation, reference: Reference) -> Outcome:
     )
 
 
-def net_energy_j(motion: Motion) -> Float:
+def net_energy_j(motion: TrueMotion) -> Float:
     """Return the energy that the person has put into all joints, shape (n + 1,). [J]"""
     power = np.einsum("ij,ij->i", motion.interaction_nm, motion.dq)
     steps = 0.5 * (power[1:] + power[:-1]) * np.diff(motion.t)
@@ -175,7 +175,7 @@ def vibration_nm(torque_nm: Float) -> Float:
     return np.asarray(torque_nm - uniform_filter1d(torque_nm, int(VIBRATION_S * CONTROL_RATE_HZ) + 1, axis=0))
 
 
-def feel(motion: Motion, joint: int, after: int) -> Float:
+def feel(motion: TrueMotion, joint: int, after: int) -> Float:
     """Return inertia, Coulomb and viscous friction that the interaction torque of a moving joint shows, shape (3,)."""
     dq = motion.inner_dq[after:, joint]
     rows = np.abs(dq) > MOVING_RAD_S

@@ -1,15 +1,22 @@
-"""Settings of joints -> records of numbers that compiled code reads by name."""
+"""Joints, their states and coordinates as records of numbers that compiled code reads by name.
+
+Every joint has an inner side, after the torque sensor, where friction acts, and an outer side before it: of a joint
+moved by hand the motor and the link, of a robot that moves by itself the link and the motor. A rigid joint turns both
+sides by the same angle; an elastic one, or one with backlash, has a coordinate for each.
+"""
 
 from collections.abc import Sequence
-from dataclasses import fields, is_dataclass
-from typing import Any, NamedTuple, get_type_hints
+from dataclasses import astuple, fields, is_dataclass
+from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
+from numpy.typing import NDArray
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.frictional_lag import LAG_MEMORY
 from friction_audit.simulation.effects.presliding import BRISTLES
 
+# State of a joint, apart from position and velocity.
 STATE = np.dtype(
     [
         ("driven", "?"),  # the motor is on the outer side of the sensor
@@ -27,38 +34,89 @@ STATE = np.dtype(
     ],
     align=True,
 )
-"""What a joint remembers, apart from position and velocity."""
+
+MOST = 14  # coordinates: two for each of seven joints
+FREE = 2.0  # mode of a coordinate that nothing holds; the others are -1, 0 and 1: sliding, stuck, sliding
+
+# State and matrices of c coordinates of n joints, in the first places of arrays that have room for MOST. Coordinates 0
+# to n - 1 are the outer sides; the inner side of joint j is coordinate ``inner[j]``. A record rather than a tuple of
+# arrays: compiled functions pass it on as one pointer.
+BODY = np.dtype(
+    [
+        ("joints", "i8"),  # n
+        ("count", "i8"),  # c, coordinates
+        ("inner", "i8", (MOST,)),  # coordinate of each joint's inner side, (n,)
+        ("joint", "i8", (MOST,)),  # joint whose inner side a coordinate is, or -1, (c,)
+        ("y", "f8", (MOST,)),  # positions, (c,) [rad]
+        ("v", "f8", (MOST,)),  # velocities, (c,) [rad/s]
+        ("a", "f8", (MOST,)),  # accelerations of the latest step, (c,) [rad/s^2]
+        ("mode", "f8", (MOST,)),  # sliding direction, 0: stuck, or FREE, (c,)
+        (
+            "level",
+            "f8",
+            (MOST,),
+        ),  # friction against sliding without viscous part; if FREE the signed torque, (c,) [N m]
+        ("hold", "f8", (MOST, 2)),  # friction that a stuck coordinate can bear, downwards and upwards, (c, 2) [N m]
+        ("slip", "f8", (MOST, 2)),  # its friction just after it broke away, (c, 2) [N m]
+        ("reaction", "f8", (MOST,)),  # what holds a stuck coordinate at present, (c,) [N m]
+        ("force", "f8", (MOST,)),  # all other torques, at the middle of the step, (c,) [N m]
+        ("mass", "f8", (MOST, MOST)),  # mass matrix, (c, c) [kg m^2]
+        ("damping", "f8", (MOST, MOST)),  # damping matrix of the step, (c, c) [N m s/rad]
+        ("inner_mass", "f8", (MOST, MOST)),  # mass matrix behind the sensors, (n, n) [kg m^2]
+        ("stiffness", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m/rad]
+        ("drive_damping", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m s/rad]
+        ("push", "f8", (MOST,)),  # torque of the drive with all coordinates at zero, (n,) [N m]
+        ("push_rate", "f8", (MOST,)),  # its rate of change, (n,) [N m/s]
+        ("push_bend", "f8", (MOST,)),  # the rate of change of that, (n,) [N m/s^2]
+        ("support", "f8", (MOST,)),  # on the inner sides, held from tick to tick, as gravity compensation, (n,) [N m]
+        ("behind", "f8", (MOST,)),  # all torques behind the sensors but friction and inertia, (n,) [N m]
+        ("viscous", "f8", (MOST,)),  # viscous coefficients of the step, (n,) [N m s/rad]
+        ("port", "f8", (MOST,)),  # torque through the sensor, from the outer side to the inner one, (n,) [N m]
+        ("friction", "f8", (MOST,)),  # friction torque, (n,) [N m]
+        ("system", "f8", (MOST, MOST)),  # scratch: matrix of the linear equations, (c, c)
+        ("right", "f8", (MOST,)),  # scratch: their right-hand side, (c,)
+        ("active", "i8", (MOST,)),  # scratch: the coordinates that are not stuck, (c,)
+    ],
+    align=True,
+)
+Body: TypeAlias = Any  # a record of type BODY
+
+
+def make_body(two_sided: NDArray[np.bool_], free: NDArray[np.bool_], position: Float) -> Body:
+    """Return a body at rest.
+
+    Args:
+        two_sided: Joints whose sides turn separately, shape (n,).
+        free: Joints whose friction never holds rigidly (bristles), shape (n,).
+        position: Where the joints are, shape (n,). [rad]
+    """
+    n, extra = len(two_sided), np.flatnonzero(two_sided)
+    c = n + len(extra)
+    body = np.zeros(1, BODY).view(np.recarray)[0]
+    body.joints, body.count = n, c
+    body.inner[:n] = np.arange(n)
+    body.inner[extra] = n + np.arange(len(extra))
+    body.joint[:] = -1
+    body.joint[body.inner[:n]] = np.arange(n)
+    body.mode[:] = FREE
+    body.mode[body.inner[:n][~free]] = 0.0
+    body.y[:c] = np.concatenate([position, position[extra]])
+    return body
 
 
 def record_type(group: type[Any]) -> np.dtype[Any]:
     """Return the record type of a dataclass of numbers and of such dataclasses."""
+    plain: dict[Any, Any] = {float: "f8", int: "i8", bool: "?"}
     hints = get_type_hints(group)
-    return np.dtype([(item.name, _field_type(hints[item.name])) for item in fields(group)], align=True)
-
-
-def _field_type(hint: Any) -> Any:  # noqa: ANN401 - a type
-    return (
-        record_type(hint)
-        if isinstance(hint, type) and is_dataclass(hint)
-        else {float: "f8", int: "i8", bool: "?"}[hint]
+    kinds = [(item.name, hints[item.name]) for item in fields(group)]
+    return np.dtype(
+        [(name, record_type(kind) if is_dataclass(kind) else plain[kind]) for name, kind in kinds], align=True
     )
 
 
 def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
     """Return the records of dataclasses of one type, one row each."""
-    rows = np.zeros(len(settings), record_type(type(settings[0])))
-    for row, item in zip(rows, settings, strict=True):
-        _fill(row, item)
-    return rows
-
-
-def _fill(row: Any, item: Any) -> None:  # noqa: ANN401
-    for entry in fields(item):
-        value = getattr(item, entry.name)
-        if is_dataclass(value):
-            _fill(row[entry.name], value)
-        else:
-            row[entry.name] = value
+    return np.array([astuple(item) for item in settings], record_type(type(settings[0])))
 
 
 def pad_events(tables: Sequence[Float]) -> Float:
@@ -71,6 +129,7 @@ def pad_events(tables: Sequence[Float]) -> Float:
     return padded
 
 
+# Rows that are kept of every tick: positions, velocities, torques, energy and warmth of each joint.
 (
     OUTER,
     OUTER_SPEED,
@@ -87,7 +146,6 @@ def pad_events(tables: Sequence[Float]) -> Float:
     WARMTH,
 ) = range(13)
 ROWS = 13
-"""What is kept of every tick: positions, velocities, torques, energy and warmth of each joint."""
 
 
 class Clock(NamedTuple):
@@ -109,7 +167,7 @@ class Loop(NamedTuple):
 
     Attributes:
         settings: Records of the compensators, shape (n,).
-        memory: What they remember, shape (n,); changed.
+        memory: Their memory, shape (n,); changed.
         torque_noise: Error of the torque as read, shape (ticks + 1, n). [N m]
         velocity_noise: Error of the velocity as read, shape (ticks + 1, n). [rad/s]
         position_noise: Error of the position as read, shape (ticks + 1, n); no compensator looks at it. [rad]
@@ -129,15 +187,9 @@ class Loop(NamedTuple):
 class Parts(NamedTuple):
     """What the loops work on, all of it changed in place but the joints and the clock."""
 
-    joints: Any
-    """Records of the joints, shape (n,)."""
-    states: Any
-    """What they remember, shape (n,)."""
-    events: Float
-    """Contact events, shape (n, m, 3)."""
-    body: Any
-    """Coordinates and matrices."""
-    loop: Loop
-    """The compensators and what they see."""
+    joints: Any  # records of the joints, shape (n,)
+    states: Any  # their states, shape (n,)
+    events: Float  # contact events, shape (n, m, 3)
+    body: Any  # coordinates and matrices
+    loop: Loop  # compensators and what they see
     clock: Clock
-    """The controller's clock."""

@@ -6,9 +6,14 @@ from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects import frictional_lag, presliding
-from friction_audit.simulation.mechanics.body import FREE
-from friction_audit.simulation.mechanics.friction import sliding_level
-from friction_audit.simulation.mechanics.load import LEAST_LEVEL_NM, load_drive, load_friction, load_joint
+from friction_audit.simulation.mechanics.friction import (
+    LEAST_LEVEL_NM,
+    load_drive,
+    load_friction,
+    load_joint,
+    sliding_level,
+)
+from friction_audit.simulation.mechanics.records import FREE
 
 
 @compiled()
@@ -98,8 +103,7 @@ def accelerate(body: Record, h: float) -> None:
 
 
 ROOT_ITERATIONS = 3
-EVENTS = 32
-"""So many stops may happen within a step; what comes after is taken without stopping again."""
+EVENTS = 32  # stops within a step; what comes after is taken without stopping again
 
 
 @compiled()

@@ -6,15 +6,12 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.hand_path import rising, slope
-from friction_audit.simulation.motion.motion import Intention, Motion, tick_times
+from friction_audit.simulation.motion.motion import Intention, rising, slope, tick_times
 from friction_audit.simulation.settings import require_order, require_positive, require_within
 
-STRIDE = 7
-"""A joint takes every so-manieth frequency; arms with more joints take as many as they have joints."""
-
-MOST_SINES = 100
-"""Hundreds of sines are noise, and take as many primes."""
+WHERE = "commanded"
+STRIDE = 7  # a joint takes every seventh frequency; arms with more joints take as many as they have joints
+MOST_SINES = 100  # more are noise, and take as many primes
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -42,14 +39,13 @@ class Commanded:
     ease_s: float = 2.0
 
     def __post_init__(self) -> None:
-        """Check signs and the range."""
-        require_positive(MOTION.name, lowest_hz=self.lowest_hz, ease_s=self.ease_s)
-        require_within(MOTION.name, 1, MOST_SINES, sines=self.sines)
-        require_positive(MOTION.name, peak_speed_rad_s=self.peak_speed_rad_s)
-        require_order(MOTION.name, range_rad=self.range_rad)
+        require_positive(WHERE, lowest_hz=self.lowest_hz, ease_s=self.ease_s)
+        require_within(WHERE, 1, MOST_SINES, sines=self.sines)
+        require_positive(WHERE, peak_speed_rad_s=self.peak_speed_rad_s)
+        require_order(WHERE, range_rad=self.range_rad)
         low, high = self.range_rad
         if not low < 0 < high:
-            raise UsageError(f"{MOTION.name}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+            raise UsageError(f"{WHERE}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
 
 def intend(settings: Commanded, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
@@ -104,11 +100,3 @@ def _excess(settings: Commanded, position: Float, velocity: Float) -> Float:
     peaks = (position.max(axis=0) / high, position.min(axis=0) / low, np.abs(velocity).max(axis=0))
     excess: Float = np.maximum.reduce([*peaks[:2], peaks[2] / settings.peak_speed_rad_s])
     return np.where(excess > 0, excess, 1.0)
-
-
-MOTION = Motion(
-    name="commanded",
-    summary="a robot's own multisine of incommensurate frequencies",
-    settings=Commanded,
-    intend=intend,
-)

@@ -1,4 +1,4 @@
-"""The minimum-jerk course from 0 to 1 (Flash and Hogan, 1985): at rest, and without acceleration, at both ends."""
+"""The path of a hand that guides an arm: minimum-jerk strokes between via points, the orientation turning along."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -7,52 +7,12 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.motion import tick_times
+from friction_audit.simulation.motion.motion import PEAK, REST_S, SHORTEST_S, course, latest, slope, tick_times
 from friction_audit.simulation.settings import require_order, require_positive, require_within
 
-PEAK = 1.875
-"""Its steepest slope, half-way: the peak speed of a stroke of length 1 in time 1."""
-
-REST_S = 0.5
-"""Rest before the first stroke of a motion and after the last. [s]"""
-
-SHORTEST_S = 0.01
-"""Nobody starts a stroke and ends it in less. [s]"""
-
-
-def course(x: Float) -> Float:
-    """Return the share of the way covered at the share x of the time, in [0, 1]."""
-    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
-
-
-def slope(x: Float) -> Float:
-    """Return the derivative of the course at x in [0, 1]."""
-    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
-
-
-def area(x: Float) -> Float:
-    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
-    inside = np.clip(x, 0.0, 1.0)
-    return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
-
-
-def rising(x: Float) -> Float:
-    """Return the course for any x: 0 below 0 and 1 above 1."""
-    return course(np.clip(x, 0.0, 1.0))
-
-
-def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
-    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
-    return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)
-
-
 WHERE = "hand path"
-
-SHORTEST_M = 1e-3
-"""A hand that reaches less far stands still. [m]"""
-
-SMALL_RAD = 1e-3
-"""Below this angle, the series of the Jacobian are exact to rounding."""
+SHORTEST_M = 1e-3  # a hand that reaches less far stands still
+SMALL_RAD = 1e-3  # below this angle, the series of the Jacobian are exact to rounding
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -1,19 +1,21 @@
-"""Where the person, or the robot's commander, wants the joint to be."""
+"""What a person, or the robot's commander, intends, and the minimum-jerk course (Flash and Hogan, 1985) of strokes."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from friction_audit.joint_log import Float
 
+PEAK = 1.875  # steepest slope of the course, half-way: the peak speed of a stroke of length 1 in time 1
+REST_S = 0.5  # rest before the first stroke of a motion and after the last
+SHORTEST_S = 0.01  # no person starts a stroke and ends it in less
+
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Intention:
-    """The intended motion at the controller's ticks t = k dt, k = 0..n.
+    """The intended motion at the controller's ticks t = k dt, k = 0..n, from rest at 0.
 
-    It starts at rest at 0. The shape is (n + 1,) for one joint and (n + 1, joints) for several.
+    The shape is (n + 1,) for one joint and (n + 1, joints) for several.
 
     Attributes:
         position: Relative to the start. [rad]
@@ -29,18 +31,27 @@ def tick_times(ticks: int, dt: float) -> Float:
     return np.arange(ticks + 1, dtype=np.float64) * dt
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Motion:
-    """One way of moving.
+def course(x: Float) -> Float:
+    """Return the share of the way covered at the share x of the time, in [0, 1]."""
+    return x * x * x * (10.0 + x * (6.0 * x - 15.0))
 
-    Attributes:
-        name: As in documentation and on the command line.
-        summary: One line.
-        settings: Frozen dataclass of its settings; made without arguments, it is the usual motion.
-        intend: ``intend(settings, ticks, dt, rng)``, pure; ``ticks`` intervals of ``dt`` seconds.
-    """
 
-    name: str
-    summary: str
-    settings: type[Any]
-    intend: Callable[..., Intention]
+def slope(x: Float) -> Float:
+    """Return the derivative of the course at x in [0, 1]."""
+    return 30.0 * x * x * (1.0 - x) * (1.0 - x)
+
+
+def area(x: Float) -> Float:
+    """Return the integral from 0 to x of the course, which stays 0 below 0 and 1 above 1."""
+    inside = np.clip(x, 0.0, 1.0)
+    return inside**4 * (2.5 + inside * (inside - 3.0)) + np.maximum(x - 1.0, 0.0)
+
+
+def rising(x: Float) -> Float:
+    """Return the course for any x: 0 below 0 and 1 above 1."""
+    return course(np.clip(x, 0.0, 1.0))
+
+
+def latest(start_s: Float, t: Float) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
+    """Return for every time the last of the strokes that has begun, the first before any has; shape of t."""
+    return np.maximum(np.searchsorted(start_s, t, side="right") - 1, 0)

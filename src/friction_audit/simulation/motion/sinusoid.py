@@ -6,15 +6,13 @@ from math import inf, pi
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.hand_path import SHORTEST_S, area, course, rising, slope
-from friction_audit.simulation.motion.motion import Intention, Motion, tick_times
+from friction_audit.simulation.motion.motion import SHORTEST_S, Intention, area, course, rising, slope, tick_times
 from friction_audit.simulation.settings import require_positive, require_within
 
-WIDEST = 0.5
-"""Up to this spread, the speed never changes its sign inside a half-period."""
+WHERE = "sinusoid"
 
-ROUNDING = 1e-9
-"""A half-period that ends with the recording still fits."""
+WIDEST = 0.5  # up to this spread, the speed never changes its sign inside a half-period
+ROUNDING = 1e-9  # a half-period that ends with the recording still fits
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -38,11 +36,10 @@ class Sinusoid:
     ease_s: float = 0.0
 
     def __post_init__(self) -> None:
-        """Check signs and the spread."""
-        require_positive(MOTION.name, amplitude_rad=self.amplitude_rad, period_s=self.period_s)
-        require_within(MOTION.name, SHORTEST_S, inf, period_s=self.period_s)
-        require_within(MOTION.name, 0, WIDEST, spread=self.spread)
-        require_within(MOTION.name, 0, inf, ease_s=self.ease_s)
+        require_positive(WHERE, amplitude_rad=self.amplitude_rad, period_s=self.period_s)
+        require_within(WHERE, SHORTEST_S, inf, period_s=self.period_s)
+        require_within(WHERE, 0, WIDEST, spread=self.spread)
+        require_within(WHERE, 0, inf, ease_s=self.ease_s)
 
 
 def intend(settings: Sinusoid, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
@@ -75,11 +72,3 @@ def _amplitude(settings: Sinusoid, halves: Float, fitting: int, rng: np.random.G
     half = np.minimum(np.floor(halves), fitting).astype(np.intp)
     x, change = halves - half, np.diff(ends)[half]
     return ends[half] + change * course(x), change * slope(x)
-
-
-MOTION = Motion(
-    name="sinusoid",
-    summary="back and forth like a sinusoid, from rest at one end",
-    settings=Sinusoid,
-    intend=intend,
-)

@@ -9,15 +9,13 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.hand_path import REST_S, area, latest, rising
-from friction_audit.simulation.motion.motion import Intention, Motion, tick_times
-from friction_audit.simulation.settings import require_order, require_positive, require_room, require_within
+from friction_audit.simulation.motion.motion import REST_S, Intention, area, latest, rising, tick_times
+from friction_audit.simulation.settings import require_order, require_positive, require_within
 
-Target = tuple[float, float]
-"""A place to go to [rad] and the speed to go with [rad/s]."""
+WHERE = "slow-sweep"
 
-MOST = 1000
-"""No pass has more speeds or more small reversals: it would outlast every recording."""
+Target = tuple[float, float]  # a place to go to [rad] and the speed to go with [rad/s]
+MOST = 1000  # speeds or small reversals of a pass: more would outlast every recording
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -54,23 +52,25 @@ class SlowSweep:
     reversal_s: float = 0.5
 
     def __post_init__(self) -> None:
-        """Check signs, the order of the pairs and the room."""
-        where = MOTION.name
-        require_positive(where, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
-        require_positive(where, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
-        require_within(where, 1, MOST, steps=self.steps)
-        require_within(where, 0, MOST, reversals=self.reversals)
-        require_within(where, 0, inf, dwell_s=self.dwell_s)
+        require_positive(WHERE, slowest_rad_s=self.speeds_rad_s[0], smallest_reversal_rad=self.reversal_rad[0])
+        require_positive(WHERE, longest_s=self.longest_s, reversal_s=self.reversal_s, ease_s=self.ease_s)
+        require_within(WHERE, 1, MOST, steps=self.steps)
+        require_within(WHERE, 0, MOST, reversals=self.reversals)
+        require_within(WHERE, 0, inf, dwell_s=self.dwell_s)
         pairs = {"speeds_rad_s": self.speeds_rad_s, "range_rad": self.range_rad, "reversal_rad": self.reversal_rad}
-        require_order(where, **pairs)
+        require_order(WHERE, **pairs)
         shortest = min(self.longest_s, self.reversal_s) if self.reversals else self.longest_s
         if self.ease_s > shortest:
             raise UsageError(
-                f"{where}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
+                f"{WHERE}: ease_s {self.ease_s:g}: expected at most {shortest:g}, "
                 "longest_s or, with reversals, reversal_s"
             )
         wide = max(self.speeds_rad_s[1] * self.ease_s, self.reversal_rad[1] / 2 if self.reversals else 0.0)
-        require_room(where, self.range_rad, wide, wide)
+        if -self.range_rad[0] < wide or self.range_rad[1] < wide:
+            raise UsageError(
+                f"{WHERE}: range_rad {self.range_rad[0]:g}, {self.range_rad[1]:g}: expected a range around the start "
+                f"at 0, from {-wide:g} or less to {wide:g} or more"
+            )
 
 
 def intend(settings: SlowSweep, ticks: int, dt: float, rng: np.random.Generator) -> Intention:
@@ -126,11 +126,3 @@ def _reversals(settings: SlowSweep, rng: np.random.Generator) -> list[Target]:
     places = [*(half * (-1.0) ** np.arange(settings.reversals)), 0.0]
     ways = np.abs(np.diff(places, prepend=0.0))
     return [(float(place), float(way / settings.reversal_s)) for place, way in zip(places, ways, strict=True)]
-
-
-MOTION = Motion(
-    name="slow-sweep",
-    summary="constant speeds from very slow to fast, there and back",
-    settings=SlowSweep,
-    intend=intend,
-)

@@ -8,15 +8,22 @@ import numpy as np
 
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
-from friction_audit.simulation.motion.hand_path import PEAK, REST_S, SHORTEST_S, course, latest, slope
-from friction_audit.simulation.motion.motion import Intention, Motion, tick_times
+from friction_audit.simulation.motion.motion import (
+    PEAK,
+    REST_S,
+    SHORTEST_S,
+    Intention,
+    course,
+    latest,
+    slope,
+    tick_times,
+)
 from friction_audit.simulation.settings import require_order, require_positive, require_within
 
-STRATA = 10
-"""The speeds of so many strokes in a row are spread evenly over their distribution."""
+WHERE = "stop-and-go"
 
-TINY = 1e-9
-"""Keeps a rank off 0, whose normal deviate is infinite."""
+STRATA = 10  # the speeds of so many strokes in a row are spread evenly over their distribution
+TINY = 1e-9  # keeps a rank off 0, whose normal deviate is infinite
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -45,17 +52,16 @@ class StopAndGo:
     reversing: float = 0.8
 
     def __post_init__(self) -> None:
-        """Check signs and the order of the pairs."""
-        where, pairs = MOTION.name, ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
-        require_positive(where, speed_rad_s=self.speed_rad_s)
-        require_positive(where, slowest_rad_s=self.speed_limits_rad_s[0])
-        require_within(where, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
-        require_within(where, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
-        require_within(where, 0, 1, reversing=self.reversing)
-        require_order(where, **{name: getattr(self, name) for name in pairs})
+        pairs = ("stroke_s", "speed_limits_rad_s", "pause_s", "range_rad")
+        require_positive(WHERE, speed_rad_s=self.speed_rad_s)
+        require_positive(WHERE, slowest_rad_s=self.speed_limits_rad_s[0])
+        require_within(WHERE, SHORTEST_S, inf, shortest_stroke_s=self.stroke_s[0])
+        require_within(WHERE, 0, inf, speed_spread=self.speed_spread, shortest_pause_s=self.pause_s[0])
+        require_within(WHERE, 0, 1, reversing=self.reversing)
+        require_order(WHERE, **{name: getattr(self, name) for name in pairs})
         low, high = self.range_rad
         if not low <= 0 <= high or low == high:
-            raise UsageError(f"{where}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
+            raise UsageError(f"{WHERE}: range_rad {low:g}, {high:g}: expected a range around the start at 0")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -134,11 +140,3 @@ def intended_motion(strokes: Strokes, t: Float) -> tuple[Float, Float]:
     lasts, length = strokes.duration_s[stroke], strokes.length_rad[stroke]
     x = np.clip((t - strokes.start_s[stroke]) / lasts, 0.0, 1.0)
     return strokes.origin_rad[stroke] + length * course(x), length / lasts * slope(x)
-
-
-MOTION = Motion(
-    name="stop-and-go",
-    summary="minimum-jerk strokes with pauses between them",
-    settings=StopAndGo,
-    intend=intend,
-)
