@@ -1,14 +1,11 @@
-"""The chain on one log, one line per step.
-
-A step loads what it needs when it is taken: who only gives settings, or only estimates, does not wait for the others.
-"""
+"""The stages on one log: estimate, replay, diagnose. Each imports what it needs when it is called."""
 
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from friction_audit.friction.history import FrictionHistory
 from friction_audit.friction.settings import FrictionSettings
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.energy_cycles import EnergyCycles
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.interaction_torque import extract_interaction
@@ -74,21 +71,11 @@ def estimate_log(log: JointLog, settings: AuditSettings) -> Estimate:
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class LogReplay:
-    """The result of ``replay``: what a compensator would have done, and the estimate beside it."""
+    """The result of ``replay``: what a compensator would have done, and its estimate."""
 
     estimate: Estimate
     replay: "Replay"
     settings: "ReplaySettings"
-
-
-def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
-    """Run a friction compensator on the joints of a log, as a controller would have.
-
-    Raises:
-        UsageError: If the settings contradict the log.
-        InputError: If the log lacks a channel that the settings ask for.
-    """
-    return replay_estimate(estimate_log(log, settings), replay_settings)
 
 
 def replay_estimate(
@@ -97,50 +84,33 @@ def replay_estimate(
     """Run a friction compensator on a log that was estimated before, on some of its joints (by number) or on all."""
     from friction_audit.compensation.replay import replay
 
+    log, hand_speed = estimate.log, None
+    if estimate.settings.cycles.cycles_from == "hand":
+        # As a controller saw it: from each sample alone. The smooth one of the interaction torque knows the future.
+        hand_speed = arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)
     found = replay(
         estimate.interaction,
         estimate.cycles,
         estimate.friction,
         settings,
-        robot=estimate.log.source.robot,
+        robot=log.source.robot,
         joints=joints,
-        hand_speed=_hand_speed(estimate),
+        hand_speed=hand_speed,
     )
     return LogReplay(estimate=estimate, replay=found, settings=settings)
 
 
-def _hand_speed(estimate: Estimate) -> Float | None:
-    """Return the speed of the hand as a controller saw it, or None where each joint ends its own cycles. [m/s]
-
-    At every sample, from that sample alone; the smooth one of ``Interaction`` knows the future.
-    """
-    if estimate.settings.cycles.cycles_from != "hand":
-        return None
-    log = estimate.log
-    return arm_for_hand(log, estimate.settings.torque).hand_speed(log.q, log.dq)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Diagnosis:
-    """The result of ``diagnose``: what the declared model misses, and the estimate beside it."""
+    """The result of ``diagnose``: what the nominal model misses, and its estimate."""
 
     estimate: Estimate
     discrepancy: "Discrepancy"
     settings: "DiagnosisSettings"
 
 
-def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
-    """Find what the declared model of every joint of a log misses.
-
-    Raises:
-        UsageError: If the settings contradict the log.
-        InputError: If the log lacks a channel that the settings ask for.
-    """
-    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
-
-
 def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
-    """Find what the declared model misses on the joints of a log that was estimated before."""
+    """Find what the nominal model misses on the joints of a log that was estimated before."""
     from friction_audit.diagnosis.diagnose import diagnose
 
     arm = known_arm(estimate.log, estimate.settings.torque, estimate.interaction.choice)

@@ -19,7 +19,7 @@ from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel,
 from friction_audit.effects.registry import terms
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, replay_log
+from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.from_model import with_model
 from friction_audit.simulation.motion import Sinusoid
@@ -80,7 +80,7 @@ def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool =
         joint_model=file_of(model),
         rival=Rival(name="model") if applied else None,
     )
-    return replay_log(log, AuditSettings(), settings).replay.joints[0]
+    return replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
 
 
 def motion_of(log: JointLog) -> Motion:
@@ -102,7 +102,7 @@ def assert_same(one: JointReplay, other: JointReplay, tolerance: float) -> None:
 def test_a_file_with_the_fitted_numbers_gives_the_very_same_replay(assume: str) -> None:
     log = log_of(SIMPLE, noisy=True)
     settings = ReplaySettings(assume=assume, operator=HAND if assume == "same-operator" else None)
-    fitted = replay_log(log, AuditSettings(), settings).replay.joints[0]
+    fitted = replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
     assert fitted.fitted is not None
     given = run(log, assume, fitted.fitted.model)
     assert given.fitted is None
@@ -154,14 +154,14 @@ def test_the_joint_of_the_file_moves_as_the_recorded_one_did(name: str) -> None:
 def test_terms_that_the_fitted_joint_lacks_are_missed_in_its_motion(name: str) -> None:
     settings = ReplaySettings(assume="same-torque")
     log = log_of(with_term(name))
-    without = replay_log(log, AuditSettings(), settings).replay.joints[0].model_error
+    without = replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0].model_error
     assert run(log, "same-torque", with_term(name)).model_error < 0.02 * without
 
 
 def test_the_true_model_buys_more_than_the_energy_compensator() -> None:
     model = with_term("stribeck")
     log = log_of(model, noisy=True)
-    energy = replay_log(log, AuditSettings(), ReplaySettings()).replay.joints[0].numbers
+    energy = replay_estimate(estimate_log(log, AuditSettings()), ReplaySettings()).replay.joints[0].numbers
     better = run(log, "same-motion", model, applied=True)
     assert energy is not None
     assert better.numbers is not None

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import JointLog
-from friction_audit.pipeline import AuditSettings, Diagnosis, diagnose_log
+from friction_audit.pipeline import AuditSettings, Diagnosis, diagnose_estimate, estimate_log
 from friction_audit.reporting.figures.diagnose_contacts import touched
 from friction_audit.reporting.figures.diagnose_evidence import draw_effects
 from friction_audit.simulation import BenchSettings, simulate
@@ -51,7 +51,7 @@ def pushed(log: JointLog, pushes: Pushes) -> JointLog:
 @cache
 def found_of(pushes: Pushes) -> Diagnosis:
     settings = DiagnosisSettings(candidates=("contact_event", "stribeck"))
-    return diagnose_log(pushed(quiet(), pushes), AuditSettings(), settings)
+    return diagnose_estimate(estimate_log(pushed(quiet(), pushes), AuditSettings()), settings)
 
 
 def found() -> Diagnosis:

@@ -117,10 +117,10 @@ def command(
 
 
 def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSettings", voice: Voice) -> "Diagnosis":
-    from friction_audit.pipeline import diagnose_log
+    from friction_audit.pipeline import diagnose_estimate, estimate_log
 
     with voice.step("diagnose"):
-        return diagnose_log(log, audit, settings)
+        return diagnose_estimate(estimate_log(log, audit), settings)
 
 
 def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:

@@ -1,4 +1,4 @@
-"""What is known of the load on every joint, never from its own sensor: gravity, and the rigid-body model of the arm."""
+"""The load on every joint from other sources than its own sensor: logged gravity and the rigid-body model."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -19,11 +19,11 @@ INERTIA_POSES = 50  # of a recording, evenly spread
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class KnownLoad:
-    """What a model of the arm tells of the load, for j joints on a grid of n samples.
+    """The load by a model of the arm, for j joints on a grid of n samples.
 
     Attributes:
         gravity: Gravity torque, shape (n, j), or None where it is to be taken from the log or is not known. [N m]
-        inertial: Inertial torque of the links where it was taken away from the sensor's, shape (n, j), or None. [N m]
+        inertial: Inertial torque of the links where it was removed from the sensor's, shape (n, j), or None. [N m]
         rigid: What the model says about each joint, or None without a model.
     """
 
@@ -105,7 +105,7 @@ def _links(arm: Arm, joint: int) -> tuple[int, ...]:
 
 
 def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list[Float]:
-    """Of each joint torque per first moment and mass of its links, zero where weight is no news, (n, links, 4)."""
+    """Of each joint torque per first moment and mass of its links, zero where it is not identifiable, (n, links, 4)."""
     many = len(MOMENTS_AND_MASS)
     joints = np.repeat(np.arange(len(links)), [many * len(own) for own in links])
     carried = np.repeat(np.concatenate(links) - 1, many)
@@ -119,7 +119,7 @@ def _weights(arm: Arm, motion: Motion, links: Sequence[tuple[int, ...]]) -> list
 
 
 def _tips(arm: Arm, motion: Motion) -> list[Float]:
-    """Of each joint the inertial torque per unit of the last link's inertial parameters, no news zero, (n, 10)."""
+    """Inertial torque of each joint per inertial parameter of the last link, zero where not identifiable, (n, 10)."""
     joints = np.repeat(np.arange(motion[0].shape[1]), INERTIAL_PARAMETERS)
     last = np.full(len(joints), arm.columns[-1])
     places = np.tile(np.arange(INERTIAL_PARAMETERS), motion[0].shape[1])

@@ -14,21 +14,13 @@ SUMS = 7
 def find_borders(  # noqa: C901 - one pass over the samples, one state machine
     velocity: Float, initiation: float, termination: float, merge: bool
 ) -> NDArray[np.int64]:
-    """Find the samples that separate energy cycles.
+    """Return the samples that separate energy cycles, shape (m + 1,); empty without a complete cycle.
 
     A cycle begins when the speed exceeds ``initiation`` and is over when it falls below ``termination``. The border
     lies where the joint then comes to rest, the first sample at which the velocity is zero or has changed its sign,
     or else the slowest sample before the next cycle begins: there the kinetic energy is gone and not merely small.
-
-    Args:
-        velocity: Filtered velocity, or a speed, shape (n,).
-        initiation: Threshold that begins a cycle.
-        termination: Threshold that ends it.
-        merge: If the speed dips below ``termination`` and rises again without the velocity ever changing sign, the
-            joint did not rest, and both humps are one stroke. False for a speed, which has no sign.
-
-    Returns:
-        Border samples, shape (m + 1,): cycle c is [borders[c], borders[c + 1]); empty without a complete cycle.
+    With ``merge``, two humps between which the velocity never changes its sign are one stroke; a speed, which has no
+    sign, is not merged.
     """
     borders = np.empty(len(velocity) + 1, np.int64)
     count = 0
@@ -62,13 +54,7 @@ def find_borders(  # noqa: C901 - one pass over the samples, one state machine
 def cut_evenly(
     t: Float, speed: Float, borders: NDArray[np.int64], parts: int
 ) -> tuple[NDArray[np.int64], Float, Float]:
-    """Cut each cycle into parts of equal path.
-
-    Args:
-        t: Time, shape (n,). [s]
-        speed: Filtered velocity, shape (n,). [rad/s]
-        borders: Border samples of the cycles, shape (m + 1,).
-        parts: Number of parts per cycle.
+    """Cut each cycle into parts of equal path by the filtered velocity ``speed``.
 
     Returns:
         Border samples of the parts, shape (m, parts + 1), the last parts empty in a cycle of few samples; peak speed
@@ -106,22 +92,11 @@ def add_up(
     compensation: Float,
     edges: NDArray[np.int64],
 ) -> Float:
-    """Add up energies between samples, by the trapezoid rule.
+    """Add up energies between samples by the trapezoid rule: shape (m, parts, SUMS), indexed by the constants above.
 
-    Work and path are summed over the increments of q: both then scale alike whatever is wrong with the clock, and the
-    noise of the velocity enters neither.
-
-    Args:
-        t: Time, shape (n,). [s]
-        q: Position, shape (n,). [rad]
-        dq: Velocity as measured, shape (n,). [rad/s]
-        filtered: Velocity, filtered without phase, shape (n,). [rad/s]
-        torque: Interaction torque F_m, shape (n,). [N m]
-        compensation: Torque u of a logged compensator, shape (n,), or of length 0 when there is none. [N m]
-        edges: Border samples of the parts of each cycle, shape (m, parts + 1).
-
-    Returns:
-        Sums, shape (m, parts, SUMS), indexed by the constants above.
+    Work and path are summed over the increments of q: both then scale alike with any error of the clock, and the noise
+    of the velocity enters neither. ``compensation`` has length 0 where there is none; ``edges`` are the border samples
+    of the parts of each cycle, shape (m, parts + 1); all else has shape (n,).
     """
     cycles, parts = edges.shape[0], edges.shape[1] - 1
     sums = np.zeros((cycles, parts, SUMS))

@@ -1,4 +1,4 @@
-"""How energy cycles are found."""
+"""Settings of the interaction torque and of the segmentation into energy cycles."""
 
 import shlex
 from dataclasses import dataclass, fields
@@ -65,13 +65,7 @@ GRAVITIES = ("auto", "logged", "model", "none")
 INERTIAS = ("auto", "model", "none")
 DRIVES = ("auto", "hand", "robot")
 ROBOTS = ("auto", "panda", "fr3", "none")
-CHOICES = (
-    ("torque", TORQUES),
-    ("gravity", GRAVITIES),
-    ("inertia", INERTIAS),
-    ("drive", DRIVES),
-    ("robot", ROBOTS),
-)
+CHOICES = {"torque": TORQUES, "gravity": GRAVITIES, "inertia": INERTIAS, "drive": DRIVES, "robot": ROBOTS}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -105,7 +99,7 @@ class TorqueSettings:
 
     def __post_init__(self) -> None:
         """Check every choice against its names."""
-        for name, allowed in CHOICES:
+        for name, allowed in CHOICES.items():
             if getattr(self, name) not in allowed:
                 raise UsageError(f"--{name} {getattr(self, name)}: expected one of {', '.join(allowed)}")
         if not self.model_rate_hz > 0:

@@ -75,16 +75,15 @@ def prove_sign(log: CoarseLog, torque: Float, dead_torque: frozenset[int] = froz
         torque: Interaction torque with the compensator's, F_m + u, shape (m, j). [N m]
         dead_torque: Numbers (1..j) of joints whose torque channel records nothing.
     """
-    step = median_step(log.t)
-    found = per_joint(lambda joint: _judge(log, joint, step, torque[:, joint]), log.q.shape[1])
+    found = per_joint(lambda joint: _judge(log, joint, torque[:, joint]), log.q.shape[1])
     return tuple(replace(one, verdict="no_torque") if one.joint in dead_torque else one for one in found)
 
 
 def voting(evidence: tuple[SignEvidence, ...]) -> tuple[SignEvidence, ...]:
     """Return the joints that move on their own account: at least a tenth as far as the one that goes farthest.
 
-    The others only give way while another joint is moved, and their noise shall not outvote it. Nor has a joint a
-    vote whose torque channel is dead.
+    The others only give way while another joint is moved, and their noise shall not outvote it. A joint whose torque
+    channel is dead has no vote.
     """
     moved = [one for one in evidence if one.verdict not in ("still", "no_torque")]
     farthest = max((one.path_rad for one in moved), default=0.0)
@@ -111,8 +110,8 @@ def strokes_of(log: CoarseLog, joint: int) -> tuple[NDArray[np.bool_], Float, ND
     return moving, direction, np.cumsum(np.diff(direction, prepend=direction[:1]) != 0)
 
 
-def _judge(log: CoarseLog, joint: int, step: float, torque: Float) -> SignEvidence:
-    speed = np.abs(log.dq[:, joint])
+def _judge(log: CoarseLog, joint: int, torque: Float) -> SignEvidence:
+    step, speed = median_step(log.t), np.abs(log.dq[:, joint])
     moving, direction, stroke = strokes_of(log, joint)
     verdict: Verdict = "undecided" if speed.max() >= STILL_RAD_S else "still"
     against = error = float("nan")

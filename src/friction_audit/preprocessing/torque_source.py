@@ -11,15 +11,12 @@ from friction_audit.preprocessing.settings import TorqueSettings
 from friction_audit.preprocessing.sign import CoarseLog
 from friction_audit.robot import Arm, load_arm
 
+# Source of the torque -> channel of the log, in the order in which ``auto`` prefers them.
 CHANNELS = {"interaction": "tau_interaction", "tau_ext": "tau_ext_hat_filtered", "tau_J": "tau_J"}
-"""Source of the torque -> channel of the log, in the order in which ``auto`` would like them."""
-
 PANDA_JOINTS = 7
-
+# Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
+# vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m.
 VENDOR_DISAGREES_NM = 1.0
-"""Median difference from the vendor's own model beyond which a payload must be missing: identified inertias and the
-vendor's differ by a few tenths of a N m, a forgotten hand makes 2 to 3 N m."""
-
 REASONS = {
     "asked": "asked for",
     "interaction": "the log holds the interaction torque itself",
@@ -66,25 +63,21 @@ def make_plan(log: JointLog, coarse: CoarseLog, settings: TorqueSettings) -> Pla
     _check_settings(log, settings)
     robot = known_robot(log, settings)
     source, reason = _source(log, settings, robot)
-    if source != "tau_J":
-        return _plan_without_model(log, source, reason, settings)
-    arm = _arm_for_torque(log, settings, robot)
+    arm = _arm_for_torque(log, settings, robot) if source == "tau_J" else None
     if reason == "unfiltered" and arm is not None and _payload_missing(log, coarse, settings, robot, arm):
-        return _plan_without_model(log, "tau_ext", "payload", settings)
-    gravity = _gravity(log, settings, arm)
-    warnings = _gravity_cautions(log, settings, gravity, robot)
-    inertia = arm is not None and settings.inertia != "none"
+        source, reason, arm = "tau_ext", "payload", None
+    gravity = "absent" if source != "tau_J" else settings.gravity
+    if gravity == "auto":
+        gravity = "logged" if log.gravity is not None else "none" if arm is None else "model"
     drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
-    if settings.inertia == "model":
-        drives = ("robot",)
     return Plan(
         source=source,
         gravity=gravity,
-        drives=drives,
-        inertia=inertia,
+        drives=("robot",) if settings.inertia == "model" else drives,
+        inertia=arm is not None and settings.inertia != "none",
         arm=arm,
         reason=REASONS[reason],
-        warnings=warnings,
+        warnings=tuple(_cautions(log, settings, source, reason, gravity, robot)),
     )
 
 
@@ -99,28 +92,6 @@ def _in_newton_metres(log: JointLog, settings: TorqueSettings) -> TorqueSettings
             "--gravity and --inertia away, or multiply the column by torque constant and gear ratio"
         )
     return replace(settings, gravity="none", inertia="none")
-
-
-def known_robot(log: JointLog, settings: TorqueSettings) -> str:
-    """Return whose model may be used: ``"urdf"``, ``"panda"``, ``"fr3"``, ``"none"`` or ``"unknown"``."""
-    if settings.urdf is not None:
-        return "urdf"
-    return log.source.robot if settings.robot == "auto" else settings.robot
-
-
-def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
-    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
-
-    Raises:
-        UsageError: If no model of this arm is known.
-    """
-    robot = known_robot(log, settings)
-    if robot in ("none", "unknown"):
-        raise UsageError(
-            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name its "
-            f"robot; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
-        )
-    return _load(log, settings)
 
 
 def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
@@ -147,14 +118,20 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
         raise UsageError(f"{where}: --gravity logged: the log has no gravity; map it (--map gravity=NAME) or use model")
 
 
+def known_robot(log: JointLog, settings: TorqueSettings) -> str:
+    """Return whose model may be used: ``"urdf"``, ``"panda"``, ``"fr3"``, ``"none"`` or ``"unknown"``."""
+    if settings.urdf is not None:
+        return "urdf"
+    return log.source.robot if settings.robot == "auto" else settings.robot
+
+
 def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, str]:
     """Choose the channel; the second word is a key of REASONS."""
     if settings.torque != "auto":
         return settings.torque, "asked"
     if settings.gravity in ("logged", "model") or settings.inertia == "model":
         return "tau_J", "asked"
-    known = robot in ("urdf", "panda")
-    external = log.tau_ext_hat_filtered is not None
+    known, external = robot in ("urdf", "panda"), log.tau_ext_hat_filtered is not None
     ranking = (
         ("interaction", "interaction", log.tau_interaction is not None),
         ("tau_J", "logged", log.tau_J is not None and log.gravity is not None),
@@ -165,72 +142,31 @@ def _source(log: JointLog, settings: TorqueSettings, robot: str) -> tuple[str, s
     return next((source, reason) for source, reason, there in ranking if there)
 
 
-def _plan_without_model(log: JointLog, source: str, reason: str, settings: TorqueSettings) -> Plan:
-    drives = ("hand", "robot") if settings.drive == "auto" else (settings.drive,)
-    warnings: tuple[Caution, ...] = ()
-    if source == "tau_ext":
-        warnings = (
-            Caution(
-                code="tau_ext_filtered",
-                message="tau_ext_hat_filtered is low-pass filtered by the robot; its delay looks like viscous friction "
-                "(5 ms can add half to the viscous coefficient): trust Coulomb, compare viscous only with the like",
-            ),
-        )
-    if reason == "payload":
-        warnings += (
-            Caution(
-                code="payload_missing",
-                message=f"{log.source.path}: tau_J differs from the Panda's model by more than "
-                f"{VENDOR_DISAGREES_NM:g} N m where the vendor's own estimate does not; give what the arm carried "
-                "as --payload mass,x,y,z (the hand: 0.73,-0.01,0,0.03) to use tau_J",
-            ),
-        )
-    return Plan(
-        source=source,
-        gravity="absent",
-        drives=drives,
-        inertia=False,
-        arm=None,
-        reason=REASONS[reason],
-        warnings=warnings,
-    )
-
-
 def _arm_for_torque(log: JointLog, settings: TorqueSettings, robot: str) -> Arm | None:
     """Load the model if it is needed and the log or the user names it; no arm is assumed."""
     demanded = settings.gravity == "model" or settings.inertia == "model"
-    without = settings.command(log.source.path, gravity="auto", inertia="auto", robot="none", urdf=None)
     if robot in ("urdf", "panda"):
         by_default = log.gravity is None and settings.gravity == "auto"
         possible = robot == "urdf" or len(log.joint_names) == PANDA_JOINTS
         useful = possible and settings.drive != "hand" and settings.inertia == "auto"
         return _load(log, settings) if demanded or by_default or useful else None
-    if demanded:
-        raise UsageError(_no_model(log, settings, robot, without))
-    return None
-
-
-def _no_model(log: JointLog, settings: TorqueSettings, robot: str, without: str) -> str:
+    if not demanded:
+        return None
     where = log.source.path
     if robot == "fr3":
-        return (
+        raise UsageError(
             f"{where}: an FR3, whose inertias differ from the Panda's by newton metres; the built-in model is a "
             "Panda's: give the FR3's --urdf (with inertias), or --robot panda to use the Panda's all the same"
         )
     if robot == "none":
-        return f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
-    return (
+        raise UsageError(
+            f"{where}: --robot none forbids the model that --gravity or --inertia asks for; leave one of them away"
+        )
+    without = settings.command(where, gravity="auto", inertia="auto", robot="none", urdf=None)
+    raise UsageError(
         f"{where}: --gravity model and --inertia model need a model of the arm, and the log does not name its robot "
         f"(joints: {len(log.joint_names)}); {with_a_model(log, settings)}; without a model: {without}"
     )
-
-
-def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
-    """Return the commands that name the arm of a log."""
-    where = log.source.path
-    panda = f"if it is a Panda: {settings.command(where, *more, robot='panda')}; "
-    other = f"by its URDF: {settings.command(where, *more, robot='auto', urdf='FILE')}"
-    return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
 
 
 def _load(log: JointLog, settings: TorqueSettings) -> Arm:
@@ -247,38 +183,44 @@ def _payload_missing(log: JointLog, coarse: CoarseLog, settings: TorqueSettings,
     return bool((np.abs(np.median(left, axis=0)) > VENDOR_DISAGREES_NM).any())
 
 
-def _gravity(log: JointLog, settings: TorqueSettings, arm: Arm | None) -> str:
-    if settings.gravity != "auto":
-        return settings.gravity
-    if log.gravity is not None:
-        return "logged"
-    return "none" if arm is None else "model"
+def _cautions(
+    log: JointLog, settings: TorqueSettings, source: str, reason: str, gravity: str, robot: str
+) -> list[Caution]:
+    where, found = log.source.path, {}
+    if source == "tau_ext":
+        found["tau_ext_filtered"] = (
+            "tau_ext_hat_filtered is low-pass filtered by the robot; its delay looks like viscous friction "
+            "(5 ms can add half to the viscous coefficient): trust Coulomb, compare viscous only with the like"
+        )
+    if reason == "payload":
+        found["payload_missing"] = (
+            f"{where}: tau_J differs from the Panda's model by more than {VENDOR_DISAGREES_NM:g} N m where the "
+            "vendor's own estimate does not; give what the arm carried as --payload mass,x,y,z (the hand: "
+            "0.73,-0.01,0,0.03) to use tau_J"
+        )
+    if gravity == "none" and robot == "fr3":
+        found["fr3_no_model"] = (
+            f"{where}: an FR3; the built-in model is a Panda's and is not applied unasked: give the FR3's --urdf, or "
+            "--robot panda to use the Panda's all the same"
+        )
+    if gravity == "none":
+        model = replace(settings, gravity="auto")
+        command = model.command(where) if robot in ("urdf", "panda") else with_a_model(log, model)
+        by_model = f". To remove it by a model, {command}" if log.source.torque_unit == "N m" else ""
+        asked = " (--gravity none)" if settings.gravity == "none" else ""
+        found["gravity_in_torque"] = (
+            f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
+            f"gravity is already removed from it: {removed_command(log, settings)}{by_model}"
+        )
+    return [Caution(code=code, message=message) for code, message in found.items()]
 
 
-def _gravity_cautions(log: JointLog, settings: TorqueSettings, gravity: str, robot: str) -> tuple[Caution, ...]:
-    if gravity != "none":
-        return ()
+def with_a_model(log: JointLog, settings: TorqueSettings, *more: str) -> str:
+    """Return the commands that name the arm of a log."""
     where = log.source.path
-    model = replace(settings, gravity="auto")
-    named = robot in ("urdf", "panda")
-    asked = " (--gravity none)" if settings.gravity == "none" else ""
-    by_model = f". To remove it by a model, {model.command(where) if named else with_a_model(log, model)}"
-    by_model = by_model if log.source.torque_unit == "N m" else ""
-    remaining = Caution(
-        code="gravity_in_torque",
-        message=f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
-        f"gravity is already removed from it: {removed_command(log, settings)}{by_model}",
-    )
-    if robot != "fr3":
-        return (remaining,)
-    return (
-        Caution(
-            code="fr3_no_model",
-            message=f"{log.source.path}: an FR3; the built-in model is a Panda's and is not applied unasked: give the "
-            "FR3's --urdf, or --robot panda to use the Panda's all the same",
-        ),
-        remaining,
-    )
+    panda = f"if it is a Panda: {settings.command(where, *more, robot='panda')}; "
+    other = f"by its URDF: {settings.command(where, *more, robot='auto', urdf='FILE')}"
+    return (panda if len(log.joint_names) == PANDA_JOINTS else "") + other
 
 
 def removed_command(log: JointLog, settings: TorqueSettings) -> str:
@@ -286,6 +228,20 @@ def removed_command(log: JointLog, settings: TorqueSettings) -> str:
     column = log.source.channels.get("tau_J", "COLUMN")
     plain = {"torque": "auto", "gravity": "auto", "inertia": "auto"}
     return settings.command(log.source.path, "--map", f"tau_interaction={column}", **plain)
+
+
+def arm_for_hand(log: JointLog, settings: TorqueSettings) -> Arm:
+    """Return the arm whose kinematics give the speed of the hand; an FR3 has the Panda's lengths.
+
+    Raises:
+        UsageError: If no model of this arm is known.
+    """
+    if known_robot(log, settings) in ("none", "unknown"):
+        raise UsageError(
+            f"{log.source.path}: the speed of the hand needs the kinematics of the arm, and the log does not name its "
+            f"robot; {with_a_model(log, settings, '--cycles-from', 'hand')}; or use --cycles-from joint"
+        )
+    return _load(log, settings)
 
 
 def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> Arm | None:
@@ -296,7 +252,4 @@ def known_arm(log: JointLog, settings: TorqueSettings, choice: TorqueChoice) -> 
     """
     robot = known_robot(log, settings)
     panda = robot == "panda" and len(log.joint_names) == PANDA_JOINTS
-    if not (robot == "urdf" or panda or choice.robot != "none"):
-        return None
-    arm = load_arm(settings.urdf, settings.payload, settings.gravity_vector)
-    return arm.matched(log.joint_names, log.source.path)
+    return _load(log, settings) if robot == "urdf" or panda or choice.robot != "none" else None

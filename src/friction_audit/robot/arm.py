@@ -156,17 +156,15 @@ class Arm:
             centre_m: Centre of mass in the flange frame, shape (3,). [m]
             inertia_kg_m2: Inertia about it in the axes of the flange frame, shape (3, 3). [kg m^2]
         """
-        model = copy(self.model)
+        import mujoco as mj
+
+        model, turned = copy(self.model), np.empty(9)
         body = model.body(self.flange).id
-        rotation = _matrix(model.body_iquat[body])
-        own = (model.body_mass[body], model.body_ipos[body], rotation * model.body_inertia[body] @ rotation.T)
-        mass = own[0] + mass_kg
-        centre = (own[0] * own[1] + mass_kg * centre_m) / mass if mass > 0.0 else np.zeros(3)
-        inertia = np.zeros((3, 3))
-        for part_mass, part_centre, part_inertia in (own, (mass_kg, centre_m, inertia_kg_m2)):
-            arm = part_centre - centre
-            inertia += part_inertia + part_mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-        _set_inertial(model, body, Inertial(mass, centre, inertia))
+        mj.mju_quat2Mat(turned, model.body_iquat[body])
+        axes = turned.reshape(3, 3)
+        own = axes * model.body_inertia[body] @ axes.T
+        link = Inertial(float(model.body_mass[body]), model.body_ipos[body].copy(), own)
+        _set_inertial(model, body, link, Inertial(mass_kg, centre_m, inertia_kg_m2))
         return replace(self, model=model)
 
     def poses(self, q: Float) -> tuple[Float, Float, Float]:
@@ -228,9 +226,8 @@ def load_arm(
         raise UsageError(
             f"{where}: MuJoCo cannot read it as a URDF ({' '.join(str(error).split())}); repair the file"
         ) from error
-    nothing = Inertial(0.0, np.zeros(3), np.zeros((3, 3)))
     for body in range(1, model.nbody):
-        _set_inertial(model, body, parsed.inertials.get(model.body(body).name, nothing))
+        _set_inertial(model, body, *parsed.inertials.get(model.body(body).name, ()))
     model.opt.gravity[:] = gravity_vector
     names = tuple(model.joint(k).name for k in range(model.njnt))
     arm = Arm(
@@ -276,20 +273,18 @@ def _flange(model: "mujoco.MjModel") -> str:
     return next(name for k, name in reversed(list(enumerate(names, start=1))) if model.body_weldid[k] == last)
 
 
-def _set_inertial(model: "mujoco.MjModel", body: int, inertial: Inertial) -> None:
-    """Give a body of the model its inertial parameters; its inertia may lie in any axes."""
+def _set_inertial(model: "mujoco.MjModel", body: int, *parts: Inertial) -> None:
+    """Give a body of the model the inertial parameters of its parts."""
     import mujoco as mj
 
-    moments, axes = np.linalg.eigh(inertial.inertia)
+    mass = sum(part.mass for part in parts)
+    centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / (mass or 1.0)
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        lever = part.centre - centre
+        inertia += part.inertia + part.mass * (lever @ lever * np.eye(3) - np.outer(lever, lever))
+    moments, axes = np.linalg.eigh(inertia)
     axes[:, 0] *= np.sign(np.linalg.det(axes))
-    model.body_subtreemass[model.body_rootid[body]] += inertial.mass - model.body_mass[body]
-    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = inertial.mass, inertial.centre, moments
+    model.body_subtreemass[model.body_rootid[body]] += mass - model.body_mass[body]
+    model.body_mass[body], model.body_ipos[body], model.body_inertia[body] = mass, centre, moments
     mj.mju_mat2Quat(model.body_iquat[body], axes.ravel())
-
-
-def _matrix(quaternion: Float) -> Float:
-    import mujoco as mj
-
-    matrix = np.empty(9)
-    mj.mju_quat2Mat(matrix, quaternion)
-    return matrix.reshape(3, 3)

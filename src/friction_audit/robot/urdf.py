@@ -42,11 +42,11 @@ class Urdf:
 
     Attributes:
         xml: Links with placeholder inertias, joints that count as unlimited hinges, all others fixed at zero.
-        inertials: Inertial parameters of the links that have any, by name.
+        inertials: Inertial parameters of the links, by name.
     """
 
     xml: str
-    inertials: dict[str, Inertial]
+    inertials: dict[str, tuple[Inertial, ...]]
 
 
 def parse_urdf(text: bytes, where: str) -> Urdf:
@@ -73,10 +73,8 @@ def parse_urdf(text: bytes, where: str) -> Urdf:
     joints = sorted(root.findall("joint"), key=lambda joint: joint.get("name", ""))
     if not any(_counts(joint) for joint in joints):
         raise UsageError(f"{where}: no revolute joint (fingers left out); expected the URDF of an arm")
-    inertials = {
-        link.get("name", ""): _inertial(one) for link in root.findall("link") for one in link.findall("inertial")
-    }
-    if not any(one.mass > 0.0 for one in inertials.values()):
+    inertials = {link.get("name", ""): tuple(map(_inertial, link.findall("inertial"))) for link in root.findall("link")}
+    if not any(one.mass > 0.0 for parts in inertials.values() for one in parts):
         raise UsageError(f"{where}: no link has a mass; expected a URDF with inertias, which gravity is computed from")
     bare = ET.Element("robot", name="arm")
     ET.SubElement(ET.SubElement(bare, "mujoco"), "compiler", fusestatic="false")
