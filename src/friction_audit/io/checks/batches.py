@@ -14,11 +14,7 @@ _MOST_PLACES = 1 << 16
 
 
 def spread_batches(recording: Recording) -> Recording:
-    """Return the recording with the samples of each batch a period apart, the last one where it is.
-
-    Args:
-        recording: With strictly increasing stamps.
-    """
+    """Return the recording with the samples of each batch a period apart, the last one where it is."""
     t = recording.t
     # The rough period is the median of mean steps over more than a batch: holes do not count.
     reach, every = min(_LONGEST_BATCH, len(t) - 1), max(len(t) // _MOST_PLACES, 1)

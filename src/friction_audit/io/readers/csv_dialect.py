@@ -8,14 +8,13 @@ from typing import BinaryIO
 
 from friction_audit.errors import InputError
 
+# The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]
 _HEAD_BYTES, _LONGEST_HEAD = 1 << 20, 1 << 23
-"""The longest head holds four lines of 100 000 columns; a file of one endless line is not split as a whole. [byte]"""
 _FEWEST_LINES = 4
-_MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
-            "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
 _LOOK = 20
 _PEEK_BYTES = 4096
-_UTF16, _UTF32 = (b"\xff\xfe", b"\xfe\xff"), (b"\xff\xfe\0\0", b"\0\0\xfe\xff")
+_MISSING = {"", "na", "n/a", "null", "none", "nan", "-nan", "-nan(ind)", "nan(ind)", "#n/a", "<na>", "-1.#ind",
+            "1.#qnan", "-1.#qnan", "1.#ind", "inf", "-inf", "+inf", "infinity", "-infinity", "+infinity"}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -25,11 +24,11 @@ class Dialect:
     separator: str  # ",", ";", tab, or " " for any blanks
     decimal: str  # sign between units and tenths
     names: tuple[str, ...]  # names of the columns as they stand; #1, #2... where the file has no header
-    has_header: bool  # true if the file names its columns
+    has_header: bool  # True if the file names its columns
     width: int  # fields of a line of numbers
     offset: int  # byte at which the numbers begin
     line: int  # number of the line there, counted from 1
-    size: int  # bytes of the file; what a logger appends later is not looked at
+    size: int  # bytes of the file; what a logger appends later is not read
     rows: tuple[tuple[str, ...], ...]  # the fields of the first lines of numbers
 
 
@@ -60,10 +59,10 @@ def looks_like_csv(path: Path) -> bool:
     try:
         with path.open("rb") as stream:
             head = stream.read(_PEEK_BYTES)
-        text = head.decode("utf-8-sig", errors="ignore")
-        line = next((line for line in text.splitlines() if line.strip()), "")
     except OSError:
         return False
+    text = head.decode("utf-8-sig", errors="ignore")
+    line = next((line for line in text.splitlines() if line.strip()), "")
     printable = b"\0" not in head and len(text.encode()) > 0.95 * len(head) - 3
     return printable and not line.lstrip().startswith(("{", "<")) and len(split_line(line, _separator(line))) > 1
 
@@ -84,23 +83,30 @@ def sniff_csv(path: Path) -> Dialect:
     lines = head.splitlines(keepends=True)
     del lines[len(lines) - (place < size and len(lines) > 1) :]  # which may end in the middle
     texts = [line.decode("utf-8-sig", errors="replace").strip("\r\n") for line in lines]
-    start = _first_content(texts)
-    if start == len(texts):
+    start = next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), None)
+    if start is None:
         raise InputError(f"{path}: all lines are blank or comments; expected a table with a header")
     separator = _separator(texts[start])
-    has_header, first = _header_and_first(texts, start, separator)
-    names = split_line(texts[first - 1 if has_header else start].lstrip("#"), separator)
+    fields = split_line(texts[start], separator)
+    if all(is_number(field, "," if separator == ";" else ".") for field in fields):
+        first = start  # numpy.savetxt writes its header as a comment
+        names = (
+            split_line(texts[start - 1].lstrip("#"), separator) if texts[start - 1].startswith("#") and start else ()
+        )
+        has_header = len(names) == len(fields)
+        names = names if has_header else tuple(f"#{column}" for column in range(1, len(fields) + 1))
+    else:
+        first, has_header, names = start + 1, True, split_line(texts[start].lstrip("#"), separator)
     rows = tuple(split_line(text, separator) for text in texts[first : first + _LOOK] if text.strip())
     if not rows:
         raise InputError(
             f"{path}: 0 samples; the table has a header ({len(names)} columns) and no rows; record the arm while it "
             "moves"
         )
-    decimal = "," if separator == ";" and any("," in field for row in rows for field in row) else "."
     return Dialect(
         separator=separator,
-        decimal=decimal,
-        names=names if has_header else tuple(f"#{column}" for column in range(1, len(names) + 1)),
+        decimal="," if separator == ";" and any("," in field for row in rows for field in row) else ".",
+        names=names,
         has_header=has_header,
         width=_width(path, names, rows, skipped + first + 1),
         offset=begin + sum(map(len, lines[:first])),
@@ -113,9 +119,9 @@ def sniff_csv(path: Path) -> Dialect:
 def _refuse_no_text(path: Path, head: bytes) -> None:
     """Refuse other files than text in UTF-8 or a kin of ASCII, with lines that end as everywhere."""
     found = ""
-    if head.startswith(_UTF32):
+    if head.startswith((b"\xff\xfe\0\0", b"\0\0\xfe\xff")):
         found = "text in UTF-32"
-    elif head.startswith(_UTF16):
+    elif head.startswith((b"\xff\xfe", b"\xfe\xff")):
         found = "text in UTF-16"
     elif head and not head.strip(b"\0"):
         found = "nothing but zero bytes"
@@ -139,26 +145,12 @@ def _skip_comments(stream: BinaryIO) -> tuple[int, int]:
     return max(count, 0), begin
 
 
-def _first_content(texts: list[str]) -> int:
-    return next((i for i, text in enumerate(texts) if text.strip() and not text.startswith("#")), len(texts))
-
-
 def _separator(line: str) -> str:
     counts = {separator: line.count(separator) for separator in ("\t", ";", ",")}
     if counts[";"] and counts[";"] >= counts["\t"]:
         return ";"  # before the comma, which then is the decimal sign
     best = max(counts, key=lambda separator: counts[separator])
     return best if counts[best] else " "
-
-
-def _header_and_first(texts: list[str], start: int, separator: str) -> tuple[bool, int]:
-    """Return whether there is a header, and the index of the first line of numbers."""
-    fields = split_line(texts[start], separator)
-    decimal = "," if separator == ";" else "."
-    if not all(is_number(field, decimal) for field in fields):
-        return True, start + 1
-    commented = start > 0 and texts[start - 1].startswith("#")  # numpy.savetxt writes its header as a comment
-    return commented and len(split_line(texts[start - 1].lstrip("#"), separator)) == len(fields), start
 
 
 def _width(path: Path, names: tuple[str, ...], rows: tuple[tuple[str, ...], ...], line: int) -> int:

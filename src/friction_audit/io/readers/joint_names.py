@@ -56,11 +56,6 @@ def _by_last_number(names: Sequence[str]) -> tuple[str, ...]:
 def choose_arm(names: Sequence[str], wanted: str, *, path: str) -> tuple[str, ...]:
     """Return the joints of the arm to read, in their order, from the joints of a table.
 
-    Args:
-        names: Joint names in the order of the table.
-        wanted: The arm as the user gave it after the ``#`` of ``--topic``, or "".
-        path: The file, for messages.
-
     Raises:
         InputError: If there is no such arm.
         SeveralArmsError: If there are several arms and the user named none.

@@ -2,6 +2,7 @@
 
 import struct
 from collections.abc import Collection, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from io import SEEK_CUR, BytesIO
@@ -58,11 +59,7 @@ class McapStream:
     """
 
     def __init__(self, path: Path) -> None:
-        """Find the channels, from the summary at the end or, where that is missing, by reading everything once.
-
-        Raises:
-            InputError: If this is no MCAP file, or it cannot be read.
-        """
+        """Find the channels, from the summary at the end or, where that is missing, by reading everything once."""
         self._path = path
         self._damage: dict[int, Damage] = {}
         self._cut_chunk: int | None = None
@@ -88,7 +85,7 @@ class McapStream:
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Channels of the file."""
-        return tuple(self._connection(channel) for channel in self._channels.values())
+        return tuple(map(self._connection, self._channels.values()))
 
     @property
     def damage(self) -> tuple[Damage, ...]:
@@ -151,12 +148,10 @@ class McapStream:
         """Yield a chunk that the end of the file cuts; its checksum, which is over all of it, says nothing then."""
         if opcode != _CHUNK:
             return self._note(offset, "a record is cut off")
-        try:
+        with suppress(*_BROKEN):  # where it is cut before its first message
             chunk = _parse(_CHUNK, file.read(LARGEST_CHUNK))
             self._cut_chunk = offset
             yield _CHUNK, offset, chunk
-        except _BROKEN:
-            pass  # cut before its first message
         return self._note(offset, "the last chunk is cut off; its whole messages were read without its checksum")
 
     def _note(self, offset: int, reason: str) -> None:

@@ -47,10 +47,6 @@ class MessageDecoder(Protocol):
 def decoder_for(connection: Connection, payload: bytes | None = None) -> MessageDecoder | None:
     """Make the decoder of a connection; None if its type is not known, or cannot be known without a message.
 
-    Args:
-        connection: The connection.
-        payload: One of its messages, if there is one at hand.
-
     Raises:
         DefinitionError: If the definition in the file cannot be used.
     """

@@ -79,11 +79,7 @@ KINDS: tuple[MessageKind, ...] = (  # in the order in which a definition is trie
 
 
 def match_kind(paths: Iterable[str]) -> MessageKind | None:
-    """Find the kind that a message with these fields belongs to, its paths spelled as the message spells them.
-
-    Args:
-        paths: Dotted paths of all fields of the message, lists of entries included.
-    """
+    """Find the kind that a message with these fields belongs to, its paths spelled as the message spells them."""
     spelled = {path.lower(): path for path in paths}
     for kind in KINDS:
         if kind.elements:

@@ -55,12 +55,6 @@ class Layout:
 def find_layout(payload: bytes, typename: str, types: "Typesdict", *, encoding: str) -> Layout:
     """Walk a message definition over one payload.
 
-    Args:
-        payload: Serialised message.
-        typename: Its type, a key of ``types``.
-        types: Definitions, as rosbags parses them.
-        encoding: ``"cdr"`` or ``"ros1"``.
-
     Raises:
         LayoutError: If the definition and the payload do not fit, or the payload is big-endian.
     """

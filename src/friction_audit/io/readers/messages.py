@@ -36,12 +36,6 @@ def read_messages(
 ) -> Recording:
     """Read the joint states in a stream.
 
-    Args:
-        path: The log, for messages.
-        stream: Its messages.
-        options: What the user said about it.
-        stated: Number of messages on each topic as metadata.yaml states it.
-
     Raises:
         InputError: If there is no joint state to read.
         SeveralArmsError: If the log holds several arms and the user named none.

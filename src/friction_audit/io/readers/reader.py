@@ -28,11 +28,6 @@ class TooLargeError(InputError):
 def refuse_too_large(path: Path, needed: int, packed: int) -> None:
     """Refuse arrays before memory is asked for: the system hands out more than there is, and ends the program later.
 
-    Args:
-        path: The file.
-        needed: Size of the arrays that its header claims. [bytes]
-        packed: What they take in the file. [bytes]
-
     Raises:
         TooLargeError: If they are larger than the memory.
         InputError: If no recording can be packed so tightly.

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
-from numpy.typing import NDArray
 
 from friction_audit.errors import InputError
 from friction_audit.io.files import starts_with
@@ -46,18 +45,14 @@ class Chunk:
 
 
 class Rosbag1Stream:
-    """The messages in a ROS 1 bag.
+    """The messages in a ROS 1 bag of version 2.0.
 
     The records are walked from the start of the file instead of through the index at its end: that reads bags that
     were never closed, and finds equally long messages by the row.
     """
 
     def __init__(self, path: Path) -> None:
-        """Find chunks and connections.
-
-        Raises:
-            InputError: If this is no ROS 1 bag of version 2.0, or nothing in it is whole.
-        """
+        """Find chunks and connections; InputError if this is no such bag, or nothing in it is whole."""
         self._path = path
         self._damage: dict[int, Damage] = {}
         self._connections: dict[int, dict[str, bytes]] = {}
@@ -81,7 +76,18 @@ class Rosbag1Stream:
     @property
     def connections(self) -> tuple[Connection, ...]:
         """Connections of the bag."""
-        return tuple(self._connection(key, header) for key, header in self._connections.items())
+        return tuple(
+            Connection(
+                key=key,
+                topic=header["topic"].decode(errors="replace"),
+                type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
+                encoding="ros1",
+                definition=header.get("message_definition", b""),
+                definition_format="ros1msg",
+                messages=self._counts.get(key, 0),
+            )
+            for key, header in self._connections.items()
+        )
 
     @property
     def damage(self) -> tuple[Damage, ...]:
@@ -171,17 +177,6 @@ class Rosbag1Stream:
     def _note(self, offset: int, reason: str) -> None:
         self._damage[offset] = Damage(offset, self._bytes, reason)
 
-    def _connection(self, key: int, header: Mapping[str, bytes]) -> Connection:
-        return Connection(
-            key=key,
-            topic=header["topic"].decode(errors="replace"),
-            type=header.get("type", b"").decode(errors="replace").replace("/", "/msg/", 1),
-            encoding="ros1",
-            definition=header.get("message_definition", b""),
-            definition_format="ros1msg",
-            messages=self._counts.get(key, 0),
-        )
-
 
 def _check_magic(path: Path, first_line: bytes, size: int) -> None:
     if first_line == _MAGIC:
@@ -240,47 +235,36 @@ def _time(header: Mapping[str, bytes], name: str) -> int:
     return seconds * _NANOSECONDS + nanoseconds
 
 
-@dataclass(frozen=True, eq=False, slots=True)
 class MessageHead:
     """What message records look like up to their payload; writers differ in the order of the header's fields."""
 
-    pattern: re.Pattern[bytes]  # matches such a head, with the values as groups named conn, time and length
-    record: np.dtype[np.void]  # the same as a NumPy record
-    fixed: NDArray[np.intp]  # offsets in it of all bytes but those values
+    def __init__(self, head: bytes) -> None:
+        """Learn it from one record, given up to its payload."""
+        widths = {b"conn": _LENGTH.size, b"time": _TIME.size}
+        end = len(head) - _LENGTH.size
+        offsets: dict[bytes, int] = {}
+        position, copied, pattern = _LENGTH.size, 0, b""
+        while position < end:
+            (size,) = _LENGTH.unpack_from(head, position)
+            name, _, value = head[position + _LENGTH.size : position + _LENGTH.size + size].partition(b"=")
+            position += _LENGTH.size + size
+            if widths.get(name) == len(value):
+                offsets[name] = position - len(value)
+                pattern += re.escape(head[copied : offsets[name]]) + b"(?P<%b>.{%d})" % (name, len(value))
+                copied = position
+        if missing := widths.keys() - offsets.keys():
+            raise BrokenRecordError(f"a message record has no {b' and no '.join(sorted(missing)).decode()}")
+        self.pattern = re.compile(pattern + re.escape(head[copied:end]) + b"(?P<length>.{4})", re.DOTALL)
+        conn, time = offsets[b"conn"], offsets[b"time"]
+        names, places = ["conn", "sec", "nsec", "length"], [conn, time, time + 4, end]
+        self.record = np.dtype({"names": names, "formats": ["<u4"] * 4, "offsets": places, "itemsize": len(head)})
+        # The bytes that all messages share.
+        self.fixed = np.setdiff1d(np.arange(len(head)), np.add.outer(places, np.arange(4)))
 
     def unpack(self, match: re.Match[bytes]) -> tuple[int, int, int]:
         """Return connection, time [ns] and length of the payload [byte]."""
         (conn,), (sec, nsec) = _LENGTH.unpack(match["conn"]), _TIME.unpack(match["time"])
         return conn, sec * _NANOSECONDS + nsec, _LENGTH.unpack(match["length"])[0]
-
-
-def _message_head(head: bytes) -> MessageHead:
-    """Learn what message records look like from one of them, given up to its payload."""
-    widths = {b"conn": _LENGTH.size, b"time": _TIME.size}
-    offsets = {b"length": len(head) - _LENGTH.size}
-    position, copied, pattern = _LENGTH.size, 0, b""
-    while position < offsets[b"length"]:
-        (size,) = _LENGTH.unpack_from(head, position)
-        name, _, value = head[position + _LENGTH.size : position + _LENGTH.size + size].partition(b"=")
-        position += _LENGTH.size + size
-        if widths.get(name) == len(value):
-            offsets[name] = position - len(value)
-            pattern += re.escape(head[copied : offsets[name]]) + b"(?P<%b>.{%d})" % (name, len(value))
-            copied = position
-    if missing := widths.keys() - offsets.keys():
-        raise BrokenRecordError(f"a message record has no {b' and no '.join(sorted(missing)).decode()}")
-    pattern += re.escape(head[copied : offsets[b"length"]]) + b"(?P<length>.{4})"
-    varying = [range(offsets[name], offsets[name] + width) for name, width in {**widths, b"length": 4}.items()]
-    record = np.dtype(
-        {
-            "names": ["conn", "sec", "nsec", "length"],
-            "formats": ["<u4"] * 4,
-            "offsets": [offsets[b"conn"], offsets[b"time"], offsets[b"time"] + 4, offsets[b"length"]],
-            "itemsize": len(head),
-        }
-    )
-    fixed = np.setdiff1d(np.arange(len(head)), np.concatenate(varying))
-    return MessageHead(re.compile(pattern, re.DOTALL), record, fixed)
 
 
 Connections = dict[int, dict[str, bytes]]
@@ -300,7 +284,7 @@ def _find_messages(data: bytes, keys: Collection[int] | None) -> tuple[list[Bloc
             if head is None or match is None:  # no message, or a message whose head looks different
                 header, start, following = _record_at(data, position)
                 if header["op"][0] == _MESSAGE:
-                    head = _message_head(data[position:start])
+                    head = MessageHead(data[position:start])
                 else:
                     _learn_connection(header, data[start:following], connections)
                     position = following

@@ -66,11 +66,7 @@ class SeveralFiles:
 
 
 def _storage_files(path: Path) -> list[Path]:
-    """Find the storage files of a bag, in the order of their numbers.
-
-    Raises:
-        InputError: If there are none, or metadata.yaml lists files that are not there.
-    """
+    """Find the storage files of a bag, in the order of their numbers."""
     if not path.is_dir():
         return [path]
     try:

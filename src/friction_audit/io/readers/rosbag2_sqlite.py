@@ -35,14 +35,9 @@ class Sqlite3Stream:
     """The messages in one sqlite3 storage file."""
 
     def __init__(self, path: Path, database: Path | None = None) -> None:
-        """Read topics, definitions and message counts.
+        """Read topics, definitions and message counts; ``database`` is a copy that can be opened of a cut-off file.
 
-        Args:
-            path: The storage file.
-            database: A copy of it that can be opened, if it is cut off.
-
-        Raises:
-            InputError: If this is no sqlite3 storage of a ROS 2 bag, or too little of it is left.
+        InputError if this is no sqlite3 storage of a ROS 2 bag, or too little of it is left.
         """
         self._path = path
         self._database = database or path

@@ -68,12 +68,7 @@ def take_part(clock: Clock, options: ReadOptions, *, path: str) -> tuple[Clock, 
 
 
 def find_time(names: Sequence[str], constant: Collection[int] = ()) -> TimeColumn | None:
-    """Return the best clock among columns of these names, or None.
-
-    Args:
-        names: Names of the columns.
-        constant: Columns seen not to change, which therefore are no clock (a stamp that was never set).
-    """
+    """Return the best clock among columns of these names, or None."""
     bare = [name.strip() for name in names]
     first, second, *_ = [*map(str.lower, bare[:2]), "", ""]
     if second in ("success rate", "success_rate") and first in ("duration", "time"):

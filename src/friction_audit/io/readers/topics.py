@@ -58,12 +58,6 @@ class Choice:
 def choose_topic(path: Path, candidates: Sequence[Candidate], topics: Sequence[Topic], wanted: str | None) -> Choice:
     """Choose the topic to read.
 
-    Args:
-        path: The log, for messages.
-        candidates: Topics that can be read, with their first messages.
-        topics: All topics in the file, for messages.
-        wanted: ``TOPIC`` or ``TOPIC#ARM`` as the user gave it, or None.
-
     Raises:
         InputError: If there is nothing to read, or the topic wanted is not there.
         SeveralArmsError: If the file holds several arms and the user named none.
