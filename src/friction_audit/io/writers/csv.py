@@ -4,7 +4,7 @@ The dialects differ in their columns; numbers are written in one way, those of l
 """
 
 import re
-from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 
 from friction_audit.io.writers.tables import NANOSECONDS, ColumnOf, joint_columns, stamps_ns, tidy_columns
 from friction_audit.io.writers.writer import Writer
-from friction_audit.joint_log import Float, JointLog
+from friction_audit.joint_log import JOINT_CHANNELS, Float, JointLog
 
 _STRUCTURE = re.compile('[,"]')  # a name with these needs quotes
 _JOINT_STATE = {"q": "position", "dq": "velocity", "tau_J": "effort"}  # channel -> field of a sensor_msgs/JointState
+_EFFORT = tuple(_JOINT_STATE)
 _LIBFRANKA_JOINTS = 7
 _STATE = ("q", "q_d", "dq", "dq_d", "tau_J", "tau_ext_hat_filtered")
 _COMMAND = {"q_d": 7, "dq_d": 7, "O_T_EE_d": 16, "O_dP_EE_d": 6, "tau_J_d": 7}  # field of a command -> its numbers
@@ -102,48 +103,37 @@ def _write_libfranka(log: JointLog, path: Path, *, is_old: bool) -> None:
     np.savetxt(path, numbers, fmt=line, header=header, comments="", encoding="ascii")
 
 
-def _dialect(name: str, columns: Callable[[JointLog], dict[str, ColumnOf]], summary: str) -> Writer:
-    return Writer(
-        name=name,
-        suffix=".csv",
-        write=lambda log, path: _write(columns(log), path),
-        summary=summary,
-        holds=tuple(_JOINT_STATE),
-        needs=("tau_J",),
-    )
-
-
-def _libfranka(name: str, summary: str, *, is_old: bool) -> Writer:
-    return Writer(
-        name=name,
-        suffix=".csv",
-        write=lambda log, path: _write_libfranka(log, path, is_old=is_old),
-        summary=summary,
-        lossless=False,
-        holds=("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered"),
-        needs=("tau_J",),
-        joints=_LIBFRANKA_JOINTS,
-    )
-
-
 CSV_DIALECTS = (
-    Writer(
-        name="csv",
-        suffix=".csv",
-        write=lambda log, path: _write(tidy_columns(log), path),
-        summary="tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names",
+    *(
+        Writer(
+            name=name,
+            suffix=".csv",
+            write=lambda log, path, columns=columns: _write(columns(log), path),  # type: ignore[misc]
+            summary=summary,
+            holds=holds,
+        )
+        for name, columns, holds, summary in (
+            ("csv", tidy_columns, JOINT_CHANNELS,
+             "tidy CSV, one column per channel and joint; every channel, to the bit, without the joints' names"),
+            ("csv-long", _long, _EFFORT, "one row per time and joint: time, joint, position, velocity, effort"),
+            ("csv-rostopic", _rostopic, _EFFORT, "as rostopic echo -p prints a sensor_msgs/JointState"),
+            ("csv-bag", _bag_export, _EFFORT,
+             "as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0"),
+        )
     ),
-    _dialect("csv-long", _long, "one row per time and joint: time, joint, position, velocity, effort"),
-    _dialect("csv-rostopic", _rostopic, "as rostopic echo -p prints a sensor_msgs/JointState"),
-    _dialect(
-        "csv-bag",
-        _bag_export,
-        "as bag-to-CSV scripts write a sensor_msgs/JointState: position.0, velocity.0, effort.0",
+    *(
+        Writer(
+            name=name,
+            suffix=".csv",
+            write=partial(_write_libfranka, is_old=is_old),
+            summary=summary,
+            lossless=False,
+            holds=("q", "dq", "tau_J", "tau_J_d", "tau_ext_hat_filtered"),
+            joints=_LIBFRANKA_JOINTS,
+        )
+        for name, is_old, summary in (
+            ("csv-libfranka", False, "libfranka logToCSV from 0.9.1 on: milliseconds, six digits"),
+            ("csv-libfranka-0.9", True, "libfranka logToCSV up to 0.9.0: milliseconds, six digits, repeated names"),
+        )
     ),
-    _libfranka("csv-libfranka", "libfranka logToCSV from 0.9.1 on: milliseconds, six digits", is_old=False),
-    _libfranka(
-        "csv-libfranka-0.9",
-        "libfranka logToCSV up to 0.9.0: milliseconds, six digits, repeated names",
-        is_old=True,
-    ),
-)
+)  # fmt: skip

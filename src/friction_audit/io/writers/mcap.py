@@ -184,42 +184,29 @@ def _write_foxglove(
     write_channels(path, (channel,), messages())
 
 
-def _ros(name: str, message: MessageType, summary: str, *, joints: int | None = None) -> Writer:
-    return Writer(
-        name=name,
-        suffix=".mcap",
-        write=partial(_write_ros, message),
-        summary=summary,
-        holds=tuple(message.fields.values()),
-        needs=("tau_J",),
-        joints=joints,
-    )
-
-
-def _foxglove(name: str, write: Callable[[JointLog, Path], None], summary: str) -> Writer:
-    return Writer(name=name, suffix=".mcap", write=write, summary=summary, holds=_HOLDS, needs=("tau_J",))
-
-
 MCAP_DIALECTS = (
-    _ros("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
-    _ros(
-        "mcap-franka-robot-state",
-        FRANKA_ROBOT_STATE,
-        "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)",
+    *(
+        Writer(
+            name=name,
+            suffix=".mcap",
+            write=partial(_write_ros, message),
+            summary=summary,
+            holds=message.holds,
+            joints=message.joints,
+        )
+        for name, message, summary in (
+            ("mcap", JOINT_STATE, "MCAP of sensor_msgs/msg/JointState (ROS 2)"),
+            ("mcap-franka-robot-state", FRANKA_ROBOT_STATE,
+             "MCAP of franka_msgs/msg/FrankaRobotState, nested (franka_ros2 from v0.1.10)"),
+            ("mcap-franka-robot-state-flat", FRANKA_ROBOT_STATE_FLAT,
+             "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)"),
+            ("mcap-franka-state", FRANKA_STATE,
+             "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)"),
+            ("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
+        )
     ),
-    _ros(
-        "mcap-franka-robot-state-flat",
-        FRANKA_ROBOT_STATE_FLAT,
-        "MCAP of franka_msgs/msg/FrankaRobotState, flat (franka_ros2 up to v0.1.9)",
-        joints=7,
-    ),
-    _ros(
-        "mcap-franka-state",
-        FRANKA_STATE,
-        "MCAP of franka_msgs/msg/FrankaState, lower case (multipanda_ros2)",
-        joints=7,
-    ),
-    _ros("mcap-ros1", JOINT_STATE_ROS1, "MCAP of sensor_msgs/JointState (ROS 1)"),
-    _foxglove("mcap-json", _write_json, "MCAP of foxglove.JointStates as JSON"),
-    _foxglove("mcap-protobuf", _write_protobuf, "MCAP of foxglove.JointStates as protobuf"),
-)
+    Writer(name="mcap-json", suffix=".mcap", write=_write_json, summary="MCAP of foxglove.JointStates as JSON",
+           holds=_HOLDS),
+    Writer(name="mcap-protobuf", suffix=".mcap", write=_write_protobuf,
+           summary="MCAP of foxglove.JointStates as protobuf", holds=_HOLDS),
+)  # fmt: skip

@@ -30,7 +30,13 @@ class MessageType:
     fields: Mapping[str, str]  # path of an array -> channel
     names: tuple[str, ...] = ()  # paths of the lists of joint names
     robot_time: str | None = None  # path of the robot's own clock, or None
+    joints: int | None = None  # number of joints that it holds, or None for any
     definitions: Mapping[str, str]  # type -> file of its definition, for types that ROS does not come with
+
+    @property
+    def holds(self) -> tuple[str, ...]:
+        """Channels that it has a place for."""
+        return tuple(self.fields.values())
 
     @property
     def encoding(self) -> str:
@@ -54,6 +60,7 @@ FRANKA_STATE_ROS1 = MessageType(  # franka_ros 0.10
     ros=1,
     fields={name: name for name in _STATE},
     robot_time="time",
+    joints=7,
     definitions={
         "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
         "franka_msgs/msg/FrankaState": f"{_OWN}/FrankaState_ros1.msg",
@@ -65,6 +72,7 @@ FRANKA_STATE = MessageType(  # multipanda_ros2, the fork for the Panda
     ros=2,
     fields={name.lower(): name for name in _STATE},
     robot_time="time",
+    joints=7,
     definitions={
         "franka_msgs/msg/Errors": f"{_OWN}/Errors_41.msg",
         "franka_msgs/msg/FrankaState": f"{_SHARED}/FrankaState_multipanda.msg",
@@ -88,6 +96,7 @@ FRANKA_ROBOT_STATE = replace(  # franka_ros2 from v0.1.10 on
         "tau_ext_hat_filtered.effort": "tau_ext_hat_filtered",
     },
     names=("measured_joint_state.name", "desired_joint_state.name", "tau_ext_hat_filtered.name"),
+    joints=None,
     definitions={
         "franka_msgs/msg/Errors": f"{_OWN}/Errors_36.msg",
         "franka_msgs/msg/CollisionIndicators": f"{_SHARED}/CollisionIndicators.msg",

@@ -2,7 +2,6 @@
 
 import shutil
 import sqlite3
-from collections.abc import Callable
 from contextlib import closing
 from functools import partial
 from pathlib import Path
@@ -58,57 +57,26 @@ def _write_humble_db3(message: MessageType, log: JointLog, path: Path) -> None:
     shutil.rmtree(folder)
 
 
-def _bag(
-    name: str, suffix: str, write: Callable[..., None], message: MessageType, summary: str, *, joints: int | None = None
-) -> Writer:
-    return Writer(
+BAGS = tuple(
+    Writer(
         name=name,
         suffix=suffix,
         write=partial(write, message),
         summary=summary,
-        holds=tuple(message.fields.values()),
-        needs=("tau_J",),
-        joints=joints,
+        holds=message.holds,
+        joints=message.joints,
     )
-
-
-BAGS = (
-    _bag("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
-    _bag(
-        "rosbag1-franka-state",
-        ".bag",
-        partial(_write_rosbag1, lz4=True),
-        FRANKA_STATE_ROS1,
-        "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4",
-        joints=7,
-    ),
-    _bag(
-        "rosbag2-sqlite3",
-        "",
-        _write_rosbag2,
-        JOINT_STATE,
-        "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage",
-    ),
-    _bag(
-        "rosbag2-mcap",
-        "",
-        partial(_write_rosbag2, storage="MCAP"),
-        JOINT_STATE,
-        "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage",
-    ),
-    _bag(
-        "rosbag2-db3",
-        ".db3",
-        _write_humble_db3,
-        JOINT_STATE,
-        "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records",
-    ),
-    _bag(
-        "rosbag2-db3-franka-state",
-        ".db3",
-        _write_humble_db3,
-        FRANKA_STATE,
-        "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions",
-        joints=7,
-    ),
-)
+    for name, suffix, write, message, summary in (
+        ("rosbag1-joint-state", ".bag", _write_rosbag1, JOINT_STATE_ROS1, "ROS 1 bag of sensor_msgs/JointState"),
+        ("rosbag1-franka-state", ".bag", partial(_write_rosbag1, lz4=True), FRANKA_STATE_ROS1,
+         "ROS 1 bag of franka_msgs/FrankaState (franka_ros 0.10), lz4"),
+        ("rosbag2-sqlite3", "", _write_rosbag2, JOINT_STATE,
+         "ROS 2 bag directory of sensor_msgs/JointState, sqlite3 storage"),
+        ("rosbag2-mcap", "", partial(_write_rosbag2, storage="MCAP"), JOINT_STATE,
+         "ROS 2 bag directory of sensor_msgs/JointState, MCAP storage"),
+        ("rosbag2-db3", ".db3", _write_humble_db3, JOINT_STATE,
+         "single sqlite3 file of sensor_msgs/JointState, without definitions, as Humble records"),
+        ("rosbag2-db3-franka-state", ".db3", _write_humble_db3, FRANKA_STATE,
+         "single sqlite3 file of franka_msgs/msg/FrankaState (multipanda_ros2), without definitions"),
+    )
+)  # fmt: skip

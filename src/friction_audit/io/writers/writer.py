@@ -19,7 +19,6 @@ class Writer:
         summary: One line for help and documentation.
         lossless: True if reading the file back gives the same numbers to the bit, stamps of whole nanoseconds given.
         holds: Channels that the dialect has a place for.
-        needs: Channels without which it makes no sense.
         joints: Number of joints that it holds, or None for any.
     """
 
@@ -29,8 +28,12 @@ class Writer:
     summary: str
     lossless: bool = True
     holds: tuple[str, ...] = JOINT_CHANNELS
-    needs: tuple[str, ...] = ()
     joints: int | None = None
+
+    @property
+    def needs(self) -> tuple[str, ...]:
+        """Channels without which it makes no sense: a dialect that does not hold all has a place for the effort."""
+        return () if self.holds == JOINT_CHANNELS else ("tau_J",)
 
     def left_out(self, log: JointLog) -> tuple[str, ...]:
         """Return the channels of a log that this dialect has no place for."""
