@@ -60,7 +60,7 @@ def _leave_out_channels(recording: Recording, missing: Counts, path: str) -> Rec
     sparse = [c for c, counts in missing.items() if c not in (*_ESSENTIAL, *empty) and counts.max() > _SPARSE * samples]
     names = {channel: f"{channel} ({recording.mapping.get(channel, channel)})" for channel in empty}
     torques = [channel for channel in TORQUE_CHANNELS if channel in recording.channels]
-    lost = [channel for channel in ("q", "dq") if channel in empty]
+    lost: list[str] = [channel for channel in ("q", "dq") if channel in empty]
     lost += torques if all(channel in empty for channel in torques) else []
     if lost:
         raise InputError(

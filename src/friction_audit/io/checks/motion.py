@@ -35,7 +35,7 @@ def refuse_dead_velocity(recording: Recording, path: str) -> Recording:
         f"{recording.name_of('dq', joint)} is {dq[0, joint] + 0.0:g} in all {len(dq)} rows while q moves by "
         f"{travelled[joint]:.3g}; its velocity was not recorded: name another column "
         "with --map dq=<column>, or record it"
-        for joint in np.flatnonzero(dead)
+        for joint in map(int, np.flatnonzero(dead))
     ]
     if said and dead.sum() == np.count_nonzero(travelled > TRAVELLED):
         raise InputError(f"{path}: {said[0]}{'; so it is on all joints that move' if len(said) > 1 else ''}")
