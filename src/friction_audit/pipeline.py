@@ -78,6 +78,11 @@ class LogReplay:
     settings: "ReplaySettings"
 
 
+def replay_log(log: JointLog, settings: AuditSettings, replay_settings: "ReplaySettings") -> LogReplay:
+    """Estimate a log, then run a friction compensator on its joints."""
+    return replay_estimate(estimate_log(log, settings), replay_settings)
+
+
 def replay_estimate(
     estimate: Estimate, settings: "ReplaySettings", *, joints: tuple[int, ...] | None = None
 ) -> LogReplay:
@@ -107,6 +112,11 @@ class Diagnosis:
     estimate: Estimate
     discrepancy: "Discrepancy"
     settings: "DiagnosisSettings"
+
+
+def diagnose_log(log: JointLog, settings: AuditSettings, diagnosis_settings: "DiagnosisSettings") -> Diagnosis:
+    """Estimate a log, then find what the nominal model of every joint misses."""
+    return diagnose_estimate(estimate_log(log, settings), diagnosis_settings)
 
 
 def diagnose_estimate(estimate: Estimate, settings: "DiagnosisSettings") -> Diagnosis:
