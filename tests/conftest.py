@@ -25,8 +25,8 @@ WITHOUT_LOOPS = (
     "test_architecture.py",
     "test_site.py",
     "test_site_in_browser.py",
-    "test_page_in_browser.py",
-    "test_page_text.py",
+    "test_pages_in_browser.py",
+    "test_pages.py",
 )
 """Files of long tests that compile no loops of the program; the last two read the same pages."""
 WITH_LOOPS = ("test_docs.py", "test_reproductions.py", "test_diagnose.py")

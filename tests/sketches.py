@@ -6,12 +6,11 @@ What a command draws is put together as ever, and its files are there; with ``--
 import io
 from typing import TYPE_CHECKING, Any
 
-from pypdf import PdfWriter
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 POINTS_PER_INCH = 72.0
+PDF = b"%PDF-1.4\n"
 PNG = b"\x89PNG\r\n\x1a\n"
 """What a file of this format begins with."""
 
@@ -21,9 +20,7 @@ def sketch(figure: "Figure", target: io.StringIO | io.BytesIO, *, format: str, *
     width, height = (POINTS_PER_INCH * float(inches) for inches in figure.get_size_inches())
     if format == "pdf":
         assert isinstance(target, io.BytesIO)
-        sheet = PdfWriter()
-        sheet.add_blank_page(width, height)
-        sheet.write(target)
+        target.write(PDF)
         return
     svg = f'<?xml version="1.0"?><svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}"/>'
     if isinstance(target, io.StringIO):

@@ -10,7 +10,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_audit.reporting.json.estimate import estimate_document
 
 from friction_audit.cli import choices
 from friction_audit.cli.console import DAMAGED
@@ -21,6 +20,7 @@ from friction_audit.io.readers.time_column import find_time
 from friction_audit.io.writers import WRITERS
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
+from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.figures import FIGURES
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once

@@ -13,6 +13,7 @@ import pytest
 import friction_audit
 from friction_audit import api as options
 from friction_audit.api import replay_settings
+from friction_audit.cli.choices import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
 from friction_audit.compensation.compensators import EnergyCompensator
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.settings import DiagnosisSettings

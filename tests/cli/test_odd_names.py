@@ -96,7 +96,7 @@ def test_no_name_commands_a_page(run: Run, logs: Path, tmp_path: Path, monkeypat
     def no_answer(*_: object) -> None:
         raise AnalysisError("no candidate")
 
-    monkeypatch.setattr("friction_audit.reporting.log_report.diagnose_estimate", no_answer)
+    monkeypatch.setattr("friction_audit.reporting.report.diagnose_estimate", no_answer)
     assert run("report", log, "-o", "page", "--format", "markdown", "-q").code == 0
     (page,) = (tmp_path / "page").iterdir()
     assert obeyed(page.read_text(encoding="utf-8")) == set()

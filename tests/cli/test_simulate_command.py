@@ -173,7 +173,7 @@ def fail(kind: type[BaseException]) -> Any:
 
 
 @pytest.mark.parametrize(
-    "step", ["friction_audit.simulation.scenarios.simulate", "friction_audit.reporting.json.simulate.truth_document"]
+    "step", ["friction_audit.simulation.scenarios.simulate", "friction_audit.reporting.documents.truth_document"]
 )
 def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(step, fail(KeyboardInterrupt))
@@ -184,7 +184,7 @@ def test_an_interruption_leaves_nothing(step: str, run: Run, tmp_path: Path, mon
 def test_a_log_whose_truth_cannot_be_written_is_not_left_alone(
     run: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("friction_audit.reporting.json.simulate.truth_document", fail(OSError))
+    monkeypatch.setattr("friction_audit.reporting.documents.truth_document", fail(OSError))
     answer = run("simulate", ONE, "-o", "run.csv", "--truth", "run.json", *SHORT)
     assert answer.code == 2
     assert "run.json: cannot be written: " in answer.err

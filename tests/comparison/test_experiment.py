@@ -6,13 +6,13 @@ from math import inf
 
 import numpy as np
 import pytest
-from friction_audit.reporting.terminal.compare import compare_table
 
 from friction_audit.compensation.comparison import METHODS, Comparison, compare
 from friction_audit.compensation.comparison.experiment import FIGURES, choose_best, draw
 from friction_audit.compensation.comparison.methods import BEST, PAPER, Joint, Tuning
 from friction_audit.compensation.comparison.result import MEASURES, Curve, Point, tell_rows
 from friction_audit.compensation.compensators import Compensator, FixedCompensation
+from friction_audit.reporting.compare import compare_lines
 from tests.comparison.conftest import CHOSEN, SEEDS, compared, short_joint
 
 
@@ -107,7 +107,7 @@ def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
 
 
 def table_of(comparison: Comparison) -> str:
-    lines = compare_table(tell_rows(comparison), len(comparison.seeds), len(comparison.tuning_seeds))
+    lines = compare_lines(tell_rows(comparison), len(comparison.seeds), len(comparison.tuning_seeds))
     return "\n".join(str(line) for line in lines)
 
 

@@ -5,12 +5,12 @@ import sys
 from collections.abc import Callable
 
 import pytest
-from friction_audit.reporting.json.diagnose import diagnose_document
 
 from friction_audit.diagnosis import diagnose
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.parallel import in_processes, per_joint
 from friction_audit.pipeline import AuditSettings, diagnose_log
+from friction_audit.reporting.diagnosis import diagnose_document
 from tests.reporting.conftest import build_estimate
 
 

@@ -5,7 +5,7 @@ import re
 from html import unescape
 
 import pytest
-from friction_audit.reporting.log_words import WORDS
+from friction_audit.reporting.diagnosis import WORDS
 from markdown_it import MarkdownIt
 from typer.main import get_command
 

@@ -7,7 +7,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 
 from friction_audit.io.tidy_table import JointRows, TidyTable
-from friction_audit.io.writers.tables import to_frame, write_table_csv, write_table_parquet
+from friction_audit.io.writers.tables import to_frame, write_table
 
 NAMES = ('a,"b"\n', "knee \udce9")
 
@@ -49,8 +49,8 @@ def test_a_frame_has_joint_and_name_in_front() -> None:
 
 
 def test_csv_and_parquet_read_back_to_the_bit(tmp_path: Path) -> None:
-    write_table_csv(table(), tmp_path / "cycles.csv")
-    write_table_parquet(table(), tmp_path / "cycles.parquet")
+    write_table(table(), tmp_path / "cycles.csv", "csv")
+    write_table(table(), tmp_path / "cycles.parquet", "parquet")
     frame = to_frame(table())
     pd.testing.assert_frame_equal(pq.read_table(tmp_path / "cycles.parquet").to_pandas(), frame, check_exact=True)
     again = pd.read_csv(tmp_path / "cycles.csv", keep_default_na=False, na_values={"energy_j": [""], "steps": [""]})
@@ -58,7 +58,7 @@ def test_csv_and_parquet_read_back_to_the_bit(tmp_path: Path) -> None:
 
 
 def test_a_table_without_rows_keeps_its_columns(tmp_path: Path) -> None:
-    write_table_csv(table(()), tmp_path / "none.csv")
-    write_table_parquet(table(()), tmp_path / "none.parquet")
+    write_table(table(()), tmp_path / "none.csv", "csv")
+    write_table(table(()), tmp_path / "none.parquet", "parquet")
     assert list(pd.read_csv(tmp_path / "none.csv").columns) == list(to_frame(table()).columns)
     assert pq.read_table(tmp_path / "none.parquet").num_rows == 0

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from friction_audit.reporting.batch_summary import BatchSummary, FailedLog
 
 from friction_audit.drift.report import (
     ArmDrift,
@@ -16,6 +15,7 @@ from friction_audit.drift.report import (
 )
 from friction_audit.drift.session import Conditions, JointSummary, Session, SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
+from friction_audit.reporting.drift import BatchSummary, FailedLog
 
 NAN = float("nan")
 DAY_S = 86400.0

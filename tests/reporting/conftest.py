@@ -1,8 +1,10 @@
 """A result made by hand: minimum-jerk strokes back and forth, friction and inertia known, every cycle a stroke."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import fields
 from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pytest
@@ -19,6 +21,10 @@ from friction_audit.joint_log import Finding, Float, JointLog, Source
 from friction_audit.pipeline import AuditSettings, Estimate
 from friction_audit.preprocessing.energy_cycles import EnergyCycles, EnergySums
 from friction_audit.preprocessing.interaction import Caution, Interaction, TorqueChoice
+from tests.opened_page import Opened, open_in
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
 
 COULOMB = (0.245, 0.152, 0.183, 0.359, 0.267, 0.166, 0.211)
 VISCOUS = (0.4, 0.3, 0.25, 0.5, 0.13, 0.11, 0.12)
@@ -225,3 +231,25 @@ def seven() -> Estimate:
 def single() -> Estimate:
     """Return a result of one joint."""
     return build_estimate(1)
+
+
+Open = Callable[..., Opened]
+
+
+@pytest.fixture
+def open_page(browser: "Browser", tmp_path: Path) -> Iterator[Open]:
+    """Return what opens HTML text at a width, in a colour scheme, with scripts or without."""
+    contexts = []
+
+    def opened(html: str, *, width: int = 1280, scheme: Any = "light", scripts: bool = True) -> Opened:
+        path = tmp_path / "page.html"
+        path.write_text(html, encoding="utf-8")
+        context = browser.new_context(
+            viewport={"width": width, "height": 900}, color_scheme=scheme, java_script_enabled=scripts
+        )
+        contexts.append(context)
+        return open_in(context, path.as_uri())
+
+    yield opened
+    for context in contexts:
+        context.close()

@@ -4,13 +4,13 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from friction_audit.reporting.log_report import LogReport, report_estimate
 
 from friction_audit.compensation.settings import ReplaySettings
 from friction_audit.diagnosis.result import Discrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, estimate_log, replay_estimate
+from friction_audit.reporting.report import LogReport, report_estimate
 from tests.reporting.conftest import build_estimate
 from tests.reporting.test_diagnose_figures import ALL
 

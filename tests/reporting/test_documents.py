@@ -1,28 +1,52 @@
-"""Documents keep to their schemas, hold no NaN, and say what the result says."""
+"""Documents keep to their schemas, hold no NaN, and hold the numbers of the result."""
 
-import csv
-import io
 import json
 import math
-from dataclasses import asdict
+from collections.abc import Iterable
+from dataclasses import asdict, replace
+from hashlib import sha256
+from typing import Any
 
 import jsonschema
-import numpy as np
 import pytest
-from friction_audit.reporting.json.document import Document, convert_document, plot_document, to_json, write_document
-from friction_audit.reporting.json.estimate import InfoEntry, TopicSummary, estimate_document, info_document
-from friction_audit.reporting.log_summary import summarize_log
-from friction_audit.reporting.tables.of_estimate import HEADER, history_csv
 
 from friction_audit import __version__
+from friction_audit.diagnosis.result import VERDICTS, JointDiscrepancy
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.pipeline import Estimate
+from friction_audit.reporting.compare import compare_document, reproduce_document
+from friction_audit.reporting.diagnosis import VERDICT_KEYS, diagnose_document
+from friction_audit.reporting.documents import (
+    SimulatedLog,
+    convert_document,
+    plot_document,
+    simulate_document,
+    truth_document,
+    write_document,
+)
+from friction_audit.reporting.drift import BatchSummary, write_batch_document
+from friction_audit.reporting.estimate import estimate_document
+from friction_audit.reporting.info import InfoEntry, TopicSummary, info_document, summarize_log
+from friction_audit.reporting.replay import replay_document
+from friction_audit.reporting.report import LogReport, Unanswered, report_document, report_notices
 from friction_audit.reporting.schemas import KINDS, load_schema
+from tests.reporting import batch_by_hand, log_report_by_hand
 from tests.reporting.conftest import COULOMB, EstimateFactory
+from tests.reporting.diagnosis_by_hand import FAILED, LOCKED, NAMED, VERDICTS_BY_HAND, diagnosis
+
+ARM = batch_by_hand.arm()
+BATCHES = (
+    batch_by_hand.batch(ARM),
+    batch_by_hand.batch(batch_by_hand.arm(2, 1, dated=False)),
+    batch_by_hand.hostile(),
+    batch_by_hand.empty(),
+)
 
 
-def checked(document: Document) -> Document:
+def checked(document: dict[str, Any] | Iterable[str]) -> Any:
     """Return the document as a reader of its text gets it, after its schema has been held against it."""
-    read: Document = json.loads(write_document(document))
+    read = json.loads(write_document(document) if isinstance(document, dict) else "".join(document))
     kind = read["schema"].split("/")[1]
     jsonschema.Draft202012Validator(load_schema(kind)).validate(read)
     assert read["version"] == __version__
@@ -30,8 +54,10 @@ def checked(document: Document) -> Document:
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_schemas_are_schemas(kind: str) -> None:
-    jsonschema.Draft202012Validator.check_schema(load_schema(kind))
+def test_schemas_are_schemas_and_describe_every_key(kind: str) -> None:
+    schema = load_schema(kind)
+    jsonschema.Draft202012Validator.check_schema(schema)
+    assert all("description" in one for name, one in schema["properties"].items() if name not in ("schema", "version"))
 
 
 def test_estimate(seven: Estimate) -> None:
@@ -57,12 +83,9 @@ def test_findings_of_the_reader_come_first_among_the_warnings(estimate_of: Estim
     assert [warning["code"] for warning in document["warnings"]] == ["truncated", "gravity_absent"]
 
 
-def test_plot(seven: Estimate) -> None:
+def test_plot_and_convert(seven: Estimate) -> None:
     document = checked(plot_document(seven, [("energy", None, "energy.png"), ("energy", 2, "energy-joint2.png")]))
     assert [figure["joint"] for figure in document["figures"]] == [None, 2]
-
-
-def test_convert(seven: Estimate) -> None:
     document = checked(convert_document(seven.log, "out.csv", "csv-long", ("temperature",)))
     assert document["output"]["dialect"] == "csv-long"
     assert "no place for temperature" in document["warnings"][0]["message"]
@@ -71,45 +94,151 @@ def test_convert(seven: Estimate) -> None:
 def test_info(seven: Estimate) -> None:
     topic = TopicSummary(name="/left", type="sensor_msgs/JointState", messages=3, readable=True)
     summary = summarize_log(seven.log, seven.interaction, seven.cycles)
-    entries = [InfoEntry(path="a", summary=summary), InfoEntry(path="b", topics=(topic,), message="two arms")]
-    document = checked(info_document(entries))
-    log = document["logs"][0]
-    assert log["channels"] == {"q": "q_{i}", "dq": "dq_{i}"}
+    part = summarize_log(seven.log, None, None, obstacle="gravity is missing")
+    failed = InfoEntry(path="b", topics=(topic,), message="two arms")
+    document = checked(info_document([InfoEntry(path="a", summary=summary), failed, InfoEntry(path="c", summary=part)]))
+    log, less = document["logs"]
+    assert (log["channels"], log["joint_count"]) == ({"q": "q_{i}", "dq": "dq_{i}"}, 7)
     assert log["torque"]["drive"] == "hand"
     assert log["joints"][0]["cycles"] == len(seven.cycles.of_joint(0).joint)
-    assert log["joints"][0]["rejected_cycles"] == 1
-    assert log["joints"][2]["cycles"] == 0
-    assert log["gaps"] == 0
+    assert (log["joints"][0]["rejected_cycles"], log["joints"][2]["cycles"], log["gaps"]) == (1, 0, 0)
     assert document["failed"] == [{"path": "b", "topics": [asdict(topic)], "message": "two arms"}]
+    assert less["torque"] is less["joints"][0]["cycles"] is None
+    assert less["joints"][0]["peak_speed_rad_s"] > 0.5
+    assert less["warnings"][-1] == {"code": "no_interaction_torque", "joint": None, "message": "gravity is missing"}
 
 
-def test_info_goes_as_far_as_the_log_allows(seven: Estimate) -> None:
-    summary = summarize_log(seven.log, None, None, obstacle="gravity is missing")
-    log = checked(info_document([InfoEntry(path="a", summary=summary)]))["logs"][0]
-    assert log["torque"] is None
-    assert log["joints"][0]["cycles"] is None
-    assert log["joints"][0]["peak_speed_rad_s"] > 0.5
-    assert log["warnings"][-1] == {"code": "no_interaction_torque", "joint": None, "message": "gravity is missing"}
-
-
-def test_history_is_tidy(seven: Estimate) -> None:
-    rows = list(csv.DictReader(io.StringIO(history_csv(seven))))
-    assert tuple(rows[0]) == HEADER
-    assert len(rows) == sum(joint.cycles for joint in seven.friction.joints)
-    assert {row["joint"] for row in rows} == {"1", "2", "4", "5", "6", "7"}
-    assert rows[0]["coulomb_nm"] == ""
-    assert float(rows[1]["coulomb_nm"]) == pytest.approx(COULOMB[0], rel=0.2)
-
-
-@pytest.mark.parametrize(
-    ("value", "expected"),
-    [
-        (math.nan, None),
-        (np.array([1.0, np.inf]), [1.0, None]),
-        (np.int64(3), 3),
-        ({"a": (1, np.nan)}, {"a": [1, None]}),
-        (True, True),
-    ],
+EFFECT = {"joint": 2, "name": "stribeck", "form": None, "parameters": {"excess_nm": 0.2}}
+SIMULATED = SimulatedLog(
+    scenario="bench",
+    seed=4,
+    settings={"joints": ({"coulomb_nm": 0.3},), "compensator": {"kind": "fixed", "max_torque_nm": math.inf}},
+    effects=[EFFECT],
+    sha256=sha256(b"log").hexdigest(),
 )
-def test_values_become_what_json_knows(value: object, expected: object) -> None:
-    assert to_json(value) == expected
+
+
+def test_a_simulated_log_and_its_truth(seven: Estimate) -> None:
+    truth = checked(truth_document(SIMULATED))
+    assert truth["settings"]["compensator"] == {"kind": "fixed", "max_torque_nm": None}
+    assert (truth["effects"], truth["log_sha256"]) == ([EFFECT], SIMULATED.sha256)
+    document = checked(simulate_document(SIMULATED, seven.log, "run.mcap", "mcap", left_out=("gravity",)))
+    assert document["output"]["samples"] == len(seven.log.t)
+    assert document["joint_names"] == list(seven.log.joint_names)
+    assert [warning["code"] for warning in document["warnings"]] == ["channels_left_out"]
+    assert document["effects"] == [EFFECT]
+
+
+def test_compare_and_reproduce() -> None:
+    scene = {"arm": "joint", "duration_s": 10.0, "settings": {}, "effects": [EFFECT]}
+    seeds: dict[str, Any] = {"seeds": [1], "tuning_seeds": [], "margin_seeds": []}
+    document = checked(compare_document({**scene, **seeds}, [], [], [("energy", "energy.png")]))
+    assert document["figures"] == [{"figure": "energy", "path": "energy.png"}]
+    claim = {"figure": "7b", "claim": "c", "paper": "p", "ours": "o", "value": math.nan, "holds": True, "note": ""}
+    document = checked(reproduce_document([claim], [("7", "title", "fig7.png")], 3))
+    assert document["claims"] == [claim | {"value": None}]
+
+
+def test_every_verdict_has_a_joint_by_hand() -> None:
+    assert {joint.verdict for joint in (*VERDICTS_BY_HAND, FAILED)} == set(VERDICTS)
+
+
+@pytest.mark.parametrize("joint", [*VERDICTS_BY_HAND, FAILED], ids=lambda joint: joint.verdict)
+def test_each_verdict_keeps_to_the_schema(joint: JointDiscrepancy) -> None:
+    (found,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
+    assert found["verdict"] == VERDICT_KEYS[joint.verdict]
+    assert found["message"] == joint.message
+    assert (found["gap"] is None) == (joint.gap is None)
+
+
+def test_a_joint_with_an_effect() -> None:
+    endless = replace(NAMED, detection_limit_nm=math.inf)
+    document = checked(diagnose_document(diagnosis((NAMED, endless))))
+    found, other = document["joints"]
+    (effect,) = found["effects"]
+    assert effect["parameters"] == {"stribeck_excess_nm": 0.15, "stribeck_speed_rad_s": 0.1, "stribeck_exponent": 2.0}
+    assert effect["parameters_ci95"]["stribeck_excess_nm"] == pytest.approx([0.14, 0.16])
+    assert effect["parameters_ci95"]["stribeck_exponent"] == [None, None]
+    assert (effect["gap_before_nm"], effect["gap_after_nm"], effect["decide"]) == (0.061, 0.021, None)
+    assert effect["curve"]["backwards_nm"] == [-0.05, 0.0, 0.01]
+    assert effect["evidence"][1] == {"name": "warm_up", "delta_bic": 41.3, "correlation": 0.31}
+    gap = found["gap"]
+    assert (gap["baseline_rms_nm"], gap["final_rms_nm"], gap["noise_floor_rms_nm"]) == (0.061, 0.021, 0.02)
+    assert (gap["shrink"], gap["held_out_cycles"]) == (pytest.approx(0.04 / 0.041), LOCKED)
+    assert found["simulation_gap"] == {"before": 0.052, "after": 0.013, "unit": "rad/s"}
+    assert found["nominal"]["coulomb_nm"]["value"] == 0.33
+    assert found["augmented"]["coulomb_nm"]["value"] == 0.30
+    assert found["profiles"][0]["curve"]["forwards_nm"] == [0.05, 0.0, None]
+    assert [profile["curve"] is None for profile in found["profiles"]] == [False, True]
+    assert found["findings"][1]["verdict"] == "limit"
+    assert {"code": "standstill", "joint": 1, "message": NAMED.findings[1].message} in document["warnings"]
+    assert other["detection_limit_nm"] is None
+
+
+def test_joints_without_some_numbers() -> None:
+    joints = checked(diagnose_document(diagnosis()))["joints"]
+    assert joints[2]["gap"]["shrink"] is joints[0]["from_energy"]["viscous_nms_per_rad"] is None
+    assert joints[4]["detection_limit_nm"] is joints[4]["omnibus_p_value"] is joints[4]["simulation_gap"] is None
+    assert joints[3]["vibration"] == {"frequency_hz": 13.0, "low_hz": 11.0, "high_hz": 15.5, "rms_nm": 0.04}
+    (effect,) = joints[1]["effects"]
+    assert (effect["alternatives"], effect["alternatives_together"]) == (["asymmetric_coulomb"], [])
+    assert "rest" in effect["decide"]
+
+
+def test_settings_repeat_what_was_asked_the_nominal_model_too() -> None:
+    model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=2, viscous_nms_per_rad=3),))
+    asked = DiagnosisSettings(candidates=("stribeck",), alpha=0.01, seed=4, model=model)
+    settings = checked(diagnose_document(diagnosis((NAMED,), asked), {"topic": None}))["settings"]["diagnosis"]
+    assert (settings["candidates"], settings["alpha"], settings["seed"]) == (["stribeck"], 0.01, 4)
+    assert settings["model"]["joints"][0]["terms"][0] == {"name": "coulomb", "values": [2]}
+
+
+@pytest.mark.parametrize("summary", BATCHES, ids=("plain", "two sessions", "hostile", "empty"))
+def test_a_batch(summary: BatchSummary) -> None:
+    document = checked(write_batch_document(summary))
+    assert len(document["sessions"]) == len(summary.sessions)
+    assert [one["path"] for one in document["failed"]] == [one.path for one in summary.failed]
+
+
+def test_what_drifts_and_when() -> None:
+    document = checked(write_batch_document(batch_by_hand.batch(ARM, batch_by_hand.arm(3, robot="panda-2"))))
+    by_joint = {joint["joint"]: joint for joint in document["joints"] if joint["robot"] == "panda-1"}
+    assert [joint for joint, one in by_joint.items() if one["drift"]] == [2, 5]
+    assert (by_joint[2]["change_points"], by_joint[1]["change_points"]) == ([13], [])
+    assert by_joint[5]["coulomb_trend_nm_per_session"]["value"] == pytest.approx(0.00267)
+    assert by_joint[7]["coulomb_trend_nm_per_session"] is None
+    assert by_joint[7]["verdict"] == "not testable"
+    coulomb = by_joint[2]["coefficients"]["coulomb_nm"]
+    assert coulomb["change_points"][0]["ci95"] == [12, 14]
+    assert [point["session"] for point in coulomb["control"] if point["outside"]] == list(range(13, 25))
+    assert len(coulomb["values"]) == 23
+    first = document["robots"][0]
+    assert [one["session"] for one in document["sessions"]] == [*range(1, 25), 1, 2, 3]
+    assert first["left_out"] == [{"session": 9, "reason": "payload 0.7 kg, the reference had none"}]
+    assert first["reference"] == [1, 2, 3, 4, 5]
+    assert document["sessions"][1]["start"] == "2026-03-05T03:00:00.000Z"
+
+
+def test_a_report_holds_the_documents_of_its_parts() -> None:
+    found = log_report_by_hand.report()
+    assert found.diagnosis is not None
+    assert found.replay is not None
+    document = checked(report_document(found))
+    parts = {
+        "estimate": checked(estimate_document(found.estimate)),
+        "diagnose": checked(diagnose_document(found.diagnosis)),
+        "replay": checked(replay_document(found.replay)),
+    }
+    for name, whole in parts.items():
+        assert document[name] == {key: whole[key] for key in document[name]}
+        assert "joints" in document[name]
+    assert document["settings"]["replay"] == parts["replay"]["settings"]["replay"]
+    assert [one["code"] for one in document["warnings"]] == [one.code for one in report_notices(found)]
+
+
+def test_a_report_with_parts_that_have_no_answer(seven: Estimate) -> None:
+    document = checked(
+        report_document(LogReport(estimate=seven, unanswered=(Unanswered(part="diagnose", message="w"),)))
+    )
+    assert document["diagnose"] is document["replay"] is document["command"] is None
+    assert document["unanswered"] == [{"part": "diagnose", "message": "w"}]

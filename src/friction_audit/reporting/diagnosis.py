@@ -301,8 +301,8 @@ def _missing(joint: JointDiscrepancy) -> str:
     return "\n".join(lines)
 
 
-def _torque(name: str, title: str, get: Get) -> Column:
-    return Column(name, float, get=get, unit="N m", title=title, on=PEOPLE)
+def _torque(name: str, title: str, short: str, get: Get) -> Column:
+    return Column(name, float, get=get, unit="N m", title=title, short=short, on=PEOPLE)
 
 
 JOINT_DIAGNOSIS = Record(
@@ -339,16 +339,17 @@ JOINT_DIAGNOSIS = Record(
         Column("noise_floor", float, get="gap.floor", unit="N m", on="f"),
         Column("shrink", float, get="gap.shrink", on="f"),
         Column("held_out_cycles", int, get="gap.cycles", on="f"),
-        _torque("before", "baseline\nRMS", "gap.before"),
-        _torque("after", "augmented\nRMS", _augmented("gap.after")),
-        _torque("floor", "noise\nfloor", "gap.floor"),
+        _torque("before", "baseline RMS", "RMS\nbefore", "gap.before"),
+        _torque("after", "augmented RMS", "RMS\nafter", _augmented("gap.after")),
+        _torque("floor", "noise floor", "noise\nfloor", "gap.floor"),
         Column(
             "shrink",
             float,
             get=_augmented("gap.shrink"),
             form=lambda share: f"{100 * share:.1f}",
             unit="%",
-            title="explained",
+            title="share explained",
+            short="expl.",
             on=PEOPLE,
         ),
         Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="p"),

@@ -45,13 +45,9 @@ def _diverged(joint: JointReplay) -> bool:
     return joint.numbers is not None and not math.isnan(joint.numbers.diverged_s)
 
 
-def _converged(title: str, on: str) -> Column:
-    def text(joint: JointReplay) -> str:
-        cycles = None if joint.numbers is None else joint.numbers.cycles_to_converge
-        return DIVERGED if _diverged(joint) else "" if cycles is None else str(cycles)
-
-    sort = "numbers.cycles_to_converge"
-    return Column("cycles_to_converge", int, get=lambda one: one, form=text, sort=sort, title=title, on=on)
+def _converged(joint: JointReplay) -> str:
+    cycles = None if joint.numbers is None else joint.numbers.cycles_to_converge
+    return DIVERGED if _diverged(joint) else "" if cycles is None else str(cycles)
 
 
 def _passive(joint: JointReplay) -> str | None:
@@ -165,8 +161,10 @@ JOINT_REPLAY = Record(
         Column("limits", dict, "`torque_nm` and `rate_nm_s`, null for none", on="j"),
         Column("cycles", int, "cycles", lambda one: len(one.history.status) if one.history else 0, on="j"),
         _number("energy_recorded", "net energy of the person as recorded", "J"),
-        _number("energy_without", "without the compensator", "J", title="energy\nwithout", on=ALL),
-        _number("energy_with", "with it", "J", title="energy\nwith", on=ALL),
+        _number(
+            "energy_without", "without the compensator", "J", title="energy without", short="energy\nwithout", on=ALL
+        ),
+        _number("energy_with", "with it", "J", title="energy with", short="energy\nwith", on=ALL),
         _number("dissipation_removed", "share of the dissipated energy taken off the person, over all cycles"),
         _number("dissipation_removed_updated", "the same from the second update of the coefficients on"),
         Column(
@@ -178,11 +176,21 @@ JOINT_REPLAY = Record(
             get=_stable("dissipation_removed_updated"),
             unit="%",
             form=_percent,
-            title="updated",
+            title="removed, coefficients updated",
+            short="later",
             on=PEOPLE,
         ),
-        _number("peak_torque_without", "largest interaction torque", "N m", title="peak\nwithout", on=ALL),
-        _number("peak_torque_with", "with the compensator", "N m", title="peak\nwith", on=ALL),
+        _number(
+            "peak_torque_without",
+            "largest interaction torque",
+            "N m",
+            title="peak torque without",
+            short="peak\nwithout",
+            on=ALL,
+        ),
+        _number(
+            "peak_torque_with", "with the compensator", "N m", title="peak torque with", short="peak\nwith", on=ALL
+        ),
         _number("rms_torque_without", "root mean square of the interaction torque", "N m"),
         _number("rms_torque_with", "with the compensator", "N m"),
         _number("peak_compensation", "largest torque of the compensator", "N m"),
@@ -195,8 +203,16 @@ JOINT_REPLAY = Record(
             "numbers.cycles_to_converge",
             null=True,
         ),
-        _converged("conv.\ncycles", "t"),
-        _converged("cycles to converge", "p"),
+        Column(
+            "cycles_to_converge",
+            int,
+            get=lambda one: one,
+            form=_converged,
+            sort="numbers.cycles_to_converge",
+            title="cycles to converge",
+            short="conv.\ncycles",
+            on=PEOPLE,
+        ),
         _number("diverged", "when the loop diverged, or null", "s"),
         Column("joint_model", MODEL, "with a model file: the model of the joint", "model", on="j", null=True),
         Column("fitted_joint", FITTED, "joint fitted to the log, where it is simulated", "fitted", on="j", null=True),

@@ -17,7 +17,7 @@ FENCE = "```"
 
 
 def write_pdf(page: Page) -> bytes:
-    """Return a page as PDF: the page, printed. The same page gives the same bytes.
+    """Return a page as PDF: the page, printed.
 
     Raises:
         UsageError: If what prints it is not installed.

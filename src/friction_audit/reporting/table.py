@@ -49,6 +49,7 @@ class Column:
         get: Path of attributes, keys and places from a row, or a function of the row; the key if None.
         unit: Unit of the value; its suffix ends the key.
         title: Head of the column for people, without the unit.
+        short: The same for the terminal, in narrow lines, if it differs.
         form: Format of a number, or a function from the value to its text.
         sort: What the column is sorted by, like ``get``, if not by the value.
         on: Forms in which the column appears, by letter: JSON document, file, terminal, page.
@@ -65,6 +66,7 @@ class Column:
     _: KW_ONLY
     unit: str = ""
     title: str = ""
+    short: str = ""
     form: str | Callable[[Any], str] = ".3g"
     sort: Get | None = None
     on: str = "jf"
@@ -84,10 +86,15 @@ class Column:
             return self.key
         return f"{self.name}_{OF_CURRENT[self.unit].format(torque_unit.lower())}"
 
-    def head(self, torque_unit: str, before_unit: str = " ") -> str:
-        """Return the head of the column for people."""
+    def head(self, torque_unit: str) -> str:
+        """Return the head of the column on a page."""
         unit = in_unit(self.unit, torque_unit)
-        return f"{self.title}{before_unit}[{unit}]" if unit else self.title
+        return f"{self.title} [{unit}]" if unit else self.title
+
+    def short_head(self, torque_unit: str) -> str:
+        """Return the head of the column on the terminal: its unit in a line of its own."""
+        title, unit = self.short or self.title, in_unit(self.unit, torque_unit)
+        return f"{title}\n[{unit}]" if unit else title
 
     @property
     def number(self) -> bool:

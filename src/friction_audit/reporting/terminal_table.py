@@ -20,7 +20,7 @@ def table_lines(table: Table) -> list[str]:
 
     drawn = RichTable(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False, show_edge=False, collapse_padding=True)
     for column in table.columns:
-        head = Text(column.head(table.unit, before_unit="\n"))
+        head = Text(column.short_head(table.unit))
         drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
     for row in table.rows:
         drawn.add_row(*(Text(column.text(row)) for column in table.columns))

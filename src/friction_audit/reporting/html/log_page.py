@@ -56,7 +56,7 @@ WORDS = {
     "residual RMS": "Torque that a model leaves unexplained, as root mean square, on held-out cycles, which were set "
     "aside before anything was fitted.",
     "noise floor": "Residual RMS of the noise alone; no model of the motion gets below it.",
-    "explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
+    "share explained": "Share of the way from the residual RMS of the nominal model to the noise floor.",
     "removed": "Share of the dissipated energy that the compensator would have given in the person's place.",
     "passive": "The compensated joint never gave out more energy than was put into it.",
 }

@@ -1,0 +1,143 @@
+"""Tables for files: what is in them, by hand and against the results themselves."""
+
+import re
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+from friction_audit.cli import choices
+from friction_audit.io.tidy_table import TidyTable
+from friction_audit.io.writers.tables import to_frame, write_rows
+from friction_audit.reporting import drift
+from friction_audit.reporting.diagnosis import diagnose_tables
+from friction_audit.reporting.drift import BatchSummary, session_columns
+from friction_audit.reporting.report import LogReport, report_tables
+from tests.reporting import batch_by_hand
+from tests.reporting import log_report_by_hand as by_hand
+from tests.reporting.diagnosis_by_hand import AMBIGUOUS
+from tests.reporting.test_documents import ARM, BATCHES
+
+UNITLESS = {
+    "joint", "name", "model", "cycles", "rejected_cycles", "condition_number", "correlation", "reason", "cycle",
+    "open", "rejected", "compensator", "dissipation_removed", "dissipation_removed_updated", "limited_fraction",
+    "cycles_to_converge", "violations", "active_fraction", "acted", "status", "verdict", "message", "shrink",
+    "held_out_cycles", "omnibus_p_value", "remaining_p_value", "rank", "effect", "label", "alternatives", "p_value",
+    "where", "decide", "parameter", "value", "ci95_low", "ci95_high", "step", "of", "axis", "axis_label", "centre",
+    "held_out", "method",
+}  # fmt: skip
+"""Columns of words, counts, flags and shares; of an effect's numbers the name of the number tells the unit."""
+UNIT = re.compile(r"_(s|rad|rad_s|nm|nm_s|nms_per_rad|j)$")
+
+
+@cache
+def report() -> LogReport:
+    return by_hand.report()
+
+
+@cache
+def every() -> dict[str, TidyTable]:
+    return {table.name: table for table in report_tables(report())}
+
+
+@pytest.mark.parametrize("name", choices.REPORT_TABLES)
+def test_columns_are_complete_of_their_kind_and_name_their_units(name: str) -> None:
+    table = every()[name]
+    assert [column for column in table.types if not (UNIT.search(column) or column in UNITLESS)] == []
+    for rows in table.rows:
+        assert list(rows.columns) == list(table.types)
+        assert len({len(column) for column in rows.columns.values()}) == 1
+        for column, kind in table.types.items():
+            found = {type(value) for value in np.asarray(rows.columns[column], dtype=object)}
+            assert found <= {kind, float, np.float64, type(None)} if kind is int else found <= {kind}, column
+
+
+def test_tables_are_those_of_the_options() -> None:
+    assert tuple(every()) == choices.REPORT_TABLES
+    alone = LogReport(estimate=report().estimate)
+    assert tuple(table.name for table in report_tables(alone)) == choices.ESTIMATE_TABLES
+
+
+def test_coefficients_and_cycles_are_the_estimate_s() -> None:
+    for rows, joint in zip(every()["coefficients"].rows, report().estimate.friction.joints, strict=True):
+        assert (rows.joint, rows.name) == (joint.joint, joint.name)
+        assert rows.columns["coulomb_nm"][0] == pytest.approx(joint.coulomb.value, nan_ok=True)
+        assert rows.columns["viscous_high_nms_per_rad"][0] == pytest.approx(joint.viscous.high, nan_ok=True)
+        assert rows.columns["reason"][0] == joint.reason
+    for column, rows in enumerate(every()["cycles"].rows):
+        own = report().estimate.cycles.of_joint(column)
+        assert np.sum(rows.columns["net_energy_j"]) == pytest.approx(own.work_j.sum())
+        assert list(rows.columns["cycle"]) == list(range(1, len(own.joint) + 1))
+
+
+def test_the_history_has_a_row_per_cycle_that_counts() -> None:
+    history = to_frame(every()["coefficient_history"])
+    assert len(history) == sum(len(joint.history.cycle) for joint in report().estimate.friction.joints)
+    assert (history["coulomb_low_nm"] <= history["coulomb_nm"]).all()
+
+
+def test_residual_is_measured_less_model() -> None:
+    """Half a newton metre, of which the nominal model has 0.4 and the augmented one 0.48."""
+    found = report().diagnosis
+    assert found is not None
+    joint = next(one for one in found.discrepancy.joints if one.traces is not None)
+    assert joint.traces is not None
+    whole = np.ones_like(joint.traces.measured)
+    other = replace(joint, traces=replace(joint.traces, measured=0.5 * whole, before=0.4 * whole, after=0.48 * whole))
+    made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=(other,))))
+    (rows,) = next(table for table in made if table.name == "residual").rows
+    for name, value in {"nominal": 0.4, "augmented": 0.48, "residual_before": 0.1, "residual_after": 0.02}.items():
+        assert rows.columns[f"{name}_nm"] == pytest.approx(value)
+
+
+def test_two_that_are_an_alternative_only_together_are_one_word() -> None:
+    found = report().diagnosis
+    assert found is not None
+    pair = ("torque_drift", "inertia_error")
+    other = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", *pair), together=(pair,))
+    joints = (replace(AMBIGUOUS, effects=(other,)),)
+    made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=joints)))
+    (rows,) = next(table for table in made if table.name == "effects").rows
+    assert list(rows.columns["alternatives"]) == ["asymmetric_coulomb torque_drift+inertia_error"]
+
+
+def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:
+    """Write the table of sessions in both forms, which hold the same, and return it."""
+    for kind in ("csv", "parquet"):
+        write_rows(*session_columns(summary), path / f"sessions.{kind}", kind)
+    frame: pd.DataFrame = pq.read_table(path / "sessions.parquet").to_pandas()
+    assert len(pd.read_csv(path / "sessions.csv")) == len(frame)
+    return frame
+
+
+@pytest.mark.parametrize("summary", BATCHES, ids=("plain", "two sessions", "hostile", "empty"))
+def test_sessions_have_a_row_per_joint_and_coefficient(
+    summary: BatchSummary, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(drift, "ROWS_AT_ONCE", 100)
+    frame = sessions_of(summary, tmp_path)
+    assert len(frame) == sum(2 * len(session.joints) for session in summary.sessions)
+    assert not frame.duplicated(["robot", "session", "joint", "coefficient"]).any()
+
+
+def test_a_row_holds_the_session_s_numbers(tmp_path: Path) -> None:
+    frame = sessions_of(batch_by_hand.batch(ARM), tmp_path).set_index(["session", "joint", "coefficient"])
+    row, alone, still = (frame.loc[key] for key in ((13, 2, "coulomb_nm"), (9, 2, "coulomb_nm"), (1, 7, "coulomb_nm")))
+    value = ARM.sessions[12].joints[1].coefficients["coulomb_nm"]
+    assert (row["value"], row["ci95_low"]) == (value.value, value.low)
+    assert (row["outside"], row["compared"], row["reference"], row["note"]) == (True, True, False, "after grease")
+    assert (alone["compared"], alone["outside"]) == (False, None)
+    assert np.isnan(alone["compared_value"])
+    assert alone["left_out"].startswith("payload")
+    assert np.isnan(still["value"])
+    assert (still["unit"], "does not move" in still["reason"]) == ("N m", True)
+
+
+def test_a_name_that_no_encoding_knows_is_written_with_its_bytes(tmp_path: Path) -> None:
+    sessions = (replace(ARM.sessions[0], path="r\udcff.csv"), *ARM.sessions[1:])
+    frame = sessions_of(batch_by_hand.batch(replace(ARM, sessions=sessions)), tmp_path)
+    assert frame["path"][0] == "r\\udcff.csv"

@@ -1,0 +1,247 @@
+"""Pages as text: whole, small, closed to the network; every word in them is text."""
+
+import re
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from friction_audit.errors import UsageError
+from friction_audit.reporting.figures.batch import BATCH_FIGURES
+from friction_audit.reporting.figures.batch_drift import draw_drift
+from friction_audit.reporting.html import batch_page, log_figures
+from friction_audit.reporting.html.batch_page import write_page
+from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures, part_of
+from friction_audit.reporting.html.log_page import log_page
+from friction_audit.reporting.html.page import Command, Page, Part, Section, Text, flattened, render_page
+from friction_audit.reporting.html.svg import draw_inline
+from friction_audit.reporting.report import (
+    LogReport,
+    Unanswered,
+    lead_sentence,
+    removal_words,
+    verdict_sentence,
+    verdict_word,
+)
+from friction_audit.reporting.report_files import REPORT_FORMATS, write_markdown, write_pdf
+from friction_audit.reporting.table import Column, Table
+from tests.reporting import batch_by_hand, diagnosis_by_hand, log_report_by_hand
+from tests.reporting.pages import MOST_BYTES, SMALL, blank_figures, of_log, outline, page, report
+
+WHY = "omnibus test: response or base holds values that are not finite"
+
+
+def without_parts() -> LogReport:
+    missing = (Unanswered(part="diagnose", message=WHY), Unanswered(part="replay", message="no joint"))
+    return replace(report(), diagnosis=None, replay=None, unanswered=missing)
+
+
+@pytest.mark.parametrize(("case", "figures"), [("plain", len(LOG_FIGURES)), ("batch", len(BATCH_FIGURES))])
+def test_a_page_is_whole_small_and_loads_nothing(case: str, figures: int) -> None:
+    html = page(case)
+    assert len(html.encode()) < MOST_BYTES
+    parsed = outline(html)
+    assert [one for one in parsed.addresses if not one.startswith(("#", "data:"))] == []
+    assert (parsed.headings[0], parsed.headings.count(1)) == (1, 1)
+    assert all(after - before <= 1 for before, after in zip(parsed.headings, parsed.headings[1:], strict=False))
+    assert not re.search(r"@import|@font-face|url\((?!#)", html)
+    assert html.count('<figure class="drawing"') == figures
+    ids = re.findall(r'\bid="([^"]+)"', html)
+    assert len(ids) == len(set(ids))
+
+
+def test_everything_that_must_be_on_a_page_is() -> None:
+    log, choice = report().estimate.log, report().estimate.interaction.choice
+    for words in (
+        log.source.sha256, choice.formula, log_report_by_hand.LOST, diagnosis_by_hand.LIMIT, diagnosis_by_hand.FAULT,
+        "adequate", "named", "data fault", "move it back and forth", "what stribeck does", "same-motion",
+        "cycles.initiation_rad_s", "diagnosis.alpha", "replay.assume", "10.1109/TMECH.2024.3410330",
+        "friction-audit report &#39;run 1.csv&#39; -o out",
+    ):  # fmt: skip
+        assert words in page("plain"), words
+    for words in (
+        "drift.alpha", "0.05", "logs/broken.bag", "record it again", "10.1109/TMECH.2024.3410330", "Limit exceeded",
+        "friction-audit batch-report logs --fail-on coulomb=15% -o out", "run_003.mcap",
+        "damaged, part of it left out; 3 repeated rows were left out",
+    ):  # fmt: skip
+        assert words in page("batch small"), words
+
+
+def test_the_same_result_gives_the_same_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[1:2])
+    one = part_of(report(), (1,))
+    assert of_log(one) == of_log(one)
+    assert write_page(SMALL) == page("batch small")
+
+
+@pytest.mark.parametrize("place", ["text", "cell", "title", "command", "caption"])
+@given(word=st.text(alphabet="<>&\"'`=/ax\\{}%$", min_size=1))
+def test_no_word_becomes_markup(place: str, word: str) -> None:
+    column = Column("a", str, get=lambda row: row, title="t")
+    parts: dict[str, Part] = {
+        "text": Text(lines=(word,)),
+        "cell": Table(columns=(column,), rows=(word,), caption="c"),
+        "title": Table(columns=(replace(column, title=word),), rows=(), caption="c"),
+        "command": Command(line=word),
+        "caption": Table(columns=(column,), rows=(), caption=word, folded=True),
+    }
+    html = render_page(Page(title=word, lead=word, sections=(Section(anchor="a", title=word, parts=(parts[place],)),)))
+    assert set(outline(html).addresses) == {"data:,", "#main", "#a"}
+    assert html.count("<script") == 1
+
+
+def test_hostile_names_are_text() -> None:
+    html = page("hostile")
+    assert html.count("<script") == 1
+    assert "&lt;script&gt;alert(" in html
+    outline(html)
+    text = write_markdown(log_page(log_report_by_hand.hostile(), figures=False))
+    outside = re.sub(r"^(`{3,})sh\n.*?\n\1$", "", text, flags=re.MULTILINE | re.DOTALL)
+    assert not re.search(r"(?<!\\)[<>$`]", outside)
+
+
+def test_figures_write_a_name_as_it_is() -> None:
+    """As mathematics this name would be an error, and the font of the layout has no such letter."""
+    name = "a$\\bad{$ \N{CJK UNIFIED IDEOGRAPH-819D}"
+    assert f">joint 1 {name}</text>" in of_log(log_report_by_hand.called(name))
+
+
+def test_a_drawing_has_words_a_description_and_its_own_ids() -> None:
+    figure = draw_drift(batch_by_hand.arm(4, 2), None)
+    one, other = (draw_inline(figure, prefix=prefix, description="a <b> & c\x00") for prefix in ("one", "other"))
+    assert ">joint 2<" in one.svg
+    assert "a &lt;b&gt; &amp; c\ufffd" in one.svg
+    assert "metadata" not in one.svg
+    assert "<style" not in one.svg
+    ids = [set(re.findall(r'id="([^"]+)"', picture.svg)) for picture in (one, other)]
+    assert ids[0]
+    assert not ids[0] & ids[1]
+    assert set(re.findall(r'(?:url\(|href=")#([^")]+)', one.svg)) <= ids[0]
+
+
+def test_each_joint_has_one_verdict() -> None:
+    words = [verdict_word(one) for one in report().joints]
+    assert words == ["named", "ambiguous", "adequate", "unexplained", "not testable", "data fault"]
+    assert {verdict_word(one) for one in without_parts().joints} == {"estimated", "no estimate"}
+    still = report().joints[2]
+    assert verdict_sentence(still).startswith(f"No estimate: {still.friction.reason}.")
+    assert "compensator" not in verdict_sentence(still)
+
+
+def test_a_verdict_has_friction_missing_effects_and_what_would_be_saved() -> None:
+    first = report().joints[0]
+    assert first.replay is not None
+    assert first.replay.numbers is not None
+    pattern = r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. stribeck \(what"
+    assert re.match(pattern, verdict_sentence(first))
+    assert f"removed {100 * first.replay.numbers.dissipation_removed:.0f} %" in verdict_sentence(first)
+    worse = replace(first.replay, numbers=replace(first.replay.numbers, dissipation_removed=-0.5))
+    assert "left the person with 150 %" in removal_words(worse)
+    diverged = replace(first.replay, numbers=replace(first.replay.numbers, diverged_s=3.0))
+    assert "diverged after 3 s" in removal_words(diverged)
+
+
+def test_the_lead_names_the_joints() -> None:
+    assert lead_sentence(report()).startswith("Friction is estimated on joints 1, 2, 4, 5 and 6 of 6. ")
+    assert lead_sentence(part_of(report(), (1, 2))) == (
+        "Friction is estimated on all 2 joints. The model misses stribeck on joint 1; "
+        "the model misses torque_bias or asymmetric_coulomb on joint 2."
+    )
+
+
+def test_parts_without_an_answer_leave_the_others() -> None:
+    html = of_log(part_of(without_parts(), (1,)))
+    assert WHY in html
+    assert "Velocity-torque curves." in html
+    assert "Residual after each effect" not in html
+
+
+def test_a_part_is_the_whole_cut_to_its_joints() -> None:
+    whole, part = report().estimate, part_of(report(), (2, 6)).estimate
+    assert part.interaction.joint_numbers == (2, 6)
+    np.testing.assert_array_equal(part.interaction.dq[:, 1], whole.interaction.dq[:, 5])
+    np.testing.assert_array_equal(part.cycles.of_joint(1).stop, whole.cycles.of_joint(5).stop)
+    assert part.cycles.moving_s[1] == whole.cycles.moving_s[5]
+    assert [one.joint for one in part.friction.joints] == [2, 6]
+
+
+def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(log_figures, "MOST_BYTES", 1)
+    monkeypatch.setattr(log_figures, "ON_A_SHEET", 2)
+    drawn = draw_figures(report())
+    assert drawn.by_section == {}
+    assert "Coefficients over time, joints 3 to 4" in drawn.left_out["friction"]
+    assert "Coefficients over time, joints 3 to 4" in of_log(report())
+    monkeypatch.setattr(batch_page, "MOST_BYTES", 100_000)
+    steady = replace(batch_by_hand.arm(4, 1, robot="steady"), drift=False)
+    drifting = replace(batch_by_hand.arm(4, 2, robot="moving"), drift=True)
+    html = write_page(batch_by_hand.batch(steady, drifting), blank_figures(2, letters=20_000))
+    assert html.count('<figure class="drawing"') == len(BATCH_FIGURES)
+    assert "those of steady are in files next to it" in html
+
+
+def test_a_page_of_a_thousand_sessions_or_of_many_arms_is_small(monkeypatch: pytest.MonkeyPatch) -> None:
+    of_few = blank_figures(1, letters=50_000, kinds=("curves", "changes"))  # they are no larger for many sessions
+    html = write_page(batch_by_hand.batch(batch_by_hand.arm(1000)), of_few)
+    assert len(html.encode()) < MOST_BYTES
+    assert "the last 857 of 1000" in html
+    monkeypatch.setattr(batch_page, "MOST_BYTES", 50_000)  # the figures of one arm
+    arms = [batch_by_hand.arm(30, 7, robot=f"arm-{k}") for k in range(40)]
+    html = write_page(batch_by_hand.batch(*arms), blank_figures(40, letters=75_000))
+    assert len(html.encode()) < MOST_BYTES
+    assert "the last 21 of 30" in html
+
+
+def test_an_arm_without_joints_has_a_page() -> None:
+    bare = replace(batch_by_hand.arm(4, 1, robot="bare"), joints=(), drift=False)
+    assert "bare" in write_page(batch_by_hand.batch(bare))
+
+
+def test_settings_are_named_in_full() -> None:
+    settings = {"a": {"b": 1, "c": {"d": None}}, "e": [1, 2.5], "f": True, "g": {}, "h": ()}
+    assert dict(flattened(settings)) == {
+        "a.b": "1", "a.c.d": "not set", "e": "1, 2.5", "f": "yes", "g": "not set", "h": "not set",
+    }  # fmt: skip
+
+
+def test_markdown_holds_the_tables() -> None:
+    text = write_markdown(log_page(report(), figures=False))
+    assert text.startswith("# Joint friction: run 1.csv\n")
+    tables = re.findall(r"(?:^\|.*\|\n)+", text, re.MULTILINE)
+    assert len(tables) >= 6
+    for table in tables:
+        assert len({len(re.findall(r"(?<!\\)\|", row)) for row in table.splitlines()}) == 1
+    assert "```sh\nfriction-audit report 'run 1.csv' -o out\n```" in text
+    assert "- **named** Joint 1: " in text
+
+
+def test_a_page_is_printed_with_nothing_folded() -> None:
+    html = render_page(log_page(part_of(report(), (1,)), figures=False), paper=True)
+    assert "<script" not in html
+    assert "<details>" not in html
+    outline(html)
+
+
+def test_the_pdf_is_the_page_printed(monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("weasyprint", reason="weasyprint is not installed: pip install '.[pdf]'", exc_type=ImportError)
+    monkeypatch.setattr(log_figures, "LOG_FIGURES", LOG_FIGURES[:2])
+    found = log_page(log_report_by_hand.called("a$b$ \N{CJK UNIFIED IDEOGRAPH-819D} <b>"))
+    pdf = write_pdf(found)
+    assert pdf.startswith(b"%PDF-")
+    for section in found.sections:  # the bookmarks of a reader
+        assert section.title.encode() in pdf or section.title.encode("utf-16-be") in pdf
+
+
+def test_without_what_prints_it_one_command_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "weasyprint", None)
+    with pytest.raises(UsageError, match=r"pip install 'friction-audit\[pdf\]'"):
+        write_pdf(Page(title="a", lead="b"))
+
+
+def test_formats_of_the_options_are_those_of_the_report() -> None:
+    from friction_audit.cli import choices  # noqa: PLC0415
+
+    assert {name: ending for name, (ending, _) in REPORT_FORMATS.items()} == choices.REPORT_FORMATS
