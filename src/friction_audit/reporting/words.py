@@ -12,6 +12,8 @@ NEWTON_METRES = "N m"
 NOTHING = "-"
 # Characters of a joint's name; no column and no panel has room for more.
 LONGEST_NAME = 24
+# The same above a panel and above a column of a table of joints.
+SHORTEST_NAME = 16
 # Share by which the two sides of an interval may differ and still be written as one.
 LOPSIDED = 0.25
 # No sensor of a joint resolves more, and the table stays narrower than a terminal.

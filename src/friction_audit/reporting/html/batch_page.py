@@ -48,7 +48,7 @@ from friction_audit.reporting.html.page import (
 )
 from friction_audit.reporting.table import Column, Get, Record, Table, joint_column
 from friction_audit.reporting.words import (
-    LONGEST_NAME,
+    SHORTEST_NAME,
     enumerate_words,
     format_p,
     format_percent,
@@ -463,7 +463,7 @@ def _of_joint(joint: JointDrift, name: str) -> Column:
         summary = next((one for one in row.session.joints if one.joint == joint.joint), None)
         return UNDETERMINED if summary is None else summary.coefficients.get(name, UNDETERMINED)
 
-    title = shortened(joint_label(joint.joint, joint.name), LONGEST_NAME)
+    title = shortened(joint_label(joint.joint, joint.name), SHORTEST_NAME)
     return Column(f"joint_{joint.joint}", Coefficient, get=value, title=title, on="p")
 
 

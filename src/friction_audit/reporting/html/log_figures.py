@@ -24,7 +24,7 @@ from friction_audit.reporting.html.page import Figure
 from friction_audit.reporting.html.svg import draw_inline
 from friction_audit.reporting.report import JointReport, LogReport, friction_words, removal_words
 from friction_audit.reporting.units import label_in_unit
-from friction_audit.reporting.words import LONGEST_NAME, count_of, in_unit, joint_label
+from friction_audit.reporting.words import SHORTEST_NAME, count_of, in_unit, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure as Drawing
@@ -313,7 +313,7 @@ def part_of(report: LogReport, numbers: Collection[int]) -> LogReport:
     return replace(report, estimate=_estimate(report.estimate, numbers), diagnosis=diagnosis, replay=replayed)
 
 
-def _fitting(joint: int, name: str, most: int = LONGEST_NAME) -> str:
+def _fitting(joint: int, name: str, most: int = SHORTEST_NAME) -> str:
     """Return a name in so many letters, by default what fits above a panel; none where it says only the number."""
     return "" if joint_label(joint, name) == str(joint) else shortened(printable(name), most)
 
