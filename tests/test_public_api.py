@@ -22,7 +22,6 @@ from friction_audit.friction.settings import FrictionSettings
 from friction_audit.io.readers import ReadOptions
 from friction_audit.joint_log import JointLog
 from friction_audit.preprocessing.settings import CycleSettings, TorqueSettings
-from friction_audit.reporting.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
 from tests.reporting.conftest import build_estimate
 from tests.test_docs import DOCS
 

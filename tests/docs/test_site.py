@@ -5,13 +5,13 @@ import re
 from html import unescape
 
 import pytest
-from friction_audit.reporting.diagnosis import WORDS
 from markdown_it import MarkdownIt
 from typer.main import get_command
 
 from friction_audit.cli.app import app
 from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.effects.registry import effects
+from friction_audit.reporting.diagnosis import WORDS
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT
 
