@@ -1,4 +1,4 @@
-"""A compensator that the log does not tell of: found beside Coulomb friction that is held, untestable elsewhere."""
+"""A compensator that the log does not contain: found beside Coulomb friction that is held, untestable elsewhere."""
 
 from dataclasses import replace
 

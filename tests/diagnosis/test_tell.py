@@ -67,7 +67,7 @@ def told(
 
 
 def test_the_message_of_each_verdict() -> None:
-    assert told("none") == "nothing is missing: an effect of 0.0048 N m rms would have been seen"
+    assert told("none") == "nothing is missing: an effect of 0.0048 N m rms is detectable"
     assert told("not_testable") == "move faster; rest more"
     assert told("named", effect("x"), effect("y")) == "x (the x) and y (the y): below 0.1 rad/s"
     assert told("ambiguous", effect("x", ("p", "q")), effect("y")) == (

@@ -165,7 +165,7 @@ def test_a_joint_that_never_moved_is_said_to_have_stood_still() -> None:
         reason="did not move: its speed never came near the threshold; move it",
     )
     sessions = [replace(one, joints=(*one.joints, still)) for one in make_sessions(noisy(6))]
-    expected = "0 comparable sessions, at least 4 are needed to tell drift from scatter; did not move (6 sessions)"
+    expected = "0 comparable sessions, at least 4 are needed to separate drift from scatter; did not move (6 sessions)"
     joint = analyse(sessions).joints[1]
     assert joint.message == f"joint 2: {expected}"
     assert [one.message for one in joint.coefficients] == [

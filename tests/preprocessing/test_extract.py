@@ -462,7 +462,7 @@ def test_hand_speed_comes_from_the_kinematics() -> None:
         ({"torque": "tau_ext"}, "no tau_ext_hat_filtered; has: tau_J"),
         ({"torque": "interaction"}, "no tau_interaction"),
         ({"gravity": "logged"}, "no gravity"),
-        ({"drive": "hand", "inertia": "model"}, "far side"),
+        ({"drive": "hand", "inertia": "model"}, "link side"),
         ({"gravity": "model", "robot": "none"}, "--robot none"),
     ],
 )

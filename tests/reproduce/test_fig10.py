@@ -1,4 +1,4 @@
-"""Figs 8, 10 and 11: a person moves one joint, nobody compensates or the paper's method does."""
+"""Figs 8, 10 and 11: a person moves one joint, without compensation or the paper's method does."""
 
 import numpy as np
 import pytest

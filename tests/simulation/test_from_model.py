@@ -150,12 +150,12 @@ def test_the_numbers_of_joints_must_agree() -> None:
         (
             "joint_elasticity",
             {"compliance_rad_per_nm": 1e-3, "spring_nm_per_rad": 1e3, "far_share": 0.8},
-            "all inertia is behind its spring",
+            "all inertia is on the link side of its spring",
         ),
         (
             "backlash",
             {"backlash_share": 1.0, "gap_rad": 0.002, "contact_hz": 40.0, "far_share": 0.6},
-            "all inertia is behind its play",
+            "all inertia is on the link side of its backlash",
         ),
     ],
 )

@@ -136,7 +136,7 @@ def modelled_joint(model: JointModel | None, motion: Motion) -> MovedJoint | str
     if not inertia_kg_m2 > LEAST_INERTIA_KG_M2:
         return (
             f"its model has an inertia of {inertia_kg_m2:.3g} kg m^2, of a torque from which the inertia was taken "
-            "out; without it nobody knows how it would have moved; put that of the joint into the file, or use "
+            "out; without it the motion cannot be predicted; put that of the joint into the file, or use "
             "--assume same-motion"
         )
     return reason or MovedJoint(model=model, tables=tables)

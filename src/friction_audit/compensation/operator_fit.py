@@ -51,8 +51,8 @@ def fit_joint(friction: JointFriction) -> FittedJoint | str:
         one = found.inertia
         value = f"{one.value:.3g}, 95 % {one.low:.3g} to {one.high:.3g}" if isfinite(one.value) else "no value"
         return (
-            f"its inertia is not determined ({value} kg m^2), and without it nobody knows how it would "
-            "have moved; record brisker strokes with quick reversals, or use --assume same-motion"
+            f"its inertia is not determined ({value} kg m^2), and without it the motion cannot "
+            "be predicted; record brisker strokes with quick reversals, or use --assume same-motion"
         )
     pushing = [name for name, one in (("Coulomb", joint.coulomb), ("viscous", joint.viscous)) if not one.high > 0.0]
     if pushing:
@@ -123,7 +123,7 @@ def fit_operator(recorded: Recorded, q: Float) -> FittedOperator | str:
     turns, direction = turns[inside], direction[inside]
     if len(turns) < FEWEST_REVERSALS:
         return (
-            f"the person's impedance cannot be told from this log: {len(turns)} quick reversals, at least "
+            f"the person's impedance cannot be estimated from this log: {len(turns)} quick reversals, at least "
             f"{FEWEST_REVERSALS} are needed; record strokes back and forth without pauses, or give {TYPICAL}"
         )
     rows = turns[:, None] + np.arange(-before, after)

@@ -227,8 +227,8 @@ class Replay:
 ADVICE = {
     GAP: "holes in the log; record without dropping samples",
     NOT_MOVED: "the joint hardly moved; move it farther",
-    TOO_ALIKE: "they are too alike to tell Coulomb from viscous friction; vary the speed, raise --window, or choose "
-    "--model coulomb or viscous",
+    TOO_ALIKE: "they are too alike to separate Coulomb from viscous friction; vary the speed, raise --window, or "
+    "choose --model coulomb or viscous",
 }
 
 

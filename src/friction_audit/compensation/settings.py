@@ -52,7 +52,7 @@ SAME_MOTION = Counterfactual(
 SAME_TORQUE = Counterfactual(
     name="same-torque",
     title="same torque",
-    assumes="assumes that the person would have pushed exactly as recorded, whatever the joint does; "
+    assumes="assumes that the person would have pushed exactly as recorded, regardless of the joint; "
     f"{FITTED} moves under that torque, cycle by cycle from the recorded start",
 )
 SAME_OPERATOR = Counterfactual(

@@ -69,7 +69,7 @@ def _main(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumst
         return (
             f"{name} {went} by {total} while it became {abs(beside.warmer_k):.1f} K "
             f"{'warmer' if beside.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
-            "sessions at like temperature would tell"
+            "sessions at like temperature would separate them"
         )
     if drift.shape == "none":
         like = " at like temperature" if beside.by_temperature else ""
@@ -131,10 +131,10 @@ def percent(share: float) -> str:
 
 def _seen(drift: CoefficientDrift) -> str:
     if isfinite(drift.smallest_drift) and drift.smallest_drift <= LARGEST_PERCENT:
-        return f"a change of {percent(drift.smallest_drift)} % would have been seen"
+        return f"a change of {percent(drift.smallest_drift)} % is detectable"
     if isfinite(drift.smallest_drift) or not isfinite(drift.smallest_change):
         return "but the sessions are too few or too scattered to show any"
-    return f"a change of {drift.smallest_change:.2g} {UNITS[drift.coefficient]} would have been seen"
+    return f"a change of {drift.smallest_change:.2g} {UNITS[drift.coefficient]} is detectable"
 
 
 def _over(slope: Coefficient, drift: CoefficientDrift) -> Coefficient:
@@ -155,7 +155,7 @@ def _odd_ones(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]
     if len(drift.isolated) > MOST_NAMES:
         parts.append(f"and {len(drift.isolated) - MOST_NAMES} more sessions left out")
     if drift.isolated and drift.isolated[-1] == drift.sessions[-1]:
-        parts.append("the next session will tell whether the last one is the beginning of a change")
+        parts.append("the next session shows whether the last one is the beginning of a change")
     return parts
 
 
@@ -192,7 +192,7 @@ def describe_too_few(drift: CoefficientDrift, reasons: Sequence[str]) -> str:
 def too_few_words(count: int) -> str:
     """Return how many sessions there are and how many it takes."""
     plural = "" if count == 1 else "s"
-    return f"{count} comparable session{plural}, at least {FEWEST_SESSIONS} are needed to tell drift from scatter"
+    return f"{count} comparable session{plural}, at least {FEWEST_SESSIONS} are needed to separate drift from scatter"
 
 
 def describe_joint(joint: int, coefficients: Sequence[CoefficientDrift]) -> str:
@@ -231,4 +231,4 @@ def _arm_seen(joints: Sequence[JointDrift]) -> str:
         if known:
             ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
             parts.append(f"{' to '.join(ends)} % of {word}")
-    return f": changes of {' and of '.join(parts)} would have been seen, joint by joint" if parts else ""
+    return f": changes of {' and of '.join(parts)} are detectable, joint by joint" if parts else ""

@@ -173,11 +173,11 @@ EFFECT = Backlash(
     family="structure",
     axis="displacement",
     coefficients=(
-        Parameter("backlash_share", "1", "share of inertia and friction on the far side", lower=0.0, upper=1.5),
+        Parameter("backlash_share", "1", "share of inertia and friction on the link side", lower=0.0, upper=1.5),
     ),
     nonlinear=(
         Parameter("gap_rad", "rad", "full width of the gap", lower=1e-7, upper=1.0),
-        Parameter("contact_hz", "Hz", "ringing on a flank that touches", lower=1.0, upper=1e3),
+        Parameter("contact_hz", "Hz", "ringing in contact", lower=1.0, upper=1e3),
         Parameter(
             "flank_damping_ratio",
             "1",

@@ -62,5 +62,5 @@ EFFECT = ContactEvent(
     label="something touches the arm for a moment",
     family="slow and events",
     axis="time",
-    record="record again with nobody and nothing near the arm",
+    record="record again with no person and no object near the arm",
 )

@@ -39,7 +39,7 @@ NOMINAL = (
         label="inertia",
         family="nominal",
         axis="acceleration",
-        coefficients=(Parameter("inertia_kg_m2", "kg m^2", "inertia behind the sensor", lower=0.0),),
+        coefficients=(Parameter("inertia_kg_m2", "kg m^2", "reflected inertia", lower=0.0),),
     ),
     Coulomb(
         name="coulomb",

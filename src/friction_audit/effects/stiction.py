@@ -55,7 +55,7 @@ class Stiction(Effect):
             return moves(data, nominal)
         return (
             f"the joint breaks away from a standstill {starts} times, {telling} of them under a torque that rises "
-            "slowly or falls behind the start: let it stand still for a tenth of a second or more, then raise the "
+            "slowly or falls after the start: let it stand still for a tenth of a second or more, then raise the "
             f"torque slowly until it moves, at least {FEWEST_BREAKAWAYS} times"
         )
 

@@ -45,7 +45,7 @@ EFFECT = Stribeck(
     axis="speed",
     coefficients=(Parameter("stribeck_excess_nm", "N m", "friction above Coulomb at rest", lower=0.0),),
     nonlinear=(
-        Parameter("stribeck_speed_rad_s", "rad/s", "speed of fading", lower=1e-6, upper=10.0),
+        Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
         Parameter("stribeck_exponent", "1", "exponent of fading", lower=0.2, upper=5.0),
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,

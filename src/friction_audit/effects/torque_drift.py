@@ -38,8 +38,8 @@ class TorqueDrift(Effect):
         needed = CYCLES_PER_HALF_TURN * WAVES
         if length < SHORTEST_S or found < needed:
             return (
-                f"{found} cycles in {length:.0f} s: a drift is told from slow motion over at least {needed} cycles and "
-                f"{SHORTEST_S:g} s"
+                f"{found} cycles in {length:.0f} s: a drift is separated from slow motion over at least {needed} "
+                f"cycles and {SHORTEST_S:g} s"
             )
         return both_directions(data, nominal)
 

@@ -92,7 +92,7 @@ ADVICE = {
     SMALL: "in none of these did every selected joint move far enough; move all joints, select fewer (--joints), or "
     "lower --min-path",
     ONE_WAY: "the joint moved one way only and never back, so there is no closed energy cycle and friction cannot be "
-    "told from gravity or a torque offset; move it there and back, several times and at different speeds",
+    "separated from gravity or a torque offset; move it there and back, several times and at different speeds",
 }
 
 
@@ -161,7 +161,7 @@ def one_speed(cycles: EnergyCycles) -> str:
     level = float(parts.dissipated_j.sum() / path.sum())
     return (
         f"all motion has one speed ({mean:.2g} rad/s, spread {100 * spread:.0f} %): friction there is {level:.3f} N m, "
-        "but its Coulomb and viscous parts cannot be told apart; move at two or more speeds"
+        "but its Coulomb and viscous parts cannot be separated; move at two or more speeds"
     )
 
 

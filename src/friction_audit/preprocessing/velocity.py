@@ -117,11 +117,11 @@ def on_time(log: JointLog, coarse: CoarseLog) -> tuple[JointLog, tuple[Caution, 
     late = np.where(foreign, 0.0, lag)
     cautions = []
     if late.any():
-        message = f"{_lags(late)} behind the change of q, as behind a filter; it is put on time"
+        message = f"{_lags(late)} after the change of q, as after a filter; the lag is corrected"
         cautions.append(Caution(code="dq_late", message=message))
     if foreign.any():
         message = (
-            f"{_lags(np.where(foreign, lag, 0.0))} behind the change of q, later than a filter makes it, so another "
+            f"{_lags(np.where(foreign, lag, 0.0))} after the change of q, later than a filter makes it, so another "
             "clock stamped it; it is used as logged, and all energies are wrong by it; log q, dq and torque in one "
             "message, or shift the dq columns earlier by this much"
         )

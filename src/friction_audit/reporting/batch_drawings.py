@@ -22,7 +22,7 @@ CAPTIONS = {
     "are levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow circles "
     "are sessions that were not compared.",
     "control": "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
-    "that does not change, together with 95 % probability; where a session tells too little, it is cut by the panel.",
+    "that does not change, together with 95 % probability; a band wider than the panel is cut.",
     "curves": "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the "
     "range of its sessions, and the last session.",
 }

@@ -520,7 +520,7 @@ def batch_lines(summary: BatchSummary, *, verbose: bool = False) -> list[str]:
         lines += ["", *_arm_lines(arm, verbose=verbose)]
     lines += [""] * bool(summary.exceeded or summary.cannot_tell or summary.failed)
     lines += [f"limit exceeded: {sentence}" for sentence in summary.exceeded]
-    lines += [f"cannot tell: {sentence}" for sentence in summary.cannot_tell]
+    lines += [f"cannot test: {sentence}" for sentence in summary.cannot_tell]
     return lines + [f"failed: {failed.path}: {failed.message}" for failed in summary.failed]
 
 

@@ -38,7 +38,7 @@ def check(simulations: Simulations) -> tuple[Claim, ...]:
         _band(
             "the same where every pair of cycles gives an estimate, however alike they are",
             printed,
-            "(20) as printed divides by the difference of two cycles: two of the same speed tell nothing, and the "
+            "(20) as printed divides by the difference of two cycles: two of the same speed determine nothing, and the "
             "estimate is that of the noise. Above a condition number of 200 the coefficients before are scaled",
             last_s,
         ),

@@ -61,7 +61,7 @@ def _joints_stop(arms: Sequence[Simulation]) -> Claim:
         ours=f"{int(stopped.sum())} of {stopped.size} joints; worst {slopes.max():.2f}, joint {joint + 1}",
         value=float(slopes.max()),
         holds=bool(stopped.all()),
-        note="a joint need not rest when the hand does, and two cycles may be too alike to tell its coefficients apart",
+        note="a joint need not rest when the hand does, and two cycles may be too alike to separate its coefficients",
     )
 
 

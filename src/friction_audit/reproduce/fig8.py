@@ -1,4 +1,4 @@
-"""Fig. 8: one joint moved by a person, nobody compensates."""
+"""Fig. 8: one joint moved by a person, without compensation."""
 
 from typing import TYPE_CHECKING
 
@@ -60,7 +60,7 @@ def draw(simulations: Simulations) -> "Figure":
 
 FIGURE_8 = Reproduction(
     figure="8",
-    title="One joint moved by a person, nobody compensates",
+    title="One joint moved by a person, without compensation",
     scenarios=("fig8",),
     most_seeds=MANY,
     check=check,

@@ -207,7 +207,7 @@ def _torque_ripple(values: Values, setting: Setting) -> Told:
     size = hypot(cosine, sine)
     common: dict[str, float | str] = {"cycles_per_rev": order, "second_share": 0.0}
     if abs(cosine) <= ALIKE * size:
-        _require(not setting.driven, "a motor that cogs beyond the sensor is not seen behind it")
+        _require(not setting.driven, "a motor that cogs beyond the sensor is not seen by it")
         return "torque_ripple", {"torque_nm": -sine, "form": "cogging", **common}
     _require(abs(sine) <= ALIKE * size, "its ripple has the phase of a sine or of a cosine")
     return "torque_ripple", {"torque_nm": cosine, "form": "reading", **common}
@@ -247,7 +247,7 @@ def _torque_crosstalk(values: Values, _setting: Setting) -> Told:
 
 def _joint_elasticity(values: Values, setting: Setting) -> Told:
     _require(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
-    _require(values["far_share"] >= 1.0 - ALIKE, "all inertia is behind its spring")
+    _require(values["far_share"] >= 1.0 - ALIKE, "all inertia is on the link side of its spring")
     return "joint_elasticity", {
         "compliance_rad_per_nm": values["compliance_rad_per_nm"],
         "damping_ratio": _of_both_sides(values["damping_ratio"], setting),
@@ -257,8 +257,8 @@ def _joint_elasticity(values: Values, setting: Setting) -> Told:
 
 def _backlash(values: Values, setting: Setting) -> Told:
     share, gap, contact_hz, damping_ratio, far_share = values.values()
-    _require(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are behind its play")
-    _require(far_share >= 1.0 - ALIKE, "all inertia is behind its play")
+    _require(abs(share - 1.0) <= 2 * ALIKE, "all inertia and friction are on the link side of its backlash")
+    _require(far_share >= 1.0 - ALIKE, "all inertia is on the link side of its backlash")
     stiffness = setting.joint.inertia_kg_m2 * (2.0 * pi * contact_hz) ** 2
     return "backlash", {
         "gap_rad": gap,

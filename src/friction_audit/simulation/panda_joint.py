@@ -80,7 +80,7 @@ class HandGuidedPanda:
             if idle or INERTIAL_COUPLING in found:
                 raise UsageError(
                     f"Panda: {', '.join(idle or [INERTIAL_COUPLING])} in joint {number}: does nothing where only joint "
-                    f"{self.joint} moves; put effects behind @{self.joint}, or let all joints move (scenario panda)"
+                    f"{self.joint} moves; name them after @{self.joint}, or let all joints move (scenario panda)"
                 )
 
     @property

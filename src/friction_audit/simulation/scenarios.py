@@ -105,7 +105,7 @@ _TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TE
 PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
         name="fig3",
-        summary="viscous friction, nobody compensates: the energy that a person puts in",
+        summary="viscous friction, without compensation: the energy that a person puts in",
         settings=_sinusoidal(_TEN, 8.0),
         figure="Fig. 3",
     ),
@@ -131,13 +131,13 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario(
         name="fig8",
-        summary="a joint as in the paper's experiment, moved by a person, nobody compensates",
+        summary="a joint as in the paper's experiment, moved by a person, without compensation",
         settings=_experiment(None),
         figure="Fig. 8",
     ),
     Scenario(
         name="fig9-friction",
-        summary="Coulomb and viscous friction, nobody compensates: plateaus over the velocity",
+        summary="Coulomb and viscous friction, without compensation: plateaus over the velocity",
         settings=_sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
         figure="Fig. 9",
     ),
@@ -155,7 +155,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario(
         name="fig10-unguarded",
-        summary="the same, even from two cycles that are too alike to tell the coefficients apart",
+        summary="the same, even from two cycles that are too alike to separate the coefficients",
         settings=_experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
         figure="Fig. 10",
     ),
@@ -167,7 +167,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario(
         name="fig13",
-        summary="a Panda guided by the same hand, nobody compensates: what methods are compared with",
+        summary="a Panda guided by the same hand, without compensation: what methods are compared with",
         settings=ArmSettings(duration_s=30.0),
         figure="Fig. 13",
     ),
@@ -198,7 +198,7 @@ _ONE_JOINT = (
     ),
     Scenario(
         name="joint-driven",
-        summary="one joint moved by its motor along a sum of sines, a lever of 10 N m on it; nobody touches it",
+        summary="one joint moved by its motor along a sum of sines, a lever of 10 N m on it; without contact",
         settings=BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
     ),
 )
@@ -214,7 +214,7 @@ _PANDA = (
     ),
     Scenario(
         name="panda-driven",
-        summary="a Panda that moves by itself, every joint along a sum of sines; nobody touches it",
+        summary="a Panda that moves by itself, every joint along a sum of sines; without contact",
         settings=ArmSettings(driven=True),
     ),
 )

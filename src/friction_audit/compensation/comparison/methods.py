@@ -320,7 +320,7 @@ METHODS: tuple[Method, ...] = (
     Method(
         name="oracle",
         label="oracle",
-        paper=Tuning(name="true friction", meaning="told the true Coulomb and viscous friction", make=_oracle),
+        paper=Tuning(name="true friction", meaning="given the true Coulomb and viscous friction", make=_oracle),
     ),
 )
 """In the order of the paper's figures, the oracle last."""

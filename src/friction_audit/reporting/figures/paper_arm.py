@@ -64,7 +64,7 @@ def draw_compensated(course: Course) -> "Figure":
 
 
 def draw_compensated_loop(course: Course, without: Course) -> "Figure":
-    """Draw the torque over the velocity, on the axes of the joint that nobody compensates."""
+    """Draw the torque over the velocity, on the axes of the joint that without compensation."""
     with figure_style(mathematics=True):
         figure = new_figure(COLUMN_IN, 2.5)
         axes = figure.subplots()

@@ -346,7 +346,7 @@ def _verdict_section(summary: BatchSummary) -> Section:
         ]
     )
     limits = [f"Limit exceeded: {one}" for one in summary.exceeded]
-    limits += [f"Cannot tell: {one}" for one in summary.cannot_tell]
+    limits += [f"Cannot test: {one}" for one in summary.cannot_tell]
     parts = (Text(lines=limits, listed=True, tone="alert"),) if limits else ()
     return Section(anchor="verdicts", title="Verdicts", parts=(verdicts, *parts))
 

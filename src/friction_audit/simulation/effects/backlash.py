@@ -14,7 +14,7 @@ class Backlash:
 
     Attributes:
         gap_rad: Full width of the gap. [rad]
-        contact_compliance_rad_per_nm: Twist per torque of the flanks in contact. [rad/(N m)]
+        contact_compliance_rad_per_nm: Twist per torque in contact. [rad/(N m)]
         contact_damping_ratio: Damping ratio of the contact.
     """
 
@@ -65,7 +65,7 @@ EFFECT = Effect(
         Parameter(
             name="contact_compliance_rad_per_nm",
             usual=1e-4,
-            meaning="twist per torque of the flanks in contact [rad/(N m)]",
+            meaning="twist per torque in contact [rad/(N m)]",
             low=1e-5,
             high=1e-2,
         ),

@@ -103,7 +103,7 @@ def torque_nm(group: Any, events: Float, t: float, velocity: float) -> float:  #
 EFFECT = Effect(
     name="contact_event",
     family="slow and events",
-    summary="something touches the joint behind its sensor now and then",
+    summary="something touches the link side of the joint now and then",
     group=ContactEvent,
     strength="torque_nm",
     parameters=(

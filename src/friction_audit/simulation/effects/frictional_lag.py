@@ -84,9 +84,7 @@ EFFECT = Effect(
     group=FrictionalLag,
     strength="lag_s",
     parameters=(
-        Parameter(
-            name="lag_s", usual=0.03, meaning="time by which friction lags behind the speed [s]", high=LONGEST_LAG_S
-        ),
+        Parameter(name="lag_s", usual=0.03, meaning="time by which friction lags the speed [s]", high=LONGEST_LAG_S),
     ),
     forms=("relaxing", "delayed"),
 )

@@ -20,7 +20,7 @@ class InertiaError:
 EFFECT = Effect(
     name="inertia_error",
     family="structure",
-    summary="the inertia behind the sensor is not that of the model",
+    summary="the reflected inertia is not that of the model",
     group=InertiaError,
     strength="extra_kg_m2",
     parameters=(

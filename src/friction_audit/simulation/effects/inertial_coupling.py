@@ -47,7 +47,7 @@ EFFECT = Effect(
     group=InertialCoupling,
     strength="ratio",
     parameters=(
-        Parameter(name="ratio", usual=0.2, meaning="turns behind the gear per turn of the neighbour", low=-math.inf),
+        Parameter(name="ratio", usual=0.2, meaning="turns after the gear per turn of the neighbour", low=-math.inf),
     ),
     needs_neighbours=True,
 )

@@ -62,7 +62,7 @@ def sigmoid_nm(group: Any, velocity: float) -> float:  # noqa: ANN401 - a record
 EFFECT = Effect(
     name="unlogged_compensation",
     family="slow and events",
-    summary="a friction compensator was active that the log does not tell of",
+    summary="a friction compensator was active that the log does not contain",
     group=UnloggedCompensation,
     strength="share",
     parameters=(
