@@ -103,8 +103,8 @@ def _check_settings(log: JointLog, settings: TorqueSettings) -> None:
         )
     if settings.inertia == "model" and settings.drive == "hand":
         raise UsageError(
-            "--inertia model with --drive hand: when a hand moves the arm the link's inertia is on the far side of the "
-            "sensor and not in its balance with friction; leave --inertia away, or say --drive robot"
+            "--inertia model with --drive hand: when a hand moves the arm the link's inertia is on the link side of "
+            "the sensor and not in its balance with friction; leave --inertia away, or say --drive robot"
         )
     wants_tau_J = settings.gravity in ("logged", "model") or settings.inertia == "model"
     if wants_tau_J and settings.torque in ("interaction", "tau_ext"):
@@ -209,8 +209,8 @@ def _cautions(
         by_model = f". To remove it by a model, {command}" if log.source.torque_unit == "N m" else ""
         asked = " (--gravity none)" if settings.gravity == "none" else ""
         found["gravity_in_torque"] = (
-            f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles closed in position count. If "
-            f"gravity is already removed from it: {removed_command(log, settings)}{by_model}"
+            f"{where}: gravity is taken to be still in tau_J{asked}, so only cycles that return to their start count. "
+            f"If gravity is already removed from it: {removed_command(log, settings)}{by_model}"
         )
     return [Caution(code=code, message=message) for code, message in found.items()]
 
