@@ -24,7 +24,7 @@ EVERY_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: eff
 
 def allowed(parameter: Parameter) -> str:
     """Return the range of a parameter in words."""
-    low, high = parameter.low, parameter.high
+    low, high = parameter.lower, parameter.upper
     if low == -inf:
         return "any" if high == inf else f"up to {high:g}"
     return f"from {low:g}" if high == inf else f"{low:g} to {high:g}"
@@ -33,9 +33,9 @@ def allowed(parameter: Parameter) -> str:
 def parameter_table(effect: Effect) -> str:
     """Return the table of an effect's parameters as its page has it; paste it there when it changes."""
     rows = ["| parameter | usual | unit | allowed | meaning |", "| --- | --- | --- | --- | --- |"]
-    for one in effect.parameters:
+    for one in effect.parameters():
         meaning, _, unit = one.meaning.removesuffix("]").partition(" [")
-        rows.append(f"| `{one.name}` | {one.usual:g} | {unit} | {allowed(one)} | {meaning} |")
+        rows.append(f"| `{one.name}` | {one.default:g} | {unit} | {allowed(one)} | {meaning} |")
     if effect.forms:
         words = ", ".join(f"`{word}`" for word in effect.forms)
         rows.append(f"| `form` | `{effect.forms[0]}` | | {words} | functional form |")
@@ -60,13 +60,13 @@ def test_the_index_lists_the_effects_by_family() -> None:
 def test_page_has_title_summary_and_family(effect: Effect) -> None:
     title, _, line = read(effect).splitlines()[:3]
     assert title == f"# {effect.name}"
-    assert line == f"*{effect.summary[0].upper()}{effect.summary[1:]}.* Family: {effect.family}."
+    assert line == f"*{effect.summary[0].upper()}{effect.summary[1:]}.* Family: {effect.family()}."
 
 
 @EVERY_EFFECT
 def test_parameters_are_the_program_s(effect: Effect) -> None:
     assert parameter_table(effect) in read(effect)
-    assert f"`{effect.strength}=0`" in read(effect)
+    assert f"`{effect.strength_name()}=0`" in read(effect)
 
 
 @EVERY_EFFECT

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from friction_audit.effects.joint_model import ArmModel, simple_model
-from friction_audit.simulation.effects import EFFECTS
-from friction_audit.simulation.effects.effect import Effect
+from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.scenarios import SCENARIOS
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors
 
@@ -98,11 +97,11 @@ def _draw_number(seed: int) -> int:
     return int(np.random.default_rng([seed, 20261122]).integers(2, 7))
 
 
-def _draw_group(effect: Effect, rng: np.random.Generator) -> Any:  # noqa: ANN401 - every effect has its own
+def _draw_group(effect: type[HiddenEffect], rng: np.random.Generator) -> Any:  # noqa: ANN401 - every effect has its own
     numbers = {}
-    for parameter in effect.parameters:
-        value = parameter.usual * float(np.exp(rng.uniform(-np.log(SPREAD), np.log(SPREAD))))
-        numbers[parameter.name] = repr(min(max(value, parameter.low), parameter.high))
+    for parameter in effect.parameters():
+        value = parameter.default * float(np.exp(rng.uniform(-np.log(SPREAD), np.log(SPREAD))))
+        numbers[parameter.name] = repr(min(max(value, parameter.lower), parameter.upper))
     if effect.forms:
         numbers["form"] = str(rng.choice(effect.forms))
     return effect.make(numbers)

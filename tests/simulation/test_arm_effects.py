@@ -20,7 +20,7 @@ IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,) * 7)
 ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
 WITHIN_REACH = {"joint_limit_stop": {"at_rad": "0.05"}}
 """An arm guided for two seconds does not get far: the stops stand closer."""
-NOTHING_YET = Hidden(**{effect.name: replace(effect.make({}), **{effect.strength: 0.0}) for effect in EFFECTS})
+NOTHING_YET = Hidden(**{effect.name: replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS})
 SEED = 1
 
 

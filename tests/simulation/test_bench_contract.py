@@ -10,7 +10,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.effects import EFFECTS, Effect, Hidden
+from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
@@ -44,7 +44,7 @@ def nothing() -> Simulation:
     return simulate_bench(PLAIN, SEED)
 
 
-def hide(effect: Effect, form: str, **numbers: float) -> Hidden:
+def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
     group = effect.make({"form": form} if form else {})
     return Hidden(**{effect.name: replace(group, **numbers)})
 
@@ -56,16 +56,19 @@ def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
     yield from ((item.name, getattr(simulation.truth.motion, item.name)) for item in fields(TrueMotion))
 
 
-def others_changed(effect: Effect) -> dict[str, float]:
+def others_changed(effect: type[HiddenEffect]) -> dict[str, float]:
     """Return no strength, and other values than the usual ones for all that can be told besides."""
-    told = {item.name: 1.3 * item.usual + 0.01 for item in effect.parameters if item.name != effect.strength}
-    limits = {item.name: (item.low, item.high) for item in effect.parameters}
+    strength = effect.strength_name()
+    told = {item.name: 1.3 * item.default + 0.01 for item in effect.parameters() if item.name != strength}
+    limits = {item.name: (item.lower, item.upper) for item in effect.parameters()}
     kept = {name: min(max(value, limits[name][0]), limits[name][1]) for name, value in told.items()}
-    return kept | {effect.strength: 0.0}
+    return kept | {strength: 0.0}
 
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
-def test_at_zero_strength_nothing_changes_to_the_bit(effect: Effect, form: str, nothing: Simulation) -> None:
+def test_at_zero_strength_nothing_changes_to_the_bit(
+    effect: type[HiddenEffect], form: str, nothing: Simulation
+) -> None:
     """A joint gets warm with or without an effect on its friction: warm-up may tell how fast."""
     simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form, **others_changed(effect)),)), SEED)
     for (name, column), (_, plain) in zip(columns(simulation), columns(nothing), strict=True):
@@ -75,7 +78,7 @@ def test_at_zero_strength_nothing_changes_to_the_bit(effect: Effect, form: str, 
 
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
-def test_as_usual_it_shows_and_stays_finite(effect: Effect, form: str, nothing: Simulation) -> None:
+def test_as_usual_it_shows_and_stays_finite(effect: type[HiddenEffect], form: str, nothing: Simulation) -> None:
     simulation = simulate_bench(replace(PLAIN, hidden=(hide(effect, form),)), SEED)
     for name, column in columns(simulation):
         assert np.isfinite(column).all(), name
@@ -103,7 +106,7 @@ def net_work(motion: TrueMotion) -> Any:
     [(e, f) for e, f in CASES if e.name in FRICTION],
     ids=[n for n in NAMES if n.split("-")[0] in FRICTION],
 )
-def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: Effect, form: str) -> None:
+def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: type[HiddenEffect], form: str) -> None:
     motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion
     taken = motion.dissipated_j[:, 0]
     assert (np.diff(taken) >= 0.0).all()
@@ -113,7 +116,7 @@ def test_what_goes_in_is_taken_by_friction_or_still_moves(effect: Effect, form: 
 
 
 @pytest.mark.parametrize(("effect", "form"), CASES, ids=NAMES)
-def test_the_joint_obeys_its_equation_of_motion(effect: Effect, form: str) -> None:
+def test_the_joint_obeys_its_equation_of_motion(effect: type[HiddenEffect], form: str) -> None:
     """B ddq = F_m + u - tau_f at every tick, what else pulls behind the sensor being left over."""
     elsewhere = ("cable_spring", "joint_limit_stop", "contact_event", "torque_ripple")
     motion = simulate_bench(replace(FINE, hidden=(hide(effect, form),)), SEED).truth.motion

@@ -8,23 +8,23 @@ from numpy.testing import assert_allclose
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
-from friction_audit.simulation.effects import EFFECTS, Effect, Hidden
+from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.inertia_error import InertiaError
 from friction_audit.simulation.settings import IDEAL_SENSORS
 
 IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))
 
 
-def ends(effect: Effect) -> list[dict[str, str]]:
+def ends(effect: type[HiddenEffect]) -> list[dict[str, str]]:
     """Return one setting for each finite end of a parameter's range, the strength above zero."""
     found = []
-    for item in effect.parameters:
-        found += [{item.name: f"{end:g}"} for end in (item.low, item.high) if np.isfinite(end)]
-    return [given for given in found if given.get(effect.strength) != "0"]
+    for item in effect.parameters():
+        found += [{item.name: f"{end:g}"} for end in (item.lower, item.upper) if np.isfinite(end)]
+    return [given for given in found if given.get(effect.strength_name()) != "0"]
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
-def test_every_end_of_every_range_keeps_the_joint_under_the_hand(effect: Effect) -> None:
+def test_every_end_of_every_range_keeps_the_joint_under_the_hand(effect: type[HiddenEffect]) -> None:
     plain = np.abs(simulate_bench(IDEAL, 1).truth.motion.dq).max()
     for given in ends(effect):
         for form in effect.forms or ("",):

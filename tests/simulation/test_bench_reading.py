@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from friction_audit.joint_log import Float
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
-from friction_audit.simulation.effects import EFFECTS, Effect, Hidden
+from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.time_delay import TORQUE_LATE, VELOCITY_LATE, TimeDelay
 from friction_audit.simulation.sensors import quantise
 from friction_audit.simulation.settings import IDEAL_SENSORS
@@ -52,7 +52,7 @@ def test_delay_shifts_torque_or_motion_by_its_length(delay_s: float) -> None:
 
 @pytest.mark.parametrize("logs_sensor", [False, True])
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect.name)
-def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: Effect, logs_sensor: bool) -> None:
+def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: type[HiddenEffect], logs_sensor: bool) -> None:
     settings = replace(PLAIN, logs_sensor=logs_sensor, logs_temperature=True, gravity_nm=4.0 * logs_sensor)
     for form in effect.forms or (None,):
         hidden = Hidden(**{effect.name: effect.make({"form": form} if form else {})})

@@ -4,9 +4,8 @@ import pytest
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects import EFFECTS
-from friction_audit.simulation.effects.effect import Effect
 from friction_audit.simulation.effects.stribeck import Stribeck
-from friction_audit.simulation.hide import HiddenEffect, hidden_effects, hide, settings_in_sight
+from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide, settings_in_sight
 from friction_audit.simulation.scenarios import SCENARIOS
 
 ONE = next(scenario.settings for scenario in SCENARIOS if len(scenario.settings.hidden) == 1)
@@ -16,16 +15,16 @@ EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effe
 
 
 @EACH_EFFECT
-def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: Effect) -> None:
+def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenInJoint]) -> None:
     told = [one for one in hidden_effects(hide(SEVEN, [effect.name])) if one.name == effect.name]
     assert [one.joint for one in told] == [1, 2, 3, 4, 5, 6, 7]
-    assert told[0].parameters == {parameter.name: parameter.usual for parameter in effect.parameters}
+    assert told[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}
     assert (told[0].form is None) == (not effect.forms)
 
 
 @EACH_EFFECT
-def test_an_effect_of_no_strength_is_not_told(effect: Effect) -> None:
-    hidden = hide(SEVEN, [f"{effect.name}:{effect.strength}=0"])
+def test_an_effect_of_no_strength_is_not_told(effect: type[HiddenInJoint]) -> None:
+    hidden = hide(SEVEN, [f"{effect.name}:{effect.strength_name()}=0"])
     assert effect.name not in [one.name for one in hidden_effects(hidden)]
 
 
@@ -34,7 +33,7 @@ def test_parameters_form_and_joints() -> None:
     parameters = {"excess_nm": 0.2, "speed_rad_s": 0.1, "exponent": 2.0}
     told = [one for one in hidden_effects(hidden) if one.name == "stribeck"]
     assert told == [
-        HiddenEffect(joint=joint, name="stribeck", form="lorentzian", parameters=parameters) for joint in (2, 5, 6)
+        HiddenInJoint(joint=joint, name="stribeck", form="lorentzian", parameters=parameters) for joint in (2, 5, 6)
     ]
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from friction_audit.simulation.assign import Setting
-    from friction_audit.simulation.effects.effect import Effect
+    from friction_audit.simulation.effects import HiddenEffect
     from friction_audit.simulation.scenarios import Scenario
 
 SEVERAL_JOINTS = "; takes several joints"
@@ -32,11 +32,11 @@ def effect_lines() -> list[str]:
     """Return the effects by family: each with its parameters, their usual values and their meaning."""
     from friction_audit.simulation.effects import EFFECTS
 
-    families = dict.fromkeys(effect.family for effect in EFFECTS)
+    families = dict.fromkeys(effect.family() for effect in EFFECTS)
     return [
         line
         for family in families
-        for line in (family, *_indented(line for e in EFFECTS if e.family == family for line in _effect(e)))
+        for line in (family, *_indented(line for e in EFFECTS if e.family() == family for line in _effect(e)))
     ]
 
 
@@ -52,10 +52,12 @@ def _about(scenario: "Scenario") -> str:
     return f"{scenario.summary}{figure}"
 
 
-def _effect(effect: "Effect") -> list[str]:
-    rows = [(parameter.name, f"{parameter.usual:g}", parameter.meaning) for parameter in effect.parameters]
+def _effect(effect: "type[HiddenEffect]") -> list[str]:
+    from friction_audit.simulation.effects.effect import described
+
+    rows = [(parameter.name, f"{parameter.default:g}", described(parameter)) for parameter in effect.parameters()]
     if effect.forms:
-        rows.append(("form", effect.forms[effect.group().form], f"one of {', '.join(effect.forms)}"))
+        rows.append(("form", effect.forms[0], f"one of {', '.join(effect.forms)}"))
     widths = [max(len(row[column]) for row in rows) for column in (0, 1)]
     table = [f"{name:<{widths[0]}}  {usual:<{widths[1]}}  {meaning}" for name, usual, meaning in rows]
     needs = SEVERAL_JOINTS if effect.needs_neighbours else ""

@@ -8,15 +8,15 @@ from typing import Any, TypeVar
 from friction_audit.errors import UsageError
 from friction_audit.joint_numbers import require_joints, split_joints, write_joint_numbers
 from friction_audit.simulation.assign import as_nested
-from friction_audit.simulation.effects import EFFECTS
-from friction_audit.simulation.effects.effect import FORM, Effect
+from friction_audit.simulation.effects import EFFECTS, HiddenEffect
+from friction_audit.simulation.effects.effect import FORM
 from friction_audit.simulation.scenarios import SCENARIOS
 
 Settings = TypeVar("Settings", bound=Any)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class HiddenEffect:
+class HiddenInJoint:
     """An effect that works in a joint.
 
     Attributes:
@@ -61,14 +61,18 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
     return replace(settings, hidden=tuple(hidden))
 
 
-def hidden_effects(settings: Any) -> tuple[HiddenEffect, ...]:  # noqa: ANN401 - settings of any scenario
+def hidden_effects(settings: Any) -> tuple[HiddenInJoint, ...]:  # noqa: ANN401 - settings of any scenario
     """Return the effects that do anything, joint by joint."""
-    return tuple(
-        _tell(effect, getattr(groups, effect.name), joint)
-        for joint, groups in enumerate(settings.hidden, start=1)
-        for effect in EFFECTS
-        if effect.is_hidden(getattr(groups, effect.name))
-    )
+    found = []
+    for joint, groups in enumerate(settings.hidden, start=1):
+        for group in groups.each():
+            if group.hidden:
+                values = group.values()
+                form = values.pop(FORM, None)
+                numbers = {name: float(value) for name, value in values.items()}
+                text = None if form is None else str(form)
+                found.append(HiddenInJoint(joint=joint, name=group.name, form=text, parameters=numbers))
+    return tuple(found)
 
 
 def settings_in_sight(settings: Any) -> dict[str, Any]:  # noqa: ANN401 - settings of any scenario
@@ -76,20 +80,13 @@ def settings_in_sight(settings: Any) -> dict[str, Any]:  # noqa: ANN401 - settin
     return {name: value for name, value in as_nested(settings).items() if name != "hidden"}
 
 
-def _tell(effect: Effect, group: object, joint: int) -> HiddenEffect:
-    values = effect.values(group)
-    form = values.get(FORM)
-    numbers = {name: float(value) for name, value in values.items() if name != FORM}
-    return HiddenEffect(joint=joint, name=effect.name, form=None if form is None else str(form), parameters=numbers)
-
-
-def _parse(entry: str, where: str) -> tuple[Effect, dict[str, str], tuple[int, ...] | None]:
+def _parse(entry: str, where: str) -> tuple[type[HiddenEffect], dict[str, str], tuple[int, ...] | None]:
     described, joints = split_joints(entry, where)
     name, colon, parameters = described.partition(":")
     return _find(name.strip(), where), _parameters(parameters, where) if colon else {}, joints
 
 
-def _find(name: str, where: str) -> Effect:
+def _find(name: str, where: str) -> type[HiddenEffect]:
     found = next((effect for effect in EFFECTS if effect.name == name), None)
     if found is None:
         near = difflib.get_close_matches(name, [effect.name for effect in EFFECTS], n=2)

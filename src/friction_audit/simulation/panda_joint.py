@@ -11,7 +11,6 @@ from friction_audit.joint_log import Float
 from friction_audit.robot.arm import Arm, load_arm
 from friction_audit.simulation import sensors as reading
 from friction_audit.simulation.bench import BenchSettings, Operator, Progress, make_motion, make_traces, move
-from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.mechanism import make_loop
 from friction_audit.simulation.settings import PANDA_SENSORS, JointParameters, Sensors, count_ticks, make_streams
@@ -32,8 +31,6 @@ PANDA_JOINTS = tuple(
 )
 
 JOINTS = 7
-FELT_AT_REST = ("torque_bias", "torque_drift", "gravity_error", "torque_crosstalk")  # in a joint that stands still
-INERTIAL_COUPLING = "inertial_coupling"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,11 +72,12 @@ class HandGuidedPanda:
         count_ticks(self.duration_s, self.rate_hz)
         # Effects that do nothing in a joint at rest would stand in the truth.
         for number, hidden in enumerate(self.hidden, start=1):
-            found = [effect.name for effect in EFFECTS if effect.is_hidden(getattr(hidden, effect.name))]
-            idle = [name for name in found if number != self.joint and name not in FELT_AT_REST]
-            if idle or INERTIAL_COUPLING in found:
+            others_only = [group.name for group in hidden.each() if group.hidden and group.needs_moving_neighbour]
+            at_rest = [group.name for group in hidden.each() if group.hidden and not group.felt_at_rest]
+            idle = (at_rest if number != self.joint else []) or others_only
+            if idle:
                 raise UsageError(
-                    f"Panda: {', '.join(idle or [INERTIAL_COUPLING])} in joint {number}: does nothing where only joint "
+                    f"Panda: {', '.join(idle)} in joint {number}: does nothing where only joint "
                     f"{self.joint} moves; name them after @{self.joint}, or let all joints move (scenario panda)"
                 )
 

@@ -1,6 +1,6 @@
 import pytest
 
-from friction_audit.simulation.effects.asymmetric_coulomb import EFFECT, AsymmetricCoulomb, extra_nm
+from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb, extra_nm
 from friction_audit.simulation.mechanics.records import pack
 
 
@@ -12,7 +12,7 @@ def test_what_one_direction_gains_the_other_loses(half_difference: float) -> Non
 
 
 def test_half_a_difference_may_be_negative() -> None:
-    assert EFFECT.make({"half_difference_nm": "-0.1"}) == AsymmetricCoulomb(half_difference_nm=-0.1)
+    assert AsymmetricCoulomb.make({"half_difference_nm": "-0.1"}) == AsymmetricCoulomb(half_difference_nm=-0.1)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -1,6 +1,6 @@
 import pytest
 
-from friction_audit.simulation.effects.asymmetric_viscous import EFFECT, AsymmetricViscous, extra_nm
+from friction_audit.simulation.effects.asymmetric_viscous import AsymmetricViscous, extra_nm
 from friction_audit.simulation.mechanics.records import pack
 
 
@@ -13,7 +13,7 @@ def test_what_one_direction_gains_the_other_loses(half_difference: float) -> Non
 
 
 def test_half_a_difference_may_be_negative() -> None:
-    group = EFFECT.make({"half_difference_nms_per_rad": "-0.1"})
+    group = AsymmetricViscous.make({"half_difference_nms_per_rad": "-0.1"})
     assert group == AsymmetricViscous(half_difference_nms_per_rad=-0.1)
 
 

@@ -4,10 +4,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.simulation.effects.cable_spring import EFFECT, CableSpring, torque_nm
+from friction_audit.simulation.effects.cable_spring import CableSpring, torque_nm
 from friction_audit.simulation.mechanics.records import pack
 
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(CableSpring.forms))
 
 
 @pytest.mark.parametrize(
@@ -24,7 +24,7 @@ FORMS = range(len(EFFECT.forms))
     ],
 )
 def test_pull_towards_the_centre(form: str, q: float, expected: float) -> None:
-    group = CableSpring(stiffness_nm_per_rad=0.4, centre_rad=0.2, free_rad=0.3, form=EFFECT.forms.index(form))
+    group = CableSpring(stiffness_nm_per_rad=0.4, centre_rad=0.2, free_rad=0.3, form=CableSpring.forms.index(form))
     assert torque_nm(pack([group])[0], q) == pytest.approx(expected)
 
 

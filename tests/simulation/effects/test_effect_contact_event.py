@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.contact_event import (
     DRAG,
-    EFFECT,
     KNOCK,
     STEP,
     ContactEvent,
@@ -17,7 +16,7 @@ from friction_audit.simulation.effects.contact_event import (
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(ContactEvent.forms))
 EVENTS = np.array([[1.0, 0.2, 2.0], [5.0, 0.4, -3.0], [5.1, 0.1, 1.0]])
 
 

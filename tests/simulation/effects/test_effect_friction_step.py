@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from friction_audit.simulation.effects.friction_step import (
     ABRUPT,
-    EFFECT,
     RAMP,
     SETTLING,
     FrictionStep,
@@ -16,7 +15,7 @@ from friction_audit.simulation.effects.friction_step import (
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(FrictionStep.forms))
 DURATION_S = 60.0
 
 
@@ -29,7 +28,7 @@ def viscous(t: float, **numbers: float) -> float:
 
 
 @pytest.mark.parametrize(
-    ("form", "share"), [(ABRUPT, 1.0), (RAMP, 0.4), (SETTLING, 1.0 - math.exp(-0.4))], ids=EFFECT.forms
+    ("form", "share"), [(ABRUPT, 1.0), (RAMP, 0.4), (SETTLING, 1.0 - math.exp(-0.4))], ids=FrictionStep.forms
 )
 def test_two_seconds_after_a_step_of_five(form: int, share: float) -> None:
     assert coulomb(22.0, change=0.5, at_share=1.0 / 3.0, form=form) == pytest.approx(1.0 + 0.5 * share)

@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.frictional_lag import DELAYED, EFFECT, LAG_MEMORY, RELAXING, FrictionalLag, speed
+from friction_audit.simulation.effects.frictional_lag import DELAYED, LAG_MEMORY, RELAXING, FrictionalLag, speed
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(FrictionalLag.forms))
 H = 1e-4
 
 

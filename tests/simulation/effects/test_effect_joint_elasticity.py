@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects.joint_elasticity import (
-    EFFECT,
     HARDENING,
     LINEAR,
     JointElasticity,
@@ -30,7 +29,7 @@ def test_hardening_spring_is_half_as_stiff_at_rest_and_as_stiff_far_away() -> No
 
 
 def test_usual_motor_rings_at_thirteen_hertz_in_the_hand() -> None:
-    reduced, compliance = 0.15, EFFECT.make({}).compliance_rad_per_nm
+    reduced, compliance = 0.15, JointElasticity.make({}).compliance_rad_per_nm
     assert math.sqrt(1 / (compliance * 0.3)) / (2 * math.pi) == pytest.approx(9.19, abs=0.01)
     assert math.sqrt(1 / (compliance * reduced)) / (2 * math.pi) == pytest.approx(12.99, abs=0.01)
 

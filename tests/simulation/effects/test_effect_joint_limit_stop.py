@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.simulation.effects.joint_limit_stop import EFFECT, EXPONENTIAL, JointLimitStop, torque_nm
+from friction_audit.simulation.effects.joint_limit_stop import EXPONENTIAL, JointLimitStop, torque_nm
 from friction_audit.simulation.mechanics.records import pack
 
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(JointLimitStop.forms))
 
 
 def wall(form: int, stiffness: float = 20.0) -> np.void:
@@ -37,7 +37,7 @@ def wall(form: int, stiffness: float = 20.0) -> np.void:
     ],
 )
 def test_push_of_the_wall(form: str, q: float, velocity: float, expected: float) -> None:
-    assert torque_nm(wall(EFFECT.forms.index(form)), q, velocity) == pytest.approx(expected, abs=1e-9)
+    assert torque_nm(wall(JointLimitStop.forms.index(form)), q, velocity) == pytest.approx(expected, abs=1e-9)
 
 
 @given(form=st.sampled_from(FORMS), q=st.floats(0.0, 1.2), velocity=st.floats(-3, 3))

@@ -2,10 +2,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.load_dependent_friction import EFFECT, LoadDependentFriction, extra_nm
+from friction_audit.simulation.effects.load_dependent_friction import LoadDependentFriction, extra_nm
 from friction_audit.simulation.mechanics.records import pack
 
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(LoadDependentFriction.forms))
 
 
 @pytest.mark.parametrize(
@@ -21,7 +21,7 @@ FORMS = range(len(EFFECT.forms))
     ],
 )
 def test_friction_of_a_load(form: str, load_nm: float, power_w: float, expected: float) -> None:
-    group = LoadDependentFriction(share=0.1, form=EFFECT.forms.index(form))
+    group = LoadDependentFriction(share=0.1, form=LoadDependentFriction.forms.index(form))
     assert extra_nm(pack([group])[0], load_nm, power_w) == pytest.approx(expected, rel=1e-12)
 
 

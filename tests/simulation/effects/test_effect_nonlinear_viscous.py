@@ -4,18 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.nonlinear_viscous import (
-    ARCTAN,
-    CUBIC,
-    EFFECT,
-    EYRING,
-    NonlinearViscous,
-    extra_nm,
-)
+from friction_audit.simulation.effects.nonlinear_viscous import ARCTAN, CUBIC, EYRING, NonlinearViscous, extra_nm
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(NonlinearViscous.forms))
 speeds = st.floats(0.0, 5.0)
 
 

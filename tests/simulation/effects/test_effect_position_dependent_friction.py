@@ -5,14 +5,16 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.position_dependent_friction import EFFECT, PositionDependentFriction, factor
+from friction_audit.simulation.effects.position_dependent_friction import PositionDependentFriction, factor
 from friction_audit.simulation.mechanics.records import pack
 
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(PositionDependentFriction.forms))
 
 
 def at(form: str, q: float, share: float = 0.4) -> float:
-    group = PositionDependentFriction(share=share, cycles_per_rev=2.0, phase_rad=0.0, form=EFFECT.forms.index(form))
+    group = PositionDependentFriction(
+        share=share, cycles_per_rev=2.0, phase_rad=0.0, form=PositionDependentFriction.forms.index(form)
+    )
     return factor(pack([group])[0], q)
 
 

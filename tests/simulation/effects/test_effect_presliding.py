@@ -10,7 +10,6 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.effects.presliding import (
     BRISTLES,
     DAHL,
-    EFFECT,
     FIRST_YIELD,
     LUGRE,
     MAXWELL_SLIP,
@@ -25,7 +24,7 @@ from friction_audit.simulation.effects.presliding import (
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(Presliding.forms))
 COULOMB_NM = 0.3
 DISPLACEMENT_RAD = 0.005
 SIGMA0 = COULOMB_NM / DISPLACEMENT_RAD

@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.stiction import EFFECT, IMMEDIATE, LOGARITHMIC, SATURATING, Stiction, excess_nm
+from friction_audit.simulation.effects.stiction import IMMEDIATE, LOGARITHMIC, SATURATING, Stiction, excess_nm
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(Stiction.forms))
 rests = st.floats(0.0, 1000.0)
 
 

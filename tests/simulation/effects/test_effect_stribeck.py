@@ -4,11 +4,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from friction_audit.simulation.effects.stribeck import EFFECT, EXPONENTIAL, LORENTZIAN, PIECEWISE, Stribeck, excess_nm
+from friction_audit.simulation.effects.stribeck import EXPONENTIAL, LORENTZIAN, PIECEWISE, Stribeck, excess_nm
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(Stribeck.forms))
 speeds = st.floats(0.0, 5.0)
 
 
@@ -17,7 +17,7 @@ def excess(speed: float, **numbers: float) -> float:
 
 
 @pytest.mark.parametrize(
-    ("form", "share"), [(EXPONENTIAL, math.exp(-1.0)), (LORENTZIAN, 0.5), (PIECEWISE, 0.0)], ids=EFFECT.forms
+    ("form", "share"), [(EXPONENTIAL, math.exp(-1.0)), (LORENTZIAN, 0.5), (PIECEWISE, 0.0)], ids=Stribeck.forms
 )
 def test_at_the_stribeck_speed_each_form_has_its_own_share_left(form: int, share: float) -> None:
     assert excess(0.1, excess_nm=0.3, speed_rad_s=0.1, form=form) == pytest.approx(0.3 * share)

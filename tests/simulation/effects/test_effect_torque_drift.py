@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.simulation.effects.torque_drift import EFFECT, RANDOM_WALK, THERMAL, TorqueDrift, reading_nm
+from friction_audit.simulation.effects.torque_drift import RANDOM_WALK, THERMAL, TorqueDrift, reading_nm
 
 T = np.linspace(5.0, 65.0, 601)
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(TorqueDrift.forms))
 
 
 def rng(seed: int = 0) -> np.random.Generator:

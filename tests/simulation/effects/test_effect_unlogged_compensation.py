@@ -6,7 +6,6 @@ from hypothesis import strategies as st
 
 from friction_audit.simulation.effects.unlogged_compensation import (
     DEAD_BAND,
-    EFFECT,
     SIGMOID,
     SMOOTH,
     UnloggedCompensation,
@@ -15,7 +14,7 @@ from friction_audit.simulation.effects.unlogged_compensation import (
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(UnloggedCompensation.forms))
 
 
 def torque(velocity: float, **numbers: float) -> float:

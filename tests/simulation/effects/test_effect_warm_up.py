@@ -7,7 +7,6 @@ from hypothesis import strategies as st
 
 from friction_audit.simulation.effects.warm_up import (
     AMBIENT,
-    EFFECT,
     SELF_HEATING,
     WarmUp,
     advance,
@@ -18,7 +17,7 @@ from friction_audit.simulation.effects.warm_up import (
 from friction_audit.simulation.mechanics.records import pack
 
 unhurried = settings(deadline=None)  # the first call compiles
-FORMS = range(len(EFFECT.forms))
+FORMS = range(len(WarmUp.forms))
 warmths = st.floats(0.0, 10.0)
 
 

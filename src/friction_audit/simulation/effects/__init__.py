@@ -1,61 +1,6 @@
-"""Effects that a synthetic log can hide: one file each, in the order of the documentation."""
+"""Effects that a synthetic log can hide: one module each."""
 
-from friction_audit.simulation.effects import (
-    asymmetric_coulomb,
-    asymmetric_viscous,
-    backlash,
-    cable_spring,
-    contact_event,
-    friction_step,
-    frictional_lag,
-    gravity_error,
-    inertia_error,
-    inertial_coupling,
-    joint_elasticity,
-    joint_limit_stop,
-    load_dependent_friction,
-    nonlinear_viscous,
-    position_dependent_friction,
-    presliding,
-    stiction,
-    stribeck,
-    time_delay,
-    torque_bias,
-    torque_crosstalk,
-    torque_drift,
-    torque_ripple,
-    unlogged_compensation,
-    warm_up,
-)
-from friction_audit.simulation.effects.effect import Effect, Parameter
-from friction_audit.simulation.effects.hidden import Hidden
+from friction_audit.simulation.effects.effect import HiddenEffect
+from friction_audit.simulation.effects.hidden import EFFECTS, Hidden
 
-EFFECTS: tuple[Effect, ...] = (
-    stribeck.EFFECT,
-    stiction.EFFECT,
-    nonlinear_viscous.EFFECT,
-    asymmetric_coulomb.EFFECT,
-    asymmetric_viscous.EFFECT,
-    presliding.EFFECT,
-    frictional_lag.EFFECT,
-    load_dependent_friction.EFFECT,
-    position_dependent_friction.EFFECT,
-    torque_ripple.EFFECT,
-    gravity_error.EFFECT,
-    cable_spring.EFFECT,
-    joint_limit_stop.EFFECT,
-    torque_bias.EFFECT,
-    torque_drift.EFFECT,
-    time_delay.EFFECT,
-    torque_crosstalk.EFFECT,
-    joint_elasticity.EFFECT,
-    backlash.EFFECT,
-    inertia_error.EFFECT,
-    inertial_coupling.EFFECT,
-    warm_up.EFFECT,
-    friction_step.EFFECT,
-    contact_event.EFFECT,
-    unlogged_compensation.EFFECT,
-)
-
-__all__ = ["EFFECTS", "Effect", "Hidden", "Parameter"]
+__all__ = ["EFFECTS", "Hidden", "HiddenEffect"]

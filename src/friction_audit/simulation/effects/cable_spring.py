@@ -1,37 +1,52 @@
 """Cable spring: a cable or hose along the arm pulls the joint back."""
 
-import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    ALIKE,
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 LINEAR, HARDENING, SLACK, TETHER = range(4)
 
+# Distance from the centre at which the hardening form is twice as strong as the linear one. [rad]
 HARDENING_RAD = 1.0
-"""Distance from the centre at which the hardening form is twice as strong as the linear one. [rad]"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class CableSpring:
-    """A spring from the arm to the joint, behind the sensor.
+class CableSpring(HiddenEffect):
+    """A spring from the arm to the joint, behind the sensor."""
 
-    Attributes:
-        stiffness_nm_per_rad: Where it pulls; of the hardening form at the centre. [N m/rad]
-        centre_rad: Where it does not pull. [rad]
-        free_rad: Distance from the centre over which a slack cable or a tether hangs loose. [rad]
-        form: Index into the forms of the effect.
-    """
+    summary = "a cable or hose pulls the joint back"
+    forms = ("linear", "hardening", "slack", "tether")
 
-    stiffness_nm_per_rad: float = 0.0
-    centre_rad: float = 0.0
-    free_rad: float = 0.3
+    stiffness_nm_per_rad: float = strength(0.4, "stiffness where it pulls", "N m/rad", upper=2000.0)
+    centre_rad: float = number(0.0, "position where it does not pull", like="cable_centre_rad")
+    free_rad: float = number(0.3, "free play of a slack cable or a tether", like="cable_free_rad")
     form: int = LINEAR
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        stiffness, hardening, preload, centre, free = values.values()
+        require(abs(hardening) <= ALIKE * stiffness, "its cable that gets stiffer does so by a number of its own")
+        require(preload == 0.0 or (free == 0.0 and stiffness > 0.0), "its cable hangs loose where it does not pull")
+        if free > 0.0:
+            place: Given = {"centre_rad": centre - setting.start_rad, "free_rad": free}
+            return {"stiffness_nm_per_rad": stiffness, **place, "form": "slack"}
+        middle = centre - (preload / stiffness if preload else 0.0) - setting.start_rad
+        return {"stiffness_nm_per_rad": stiffness, "centre_rad": middle, "form": "linear"}
 
 
 @compiled()
-def torque_nm(group: Any, q: float) -> float:  # noqa: ANN401 - a record of numbers
+def torque_nm(group: Record, q: float) -> float:
     """Return the torque towards the centre, on the motor's side of the sensor. [N m]
 
     Conservative in every form. A slack cable pulls beyond its free play on both sides, a tether on the upper side only.
@@ -44,18 +59,3 @@ def torque_nm(group: Any, q: float) -> float:  # noqa: ANN401 - a record of numb
     elif group.form == TETHER:
         stretch = max(0.0, stretch - group.free_rad)
     return float(-group.stiffness_nm_per_rad * stretch)
-
-
-EFFECT = Effect(
-    name="cable_spring",
-    family="load and place",
-    summary="a cable or hose pulls the joint back",
-    group=CableSpring,
-    strength="stiffness_nm_per_rad",
-    parameters=(
-        Parameter(name="stiffness_nm_per_rad", usual=0.4, meaning="stiffness where it pulls [N m/rad]", high=2e3),
-        Parameter(name="centre_rad", usual=0.0, meaning="position where it does not pull [rad]", low=-math.inf),
-        Parameter(name="free_rad", usual=0.3, meaning="free play of a slack cable or a tether [rad]"),
-    ),
-    forms=("linear", "hardening", "slack", "tether"),
-)

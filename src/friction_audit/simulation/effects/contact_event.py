@@ -2,13 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import HiddenEffect, Record, number, strength
 
 KNOCK, DRAG, STEP = range(3)
 
@@ -21,19 +20,15 @@ DRAG_SPEED_RAD_S = 0.05
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class ContactEvent:
-    """Short torques that are not the joint's own.
+class ContactEvent(HiddenEffect):
+    """Short torques that are not the joint's own."""
 
-    Attributes:
-        torque_nm: Median size. [N m]
-        per_minute: How many there are in a minute.
-        length_s: Median length. [s]
-        form: Index into the forms of the effect.
-    """
+    summary = "something touches the link side of the joint now and then"
+    forms = ("knock", "drag", "step")
 
-    torque_nm: float = 0.0
-    per_minute: float = 6.0
-    length_s: float = 0.2
+    torque_nm: float = strength(1.0, "median size of an event", "N m")
+    per_minute: float = number(6.0, "events in a minute", upper=600.0)
+    length_s: float = number(0.2, "median length", "s", lower=0.05, upper=0.5)
     form: int = KNOCK
 
 
@@ -72,7 +67,7 @@ def count_begun(events: Float, t: float) -> int:
 
 
 @compiled()
-def torque_nm(group: Any, events: Float, t: float, velocity: float) -> float:  # noqa: ANN401 - a record of numbers
+def torque_nm(group: Record, events: Float, t: float, velocity: float) -> float:
     """Return the torque that the events exert in the positive direction of the joint. [N m]
 
     A knock is half a sine, a step is a load that is there and gone; both can drive the joint. A drag only takes energy:
@@ -98,18 +93,3 @@ def torque_nm(group: Any, events: Float, t: float, velocity: float) -> float:  #
                 torque += size
         k -= 1
     return torque
-
-
-EFFECT = Effect(
-    name="contact_event",
-    family="slow and events",
-    summary="something touches the link side of the joint now and then",
-    group=ContactEvent,
-    strength="torque_nm",
-    parameters=(
-        Parameter(name="torque_nm", usual=1.0, meaning="median size of an event [N m]"),
-        Parameter(name="per_minute", usual=6.0, meaning="events in a minute", high=600.0),
-        Parameter(name="length_s", usual=0.2, meaning="median length [s]", low=SHORTEST_S, high=LONGEST_S),
-    ),
-    forms=("knock", "drag", "step"),
-)

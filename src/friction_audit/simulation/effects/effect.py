@@ -1,63 +1,151 @@
-"""What an effect is: something real joints and sensors do, hidden in a synthetic log."""
+"""What a hidden effect is: something that real joints and sensors do, as the simulator's own formula."""
 
 import difflib
+import re
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass, field, fields
+from math import inf, nan, pi, sqrt
+from typing import Any, ClassVar, Protocol, Self
 
+from friction_audit.effects.parameter import Parameter
+from friction_audit.effects.registry import effect_of
 from friction_audit.errors import UsageError
 
 FORM = "form"
+LARGEST = 1e4  # no parameter of a joint comes near it, in any unit: larger numbers are slips, infinite ones no numbers
 
-LARGEST = 1e4
-"""What no parameter of a joint comes near, in whatever unit: larger ones are slips, infinite ones no numbers."""
+# A group of numbers as compiled code sees it: a record with the fields of the dataclass.
+Record = Any
+Values = Mapping[str, float]  # parameters of a term of a joint model, by name
+Given = dict[str, float | str]  # parameters of a hidden effect, the form as its word
+
+ALIKE = 0.05  # numbers that differ by a smaller share are taken for equal, for a fit never gives them exactly
+
+
+class Motor(Protocol):
+    """Inertia and friction of a joint."""
+
+    @property
+    def inertia_kg_m2(self) -> float:
+        """Inertia. [kg m^2]"""
+
+    @property
+    def coulomb_nm(self) -> float:
+        """Coulomb friction. [N m]"""
+
+    @property
+    def viscous_nms_per_rad(self) -> float:
+        """Viscous friction. [N m s/rad]"""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Parameter:
-    """A number that an effect can be told.
+class Setting:
+    """What the meaning of a term of a joint model depends on.
 
     Attributes:
-        name: Its name, the unit as suffix; a field of the effect's group.
-        usual: What it is when nothing is said.
-        meaning: One line, with the unit in brackets.
-        low: Smallest value that makes sense.
-        high: Largest value that makes sense.
+        joint: Inertia and friction of the joint.
+        start_rad: Where the joint is at the start; the simulator counts some positions from there. [rad]
+        driven: True if the joint moves by itself.
+        duration_s: Length of the recording. [s]
+        outer_kg_m2: Inertia on the measured side; infinite where it is not one number, as of an arm. [kg m^2]
     """
 
-    name: str
-    usual: float
-    meaning: str
-    low: float = 0.0
-    high: float = float("inf")
+    joint: Motor
+    start_rad: float
+    driven: bool
+    duration_s: float
+    outer_kg_m2: float = inf
+
+    def with_both_sides_free(self, damping_ratio: float) -> float:
+        """Return the damping ratio with both sides free that is this one with the measured side held."""
+        return damping_ratio * sqrt(1.0 + self.joint.inertia_kg_m2 / self.outer_kg_m2)
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Effect:
-    """One effect: its name, its parameters and the group of numbers that the mechanics read.
+class NoEqualError(Exception):
+    """Why the simulator has no equal of a term of a joint model."""
+
+
+def number(
+    usual: float, meaning: str, unit: str = "1", *, like: str = "", lower: float = 0.0, upper: float = inf
+) -> Any:  # noqa: ANN401 - the field of a dataclass
+    """Return a field of a hidden effect.
+
+    Args:
+        usual: Its value where none is given.
+        meaning: One line.
+        unit: The unit, as people write it, without ``like``.
+        like: Name of a parameter of the effect of the same name whose unit and bounds it shares.
+        lower: Smallest value that makes sense, without ``like``.
+        upper: Largest value that makes sense, without ``like``.
+    """
+    about = {"usual": usual, "unit": unit, "meaning": meaning, "like": like, "lower": lower, "upper": upper}
+    return field(default=usual, metadata=about)
+
+
+def strength(
+    usual: float, meaning: str, unit: str = "1", *, like: str = "", lower: float = 0.0, upper: float = inf
+) -> Any:  # noqa: ANN401 - the field of a dataclass
+    """Return the first field of a hidden effect: at zero it does nothing."""
+    about = number(usual, meaning, unit, like=like, lower=lower, upper=upper).metadata
+    return field(default=0.0, metadata=about)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HiddenEffect:
+    """A group of numbers that the mechanics read; made without arguments it does nothing.
+
+    Its name is that of its module and of the effect that a diagnosis names, from which it has family and bounds.
 
     Attributes:
-        name: As in design and documentation; also the field of ``Hidden`` that holds its group.
-        family: ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``.
         summary: One line.
-        group: Frozen dataclass of its numbers; made without arguments it does nothing.
-        strength: The parameter that switches it off at zero.
-        parameters: All of them, in the order of the documentation.
-        forms: Functional forms in the literature; the group's ``form`` is an index into them.
+        forms: Functional forms in the literature; ``form`` is an index into them.
         needs_neighbours: If True, it takes an arm of several joints.
+        needs_moving_neighbour: If True, one of them has to move.
+        felt_at_rest: If True, it shows in a joint that stands still.
+        same_law: The form whose formula equals that of the effect in a joint model; None where none does.
+        stands_for: Other terms of a joint model that it equals.
     """
 
-    name: str
-    family: str
-    summary: str
-    group: type[Any]
-    strength: str
-    parameters: tuple[Parameter, ...]
-    forms: tuple[str, ...] = ()
-    needs_neighbours: bool = False
+    summary: ClassVar[str] = ""
+    forms: ClassVar[tuple[str, ...]] = ()
+    needs_neighbours: ClassVar[bool] = False
+    needs_moving_neighbour: ClassVar[bool] = False
+    felt_at_rest: ClassVar[bool] = False
+    same_law: ClassVar[str | None] = None
+    stands_for: ClassVar[tuple[str, ...]] = ()
+    name: ClassVar[str] = ""
 
-    def make(self, given: Mapping[str, str]) -> Any:  # noqa: ANN401 - every effect has its own group
-        """Return the group with the given parameters, the others as usual.
+    def __init_subclass__(cls) -> None:
+        cls.name = re.sub(r"(?<=[a-z])(?=[A-Z])", "_", cls.__name__).lower()
+
+    @classmethod
+    def family(cls) -> str:
+        """Return ``velocity``, ``load and place``, ``sensors``, ``structure`` or ``slow and events``."""
+        return effect_of(cls.name).family
+
+    @classmethod
+    def parameters(cls) -> tuple[Parameter, ...]:
+        """Return all parameters, in the order of the documentation, the strength first."""
+        return tuple(cls._parameter(item.name, item.metadata) for item in fields(cls) if item.name != FORM)
+
+    @classmethod
+    def _parameter(cls, name: str, about: Mapping[str, Any]) -> Parameter:
+        unit, lower, upper = about["unit"], about["lower"], about["upper"]
+        if about["like"]:
+            like = next(one for one in effect_of(cls.name).parameters if one.name == about["like"])
+            # The strength may be zero: then there is no effect.
+            lower = min(like.lower, 0.0) if name == cls.strength_name() else like.lower
+            unit, upper = like.unit, like.upper if like.upper == inf else min(like.upper, LARGEST)
+        return Parameter(name, unit, about["meaning"], lower=lower, upper=upper, default=about["usual"])
+
+    @classmethod
+    def strength_name(cls) -> str:
+        """Return the name of the parameter that switches it off at zero."""
+        return fields(cls)[0].name
+
+    @classmethod
+    def make(cls, given: Mapping[str, str]) -> Self:
+        """Return the effect with the given parameters, the others as usual.
 
         Args:
             given: Values by parameter name, ``form`` among them, as text.
@@ -65,43 +153,79 @@ class Effect:
         Raises:
             UsageError: If a name, a number or a form is wrong.
         """
-        known = {parameter.name: parameter for parameter in self.parameters}
-        self._refuse_unknown(given, [*known, *([FORM] if self.forms else [])])
-        numbers = {name: self._number(known[name], text) for name, text in given.items() if name != FORM}
-        usual = {name: parameter.usual for name, parameter in known.items()}
-        form = {FORM: self._form(given[FORM])} if FORM in given else {}
-        return self.group(**(usual | numbers | form))
-
-    def _refuse_unknown(self, given: Mapping[str, str], names: list[str]) -> None:
+        known = {parameter.name: parameter for parameter in cls.parameters()}
+        names = [*known, *([FORM] if cls.forms else [])]
         for name in given:
             if name not in names:
                 near = difflib.get_close_matches(name, names, 1)
                 hint = f"; did you mean {near[0]}?" if near else ""
-                raise UsageError(f"--effect {self.name}: no parameter {name}; expected {', '.join(names)}{hint}")
+                raise UsageError(f"--effect {cls.name}: no parameter {name}; expected {', '.join(names)}{hint}")
+        numbers: dict[str, Any] = {name: parameter.default for name, parameter in known.items()}
+        numbers |= {name: cls._number(known[name], text) for name, text in given.items() if name != FORM}
+        if FORM in given:
+            if given[FORM] not in cls.forms:
+                raise UsageError(f"--effect {cls.name}: form={given[FORM]}: expected one of {', '.join(cls.forms)}")
+            numbers[FORM] = cls.forms.index(given[FORM])
+        return cls(**numbers)
 
-    def _number(self, parameter: Parameter, text: str) -> float:
+    @classmethod
+    def _number(cls, parameter: Parameter, text: str) -> float:
         try:
             value = float(text)
         except ValueError:
-            value = float("nan")
-        low, high = max(parameter.low, -LARGEST), min(parameter.high, LARGEST)
+            value = nan
+        low, high = max(parameter.lower, -LARGEST), min(parameter.upper, LARGEST)
         if not low <= value <= high:
             raise UsageError(
-                f"--effect {self.name}: {parameter.name}={text}: expected a number from {low:g} to {high:g}: "
-                f"{parameter.meaning}"
+                f"--effect {cls.name}: {parameter.name}={text}: expected a number from {low:g} to {high:g}: "
+                f"{described(parameter)}"
             )
         return value
 
-    def _form(self, text: str) -> int:
-        if text not in self.forms:
-            raise UsageError(f"--effect {self.name}: form={text}: expected one of {', '.join(self.forms)}")
-        return self.forms.index(text)
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        """Return the parameters, form among them, that equal a term of a joint model.
 
-    def is_hidden(self, group: object) -> bool:
-        """Return True if a group of this effect does anything."""
-        return bool(getattr(group, self.strength) != 0.0)
+        Args:
+            values: Parameters of the term by name.
+            setting: The joint and the recording.
 
-    def values(self, group: Any) -> dict[str, float | str]:  # noqa: ANN401
-        """Return the parameters of a group by name, the form as its word."""
-        numbers = {item.name: getattr(group, item.name) for item in fields(group) if item.name != FORM}
-        return numbers | ({FORM: self.forms[group.form]} if self.forms else {})
+        Raises:
+            NoEqualError: If the simulator has no equal of the term.
+        """
+        if cls.same_law is None:
+            raise NoEqualError("its own formulas differ")
+        own = {item.name: item.metadata["like"] for item in fields(cls) if item.name != FORM}
+        given: Given = {name: values[like] for name, like in own.items()}
+        return given | ({FORM: cls.same_law} if cls.same_law else {})
+
+    @property
+    def hidden(self) -> bool:
+        """True if it does anything."""
+        return bool(getattr(self, self.strength_name()) != 0.0)
+
+    def values(self) -> dict[str, float | str]:
+        """Return its parameters by name, the form as its word."""
+        numbers = {item.name: getattr(self, item.name) for item in fields(self)}
+        return numbers | ({FORM: self.forms[numbers[FORM]]} if self.forms else {})
+
+
+def described(parameter: Parameter) -> str:
+    """Return meaning and unit of a parameter."""
+    return parameter.meaning + ("" if parameter.unit == "1" else f" [{parameter.unit}]")
+
+
+def alike(one: float, other: float) -> bool:
+    """Return whether two fitted numbers may be taken for equal."""
+    return abs(one - other) <= ALIKE * max(abs(one), abs(other))
+
+
+def within_half_turn(angle: float) -> float:
+    """Return an angle within half a turn. [rad]"""
+    return (angle + pi) % (2.0 * pi) - pi
+
+
+def require(holds: bool, reason: str) -> None:
+    """Raise the reason as ``NoEqualError`` unless something holds."""
+    if not holds:
+        raise NoEqualError(reason)

@@ -2,35 +2,51 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 ABRUPT, RAMP, SETTLING = range(3)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class FrictionStep:
-    """A change of friction once in a recording.
+class FrictionStep(HiddenEffect):
+    """A change of friction once in a recording."""
 
-    Attributes:
-        change: Of the Coulomb friction, as a share of it: 0.5 is half as much again.
-        viscous_ratio: Change of the viscous friction, as a share of that.
-        at_share: When, as a share of the recording.
-        length_s: How long a ramp lasts; time constant of settling. [s]
-        form: Index into the forms of the effect.
-    """
+    summary = "friction changes once, at a moment of the recording"
+    forms = ("abrupt", "ramp", "settling")
 
-    change: float = 0.0
-    viscous_ratio: float = 1.0
-    at_share: float = 0.5
-    length_s: float = 5.0
+    change: float = strength(0.5, "change of Coulomb friction, as a share of it", lower=-0.95)
+    viscous_ratio: float = number(1.0, "change of viscous friction, as a share of that", upper=1.0)
+    at_share: float = number(0.5, "when, as a share of the recording", upper=1.0)
+    length_s: float = number(5.0, "length of the ramp, time constant of settling", "s", lower=0.001)
     form: int = ABRUPT
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        coulomb, viscous, moment, length = values.values()
+        joint = setting.joint
+        require(coulomb != 0.0 and joint.coulomb_nm > 0.0, "its step is a share of the Coulomb friction")
+        change = coulomb / joint.coulomb_nm
+        by_viscous = viscous / joint.viscous_nms_per_rad if joint.viscous_nms_per_rad > 0.0 else 0.0
+        given: Given = {"change": change, "viscous_ratio": by_viscous / change}
+        if length == 0.0:
+            return {**given, "at_share": moment / setting.duration_s, "form": "abrupt"}
+        begin = (moment - 0.5 * length) / setting.duration_s
+        return {**given, "at_share": begin, "length_s": length, "form": "ramp"}
 
 
 @compiled()
-def progress(group: Any, t: float, duration: float) -> float:  # noqa: ANN401 - a record of numbers
+def progress(group: Record, t: float, duration: float) -> float:
     """Return the share of the change that is done at time t: 0 before the step, 1 at its end."""
     since = t - group.at_share * duration
     if since < 0.0:
@@ -43,28 +59,12 @@ def progress(group: Any, t: float, duration: float) -> float:  # noqa: ANN401 - 
 
 
 @compiled()
-def coulomb_factor(group: Any, t: float, duration: float) -> float:  # noqa: ANN401 - a record of numbers
+def coulomb_factor(group: Record, t: float, duration: float) -> float:
     """Return the Coulomb friction over that before the step, above 0."""
     return float(1.0 + group.change * progress(group, t, duration))
 
 
 @compiled()
-def viscous_factor(group: Any, t: float, duration: float) -> float:  # noqa: ANN401 - a record of numbers
+def viscous_factor(group: Record, t: float, duration: float) -> float:
     """Return the viscous friction over that before the step, above 0."""
     return float(1.0 + group.change * group.viscous_ratio * progress(group, t, duration))
-
-
-EFFECT = Effect(
-    name="friction_step",
-    family="slow and events",
-    summary="friction changes once, at a moment of the recording",
-    group=FrictionStep,
-    strength="change",
-    parameters=(
-        Parameter(name="change", usual=0.5, meaning="change of Coulomb friction, as a share of it", low=-0.95),
-        Parameter(name="viscous_ratio", usual=1.0, meaning="change of viscous friction, as a share of that", high=1.0),
-        Parameter(name="at_share", usual=0.5, meaning="when, as a share of the recording", high=1.0),
-        Parameter(name="length_s", usual=5.0, meaning="length of the ramp, time constant of settling [s]", low=1e-3),
-    ),
-    forms=("abrupt", "ramp", "settling"),
-)

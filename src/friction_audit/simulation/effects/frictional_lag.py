@@ -2,11 +2,10 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import HiddenEffect, Record, strength
 
 RELAXING, DELAYED = range(2)
 
@@ -18,20 +17,18 @@ LAG_MEMORY = RING + SLOTS
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class FrictionalLag:
-    """Time by which friction lags behind the speed.
+class FrictionalLag(HiddenEffect):
+    """Time by which friction lags behind the speed."""
 
-    Attributes:
-        lag_s: The time. [s]
-        form: Index into the forms of the effect.
-    """
+    summary = "friction answers late to a change of speed"
+    forms = ("relaxing", "delayed")
 
-    lag_s: float = 0.0
+    lag_s: float = strength(0.03, "time by which friction lags the speed", "s", upper=0.05)
     form: int = RELAXING
 
 
 @compiled()
-def speed(group: Any, memory: Float, speed: float, h: float) -> float:  # noqa: ANN401 - a record of numbers
+def speed(group: Record, memory: Float, speed: float, h: float) -> float:
     """Move on by h to the present speed and return the speed that friction sees, in between those that were. [rad/s]
 
     Relaxing is the first-order state of rate and state friction (Ruina 1983), delayed the pure time lag of Hess and
@@ -75,16 +72,3 @@ def recall(memory: Float, lag_s: float) -> float:
     later = memory[RING + (newest - slot) % SLOTS]
     earlier = memory[RING + (newest - slot - 1) % SLOTS]
     return float(later + (earlier - later) * (back - slot))
-
-
-EFFECT = Effect(
-    name="frictional_lag",
-    family="velocity",
-    summary="friction answers late to a change of speed",
-    group=FrictionalLag,
-    strength="lag_s",
-    parameters=(
-        Parameter(name="lag_s", usual=0.03, meaning="time by which friction lags the speed [s]", high=LONGEST_LAG_S),
-    ),
-    forms=("relaxing", "delayed"),
-)

@@ -2,26 +2,45 @@
 
 import math
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+    within_half_turn,
+)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class GravityError:
+class GravityError(HiddenEffect):
     """A wrong mass, a wrong centre of mass, an unknown payload or a tilted base.
 
     All of them are the same for one joint: an amplitude and a phase.
-
-    Attributes:
-        torque_nm: Amplitude. [N m]
-        phase_rad: Phase at q = 0; a quarter turn is a centre of mass sideways, or a tilted base. [rad]
     """
 
-    torque_nm: float = 0.0
-    phase_rad: float = 0.0
+    summary = "the gravity torque that is subtracted is wrong"
+    felt_at_rest = True
+
+    torque_nm: float = strength(0.3, "amplitude", "N m", lower=-inf)
+    phase_rad: float = number(0.0, "phase at q = 0", "rad", lower=-inf)
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine = values["gravity_cos_nm"], values["gravity_sin_nm"]
+        require(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
+        size = math.hypot(cosine, sine)
+        return {
+            "torque_nm": -size if setting.driven else size,
+            "phase_rad": within_half_turn(math.atan2(cosine, sine)),
+        }
 
 
 def reading_nm(group: GravityError, q: Float) -> Float:
@@ -34,16 +53,3 @@ def reading_nm(group: GravityError, q: Float) -> Float:
         q: Joint position, shape (n,). [rad]
     """
     return np.asarray(group.torque_nm * np.sin(q + group.phase_rad))
-
-
-EFFECT = Effect(
-    name="gravity_error",
-    family="load and place",
-    summary="the gravity torque that is subtracted is wrong",
-    group=GravityError,
-    strength="torque_nm",
-    parameters=(
-        Parameter(name="torque_nm", usual=0.3, meaning="amplitude [N m]", low=-math.inf),
-        Parameter(name="phase_rad", usual=0.0, meaning="phase at q = 0 [rad]", low=-math.inf),
-    ),
-)

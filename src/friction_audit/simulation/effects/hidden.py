@@ -1,6 +1,7 @@
-"""What is hidden in one joint: the group of every effect, each doing nothing unless told."""
+"""The registry of hidden effects, and what is hidden in one joint: a group of each, which does nothing by default."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb
@@ -8,6 +9,7 @@ from friction_audit.simulation.effects.asymmetric_viscous import AsymmetricVisco
 from friction_audit.simulation.effects.backlash import Backlash
 from friction_audit.simulation.effects.cable_spring import CableSpring
 from friction_audit.simulation.effects.contact_event import ContactEvent
+from friction_audit.simulation.effects.effect import HiddenEffect
 from friction_audit.simulation.effects.friction_step import FrictionStep
 from friction_audit.simulation.effects.frictional_lag import FrictionalLag
 from friction_audit.simulation.effects.gravity_error import GravityError
@@ -71,3 +73,11 @@ class Hidden:
                 "--effect presliding with --effect stiction in one joint: bristles have a break-away of their own and "
                 "stiction would do nothing; expected one of them, or stribeck for more friction at rest"
             )
+
+    def each(self) -> tuple[HiddenEffect, ...]:
+        """Return the groups of all effects, in the order of the documentation."""
+        return tuple(getattr(self, item.name) for item in fields(self))
+
+
+# In the order of the documentation.
+EFFECTS: tuple[type[HiddenEffect], ...] = tuple(get_type_hints(Hidden)[item.name] for item in fields(Hidden))

@@ -1,24 +1,23 @@
 """Inertial coupling: a joint's rotor also turns with the neighbouring joint."""
 
-import math
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import HiddenEffect, strength
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class InertialCoupling:
-    """Coupling of the rotor to the neighbouring joint nearer to the base.
+class InertialCoupling(HiddenEffect):
+    """Coupling of the rotor to the neighbouring joint nearer to the base."""
 
-    Attributes:
-        ratio: Turns of the rotor, seen behind its gear, per turn of that joint: one over the gear ratio for a rotor
-            that rides on the neighbour with its axis parallel, up to 1 in a differential.
-    """
+    summary = "a joint's rotor also turns with the neighbouring joint nearer to the base"
+    needs_neighbours = True
+    needs_moving_neighbour = True
 
-    ratio: float = 0.0
+    ratio: float = strength(0.2, "turns after the gear per turn of the neighbour", lower=-inf)
 
 
 def coupled_mass(inertias: Float, ratios: Float) -> Float:
@@ -38,16 +37,3 @@ def coupled_mass(inertias: Float, ratios: Float) -> Float:
         mass[joint - 1, joint] += shared
         mass[joint, joint - 1] += shared
     return mass
-
-
-EFFECT = Effect(
-    name="inertial_coupling",
-    family="structure",
-    summary="a joint's rotor also turns with the neighbouring joint nearer to the base",
-    group=InertialCoupling,
-    strength="ratio",
-    parameters=(
-        Parameter(name="ratio", usual=0.2, meaning="turns after the gear per turn of the neighbour", low=-math.inf),
-    ),
-    needs_neighbours=True,
-)

@@ -2,39 +2,43 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    ALIKE,
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 LINEAR, HARDENING = range(2)
 
+# A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]
 LEAST_COMPLIANCE = 1e-5
-"""A stiffer gear rings faster than the integration can follow, and is rigid for all that a log shows. [rad/(N m)]"""
 
-KNEE_NM = 1.0
-"""Torque around which a strain-wave gear turns from soft to stiff. [N m]"""
+KNEE_NM = 1.0  # torque around which a strain-wave gear turns from soft to stiff. [N m]
+SMALL_NM = 0.02  # a spring that stiffens at a smaller torque is a linear one
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class JointElasticity:
+class JointElasticity(HiddenEffect):
     """A spring and a damper between motor and link.
 
     With the usual 1e-3 rad/(N m), a motor of 0.3 kg m^2 rings at 9.2 Hz against a link held fast and at 13.0 Hz
     against 0.3 kg m^2 on the hand's side.
-
-    Attributes:
-        compliance_rad_per_nm: Twist per torque; of the hardening form far from zero torque. [rad/(N m)]
-        damping_ratio: Of the ringing.
-        form: Index into the forms of the effect.
-
-    Raises:
-        UsageError: If the joint is neither rigid nor soft enough.
     """
 
-    compliance_rad_per_nm: float = 0.0
-    damping_ratio: float = 0.03
+    summary = "the gear twists between motor and link"
+    forms = ("linear", "hardening")
+
+    compliance_rad_per_nm: float = strength(0.001, "twist per torque", "rad/(N m)", upper=0.1)
+    damping_ratio: float = number(0.03, "damping ratio of the ringing", like="damping_ratio")
     form: int = LINEAR
 
     def __post_init__(self) -> None:
@@ -45,9 +49,17 @@ class JointElasticity:
                 f"or at least {LEAST_COMPLIANCE:g}"
             )
 
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        require(values["soft_nm"] <= SMALL_NM, "its spring stiffens as a hyperbolic tangent, not evenly up to a torque")
+        require(values["far_share"] >= 1.0 - ALIKE, "all inertia is on the link side of its spring")
+        damping_ratio = setting.with_both_sides_free(values["damping_ratio"])
+        compliance = values["compliance_rad_per_nm"]
+        return {"compliance_rad_per_nm": compliance, "damping_ratio": damping_ratio, "form": "linear"}
+
 
 @compiled()
-def torque_nm(group: Any, stretch: float) -> float:  # noqa: ANN401 - a record of numbers
+def torque_nm(group: Record, stretch: float) -> float:
     """Return the torque of the spring, signed as the stretch; 0 for a rigid joint, which does not twist. [N m]
 
     Linear after Spong (1987); hardening as a strain-wave gear, half as stiff near zero torque (Tuttle and Seering 1996;
@@ -67,7 +79,7 @@ def torque_nm(group: Any, stretch: float) -> float:  # noqa: ANN401 - a record o
 
 
 @compiled()
-def damping_nms_per_rad(group: Any, inertia: float) -> float:  # noqa: ANN401 - a record of numbers
+def damping_nms_per_rad(group: Record, inertia: float) -> float:
     """Return the damping between motor and link that gives the damping ratio; 0 for a rigid joint. [N m s/rad]
 
     Args:
@@ -77,17 +89,3 @@ def damping_nms_per_rad(group: Any, inertia: float) -> float:  # noqa: ANN401 - 
     if group.compliance_rad_per_nm == 0.0:
         return 0.0
     return float(2.0 * group.damping_ratio * math.sqrt(inertia / group.compliance_rad_per_nm))
-
-
-EFFECT = Effect(
-    name="joint_elasticity",
-    family="structure",
-    summary="the gear twists between motor and link",
-    group=JointElasticity,
-    strength="compliance_rad_per_nm",
-    parameters=(
-        Parameter(name="compliance_rad_per_nm", usual=1e-3, meaning="twist per torque [rad/(N m)]", high=0.1),
-        Parameter(name="damping_ratio", usual=0.03, meaning="damping ratio of the ringing", high=2.0),
-    ),
-    forms=("linear", "hardening"),
-)

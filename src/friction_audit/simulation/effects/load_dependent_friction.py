@@ -1,35 +1,50 @@
 """Load-dependent friction: the gear rubs harder the more torque it transmits."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    alike,
+    require,
+    strength,
+)
 
 LINEAR, QUADRATIC, BACKDRIVE = range(3)
 
-REFERENCE_NM = 10.0
-"""Load at which the quadratic form equals the linear one. [N m]"""
+REFERENCE_NM = 10.0  # load at which the quadratic form equals the linear one. [N m]
 
+# Share by which the loss exceeds its mean when the link drives the motor, and falls short of it otherwise.
 BACKDRIVE_EXCESS = 0.5
-"""Share by which the loss exceeds its mean when the link drives the motor, and falls short of it otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class LoadDependentFriction:
-    """Friction that grows with the transmitted torque.
+class LoadDependentFriction(HiddenEffect):
+    """Friction that grows with the transmitted torque."""
 
-    Attributes:
-        share: Of the transmitted torque that is lost.
-        form: Index into the forms of the effect.
-    """
+    summary = "friction grows with the torque that the gear transmits"
+    forms = ("linear", "quadratic", "backdrive")
 
-    share: float = 0.0
+    share: float = strength(0.06, "share of the transmitted torque that is lost", upper=1.0)
     form: int = LINEAR
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        share, by_power, exponent, directed, static = values.values()
+        require(round(static) == 0, "its load is all that goes through the gear, and not the weight alone")
+        require(by_power == 0.0 or round(directed) == 0, "its loss by the direction of the power is half of the mean")
+        require(alike(exponent, 1.0) or alike(exponent, 2.0), f"its exponents are 1 and 2, not {exponent:g}")
+        if alike(exponent, 1.0):
+            return {"share": share, "form": "linear"}
+        return {"share": share * REFERENCE_NM, "form": "quadratic"}
 
 
 @compiled()
-def extra_nm(group: Any, load_nm: float, power_w: float) -> float:  # noqa: ANN401 - a record of numbers
+def extra_nm(group: Record, load_nm: float, power_w: float) -> float:
     """Return the friction that the load adds to the Coulomb level (not negative, so passive). [N m]
 
     Linear after Bittencourt and Gunnarsson, Static friction in a robot joint (2012); quadratic after Duclusaud et al.,
@@ -49,14 +64,3 @@ def extra_nm(group: Any, load_nm: float, power_w: float) -> float:  # noqa: ANN4
     if group.form == BACKDRIVE and power_w < 0.0:
         return float(group.share * load * (1.0 - BACKDRIVE_EXCESS))
     return float(group.share * load)
-
-
-EFFECT = Effect(
-    name="load_dependent_friction",
-    family="load and place",
-    summary="friction grows with the torque that the gear transmits",
-    group=LoadDependentFriction,
-    strength="share",
-    parameters=(Parameter(name="share", usual=0.06, meaning="share of the transmitted torque that is lost", high=1.0),),
-    forms=("linear", "quadratic", "backdrive"),
-)

@@ -2,35 +2,46 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 POWER, EYRING, ARCTAN, CUBIC = range(4)
 
 BEND = 10.0
+SMALL_SPEED_RAD_S = 0.02  # a friction that bends at a lower speed is a power of the speed
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class NonlinearViscous:
-    """Friction on top of the straight viscous line.
+class NonlinearViscous(HiddenEffect):
+    """Friction on top of the straight viscous line."""
 
-    Attributes:
-        torque_nm: Its size at the reference speed. [N m]
-        exponent: Of the power form: below 1 it thins, above 1 it churns.
-        speed_rad_s: The reference speed. [rad/s]
-        form: Index into the forms of the effect.
-    """
+    summary = "friction grows with speed along a curve, not a line"
+    forms = ("power", "eyring", "arctan", "cubic")
 
-    torque_nm: float = 0.0
-    exponent: float = 2.0
-    speed_rad_s: float = 1.0
+    torque_nm: float = strength(0.15, "extra friction at the reference speed", "N m")
+    exponent: float = number(2.0, "exponent of the power form", lower=0.2, upper=4.0)
+    speed_rad_s: float = number(1.0, "reference speed", "rad/s", lower=0.001)
     form: int = POWER
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        torque, exponent, bend = list(values.values())[:3]
+        require(bend <= SMALL_SPEED_RAD_S, f"its friction that bends at {bend:g} rad/s is no power of the speed")
+        return {"torque_nm": torque, "exponent": exponent, "speed_rad_s": 1.0, "form": "power"}
 
 
 @compiled()
-def extra_nm(group: Any, speed: float) -> float:  # noqa: ANN401 - a record of numbers
+def extra_nm(group: Record, speed: float) -> float:
     """Return the friction on top of the viscous line at a speed (not negative, never falling). [N m]
 
     Power is Waiboer, Aarts and Jonker (2005); eyring is the shear thinning of a lubricant (Eyring 1936), arctan a curve
@@ -44,18 +55,3 @@ def extra_nm(group: Any, speed: float) -> float:  # noqa: ANN401 - a record of n
     if group.form == CUBIC:
         return float(group.torque_nm * ratio * ratio * ratio)
     return float(group.torque_nm * ratio**group.exponent)
-
-
-EFFECT = Effect(
-    name="nonlinear_viscous",
-    family="velocity",
-    summary="friction grows with speed along a curve, not a line",
-    group=NonlinearViscous,
-    strength="torque_nm",
-    parameters=(
-        Parameter(name="torque_nm", usual=0.15, meaning="extra friction at the reference speed [N m]"),
-        Parameter(name="exponent", usual=2.0, meaning="exponent of the power form", low=0.2, high=4.0),
-        Parameter(name="speed_rad_s", usual=1.0, meaning="reference speed [rad/s]", low=1e-3),
-    ),
-    forms=("power", "eyring", "arctan", "cubic"),
-)

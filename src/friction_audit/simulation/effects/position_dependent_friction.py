@@ -2,37 +2,53 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from math import inf
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+    within_half_turn,
+)
 
 SINUSOID, HARMONICS, PATCH = range(3)
 
+# Orders of the harmonics relative to the first: bearing and gear parts of incommensurate pitch.
 SECOND_ORDER, THIRD_ORDER = math.sqrt(3.0), math.sqrt(7.0)
-"""Orders of the harmonics relative to the first: bearing and gear parts of incommensurate pitch."""
 
 FIRST_WEIGHT, SECOND_WEIGHT, THIRD_WEIGHT = 0.5, 0.3, 0.2
 
+# Concentration of the patch (of a von Mises density): half as high at 0.42 rad of the cycle from its centre.
 PATCH_SHARPNESS = 8.0
-"""Concentration of the patch (of a von Mises density): half as high at 0.42 rad of the cycle from its centre."""
+WIDE_RAD = 10.0  # a wave under a bell of this width fills the whole range
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class PositionDependentFriction:
-    """A Coulomb level that depends on the position.
+class PositionDependentFriction(HiddenEffect):
+    """A Coulomb level that depends on the position."""
 
-    Attributes:
-        share: Largest change relative to the level; negative for less friction in the patch.
-        cycles_per_rev: Cycles per revolution of the joint.
-        phase_rad: Phase of the cycle at q = 0; the patch is centred where the phase is 0. [rad]
-        form: Index into the forms of the effect.
-    """
+    summary = "the Coulomb level depends on the position"
+    forms = ("sinusoid", "harmonics", "patch")
 
-    share: float = 0.0
-    cycles_per_rev: float = 3.0
-    phase_rad: float = 0.5
+    share: float = strength(0.4, "largest change relative to the Coulomb level", lower=-1.0, upper=3.0)
+    cycles_per_rev: float = number(3.0, "cycles per revolution of the joint", like="position_friction_order")
+    phase_rad: float = number(0.5, "phase of the cycle at q = 0", "rad", lower=-inf)
     form: int = SINUSOID
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine, order, centre, width = values.values()
+        require(width >= WIDE_RAD, "its wave fills the whole range")
+        require(setting.joint.coulomb_nm > 0.0, "its wave is a share of the Coulomb friction, which is none")
+        share = math.hypot(cosine, sine) / setting.joint.coulomb_nm
+        phase = within_half_turn(math.atan2(cosine, sine) - order * centre)
+        return {"share": share, "cycles_per_rev": order, "phase_rad": phase, "form": "sinusoid"}
 
 
 @compiled()
@@ -48,7 +64,7 @@ def _shape(form: int, angle: float, phase: float) -> float:
 
 
 @compiled()
-def factor(group: Any, q: float) -> float:  # noqa: ANN401 - a record of numbers
+def factor(group: Record, q: float) -> float:
     """Return the factor of the Coulomb level at a position: 1 on average, never below 0, so passive.
 
     Periodic after Armstrong-Helouvry, Control of Machines with Friction (1991), who found several spatial frequencies
@@ -56,18 +72,3 @@ def factor(group: Any, q: float) -> float:  # noqa: ANN401 - a record of numbers
     """
     change = _shape(group.form, group.cycles_per_rev * q, group.phase_rad)
     return float(max(0.0, 1.0 + group.share * change))
-
-
-EFFECT = Effect(
-    name="position_dependent_friction",
-    family="load and place",
-    summary="the Coulomb level depends on the position",
-    group=PositionDependentFriction,
-    strength="share",
-    parameters=(
-        Parameter(name="share", usual=0.4, meaning="largest change relative to the Coulomb level", low=-1.0, high=3.0),
-        Parameter(name="cycles_per_rev", usual=3.0, meaning="cycles per revolution of the joint"),
-        Parameter(name="phase_rad", usual=0.5, meaning="phase of the cycle at q = 0 [rad]", low=-math.inf),
-    ),
-    forms=("sinusoid", "harmonics", "patch"),
-)

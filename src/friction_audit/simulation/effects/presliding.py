@@ -2,11 +2,20 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    ALIKE,
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 LUGRE, DAHL, MAXWELL_SLIP = range(3)
 
@@ -17,24 +26,30 @@ LEAST_LEVEL = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Presliding:
-    """Springs that hold the joint before it slides.
+class Presliding(HiddenEffect):
+    """Springs that hold the joint before it slides."""
 
-    Attributes:
-        displacement_rad: At which the springs, were they linear, reach Coulomb friction; 0: a rigid stop. [rad]
-        damping_s: Micro-damping over stiffness, of the LuGre form. [s]
-        exponent: Of the Dahl form: how sharply the spring gives way (below 1: all at once, above 1: long before).
-        form: Index into the forms of the effect.
-    """
+    summary = "friction builds up like a spring over the path since a reversal"
+    forms = ("lugre", "dahl", "maxwell_slip")
 
-    displacement_rad: float = 0.0
-    damping_s: float = 0.005
-    exponent: float = 1.5
+    displacement_rad: float = strength(0.005, "Coulomb friction over the stiffness at rest", "rad", upper=0.1)
+    damping_s: float = number(0.005, "micro-damping over stiffness, LuGre form", "s", upper=0.1)
+    exponent: float = number(1.5, "exponent of the Dahl form", lower=0.2, upper=3.0)
     form: int = LUGRE
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        bristles, reach, exponent, damping = values.values()
+        all_of_it = abs(bristles - setting.joint.coulomb_nm) <= 2 * ALIKE * bristles
+        require(all_of_it, "its bristles bear all of the Coulomb friction, no other share of it")
+        if exponent == 1.0:
+            return {"displacement_rad": reach, "damping_s": damping, "form": "lugre"}
+        require(damping == 0.0, "its bristles with damping have the exponent 1")
+        return {"displacement_rad": reach, "exponent": exponent, "form": "dahl"}
 
 
 @compiled()
-def stiffness(group: Any, coulomb_nm: float) -> float:  # noqa: ANN401 - a record of numbers
+def stiffness(group: Record, coulomb_nm: float) -> float:
     """Return the stiffness at rest, constant whatever the present level; takes a displacement > 0. [N m/rad]"""
     return float(coulomb_nm / group.displacement_rad)
 
@@ -94,7 +109,7 @@ def dahl_advance(z: float, sigma0: float, level: float, velocity: float, h: floa
 
 
 @compiled()
-def yield_rad(group: Any, k: int) -> float:  # noqa: ANN401 - a record of numbers
+def yield_rad(group: Record, k: int) -> float:
     """Return where element k of Maxwell-slip yields at the Coulomb level, uniformly spread (Iwan 1966). [rad]
 
     All elements bear the same share of the level; their first yield is such that their stiffness adds up to that at
@@ -105,7 +120,7 @@ def yield_rad(group: Any, k: int) -> float:  # noqa: ANN401 - a record of number
 
 @compiled()
 def advance(
-    group: Any,  # noqa: ANN401 - a record of numbers
+    group: Record,
     bristles: Float,
     coulomb_nm: float,
     level: float,
@@ -140,7 +155,7 @@ def advance(
 
 
 @compiled()
-def force_nm(group: Any, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:  # noqa: ANN401
+def force_nm(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float) -> float:
     """Return the friction torque without the viscous part, positive in steady motion forward (there: level). [N m]
 
     Passive in every form, also while the level changes: sigma0 z^2 / 2, summed over the elements, is the stored energy.
@@ -159,20 +174,3 @@ def force_nm(group: Any, bristles: Float, coulomb_nm: float, level: float, veloc
     for k in range(BRISTLES):
         force += coulomb_nm / (BRISTLES * yield_rad(group, k)) * bristles[k]
     return force
-
-
-EFFECT = Effect(
-    name="presliding",
-    family="velocity",
-    summary="friction builds up like a spring over the path since a reversal",
-    group=Presliding,
-    strength="displacement_rad",
-    parameters=(
-        Parameter(
-            name="displacement_rad", usual=0.005, meaning="Coulomb friction over the stiffness at rest [rad]", high=0.1
-        ),
-        Parameter(name="damping_s", usual=0.005, meaning="micro-damping over stiffness, LuGre form [s]", high=0.1),
-        Parameter(name="exponent", usual=1.5, meaning="exponent of the Dahl form", low=0.2, high=3.0),
-    ),
-    forms=("lugre", "dahl", "maxwell_slip"),
-)

@@ -2,33 +2,29 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import HiddenEffect, Record, number, strength
 
 EXPONENTIAL, LORENTZIAN, PIECEWISE = range(3)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Stribeck:
-    """Friction above the Coulomb level at low speed.
+class Stribeck(HiddenEffect):
+    """Friction above the Coulomb level at low speed."""
 
-    Attributes:
-        excess_nm: At rest. [N m]
-        speed_rad_s: Speed over which it goes. [rad/s]
-        exponent: Of the exponential form: 1 (Bo and Pavelescu) or 2 (Gaussian).
-        form: Index into the forms of the effect.
-    """
+    summary = "friction falls from rest to the Coulomb level as the speed rises"
+    forms = ("exponential", "lorentzian", "piecewise")
+    same_law = "exponential"
 
-    excess_nm: float = 0.0
-    speed_rad_s: float = 0.1
-    exponent: float = 2.0
+    excess_nm: float = strength(0.15, "friction at rest above the Coulomb level", like="stribeck_excess_nm")
+    speed_rad_s: float = number(0.1, "speed over which it falls", like="stribeck_speed_rad_s")
+    exponent: float = number(2.0, "exponent of the exponential form", like="stribeck_exponent")
     form: int = EXPONENTIAL
 
 
 @compiled()
-def excess_nm(group: Any, speed: float) -> float:  # noqa: ANN401 - a record of numbers
+def excess_nm(group: Record, speed: float) -> float:
     """Return the friction above the Coulomb level at a speed (not negative). [N m]"""
     ratio = speed / group.speed_rad_s
     if group.form == LORENTZIAN:
@@ -36,18 +32,3 @@ def excess_nm(group: Any, speed: float) -> float:  # noqa: ANN401 - a record of 
     if group.form == PIECEWISE:
         return float(group.excess_nm * max(0.0, 1.0 - ratio))
     return float(group.excess_nm * math.exp(-(ratio**group.exponent)))
-
-
-EFFECT = Effect(
-    name="stribeck",
-    family="velocity",
-    summary="friction falls from rest to the Coulomb level as the speed rises",
-    group=Stribeck,
-    strength="excess_nm",
-    parameters=(
-        Parameter(name="excess_nm", usual=0.15, meaning="friction at rest above the Coulomb level [N m]"),
-        Parameter(name="speed_rad_s", usual=0.1, meaning="speed over which it falls [rad/s]", low=1e-4),
-        Parameter(name="exponent", usual=2.0, meaning="exponent of the exponential form", low=0.5, high=4.0),
-    ),
-    forms=("exponential", "lorentzian", "piecewise"),
-)

@@ -6,25 +6,27 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, strength
 
 TORQUE_LATE, VELOCITY_LATE = range(2)
 
-WHOLE_STEP = 1e-9
-"""A delay this close to a whole number of steps is meant to be one."""
+WHOLE_STEP = 1e-9  # a delay this close to a whole number of steps is meant to be one
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TimeDelay:
-    """A delay line in the path of the torque, or of position and velocity.
+class TimeDelay(HiddenEffect):
+    """A delay line in the path of the torque, or of position and velocity."""
 
-    Attributes:
-        delay_s: How much older the late signal is. [s]
-        form: Index into the forms of the effect.
-    """
+    summary = "torque or motion reach the log late"
+    forms = ("torque_late", "velocity_late")
 
-    delay_s: float = 0.0
+    delay_s: float = strength(0.004, "how late", "s", upper=0.1)
     form: int = TORQUE_LATE
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        delay = values["delay_s"]
+        return {"delay_s": abs(delay), "form": "torque_late" if delay >= 0.0 else "velocity_late"}
 
 
 def delayed(signal: Float, delay_s: float, dt: float) -> Float:
@@ -46,14 +48,3 @@ def delayed(signal: Float, delay_s: float, dt: float) -> Float:
     if part <= WHOLE_STEP:
         return signal[newer]
     return np.asarray((1.0 - part) * signal[newer] + part * signal[np.maximum(newer - 1, 0)])
-
-
-EFFECT = Effect(
-    name="time_delay",
-    family="sensors",
-    summary="torque or motion reach the log late",
-    group=TimeDelay,
-    strength="delay_s",
-    parameters=(Parameter(name="delay_s", usual=4e-3, meaning="how late [s]", high=0.1),),
-    forms=("torque_late", "velocity_late"),
-)

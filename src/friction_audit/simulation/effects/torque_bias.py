@@ -1,23 +1,27 @@
 """Torque bias: the torque sensor does not read zero without a load."""
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import Given, HiddenEffect, Setting, Values, strength
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueBias:
-    """A constant error of the torque sensor.
+class TorqueBias(HiddenEffect):
+    """A constant error of the torque sensor."""
 
-    Attributes:
-        torque_nm: What it reads without a load. [N m]
-    """
+    summary = "the torque sensor does not read zero without a load"
+    felt_at_rest = True
+    same_law = ""
+    stands_for = ("offset",)
 
-    torque_nm: float = 0.0
+    torque_nm: float = strength(0.15, "reading without a load", like="torque_bias_nm")
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        return {"torque_nm": next(iter(values.values()))}
 
 
 def reading_nm(group: TorqueBias, t: Float) -> Float:
@@ -28,13 +32,3 @@ def reading_nm(group: TorqueBias, t: Float) -> Float:
         t: Time, shape (n,). [s]
     """
     return np.full(len(t), group.torque_nm)
-
-
-EFFECT = Effect(
-    name="torque_bias",
-    family="sensors",
-    summary="the torque sensor does not read zero without a load",
-    group=TorqueBias,
-    strength="torque_nm",
-    parameters=(Parameter(name="torque_nm", usual=0.15, meaning="reading without a load [N m]", low=-math.inf),),
-)

@@ -2,27 +2,26 @@
 
 import math
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import HiddenEffect, number, strength
 
 RAMP, RANDOM_WALK, THERMAL = range(3)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueDrift:
-    """A slowly growing error of the torque sensor, zero at the start.
+class TorqueDrift(HiddenEffect):
+    """A slowly growing error of the torque sensor, zero at the start."""
 
-    Attributes:
-        torque_nm: Where it ends; of the random walk, the standard deviation there. [N m]
-        settling_s: Time constant of the thermal form. [s]
-        form: Index into the forms of the effect.
-    """
+    summary = "the zero of the torque sensor moves during the recording"
+    felt_at_rest = True
+    forms = ("ramp", "random_walk", "thermal")
 
-    torque_nm: float = 0.0
-    settling_s: float = 20.0
+    torque_nm: float = strength(0.3, "error at the end of the recording", "N m", lower=-inf)
+    settling_s: float = number(20.0, "time constant of the thermal form", "s", lower=0.001)
     form: int = RAMP
 
 
@@ -48,17 +47,3 @@ def reading_nm(group: TorqueDrift, t: Float, rng: np.random.Generator) -> Float:
 def _settled(group: TorqueDrift, duration: float) -> float:
     """Return the (negative) share of the way that the exponential covers in the recording."""
     return math.expm1(-duration / group.settling_s)
-
-
-EFFECT = Effect(
-    name="torque_drift",
-    family="sensors",
-    summary="the zero of the torque sensor moves during the recording",
-    group=TorqueDrift,
-    strength="torque_nm",
-    parameters=(
-        Parameter(name="torque_nm", usual=0.3, meaning="error at the end of the recording [N m]", low=-math.inf),
-        Parameter(name="settling_s", usual=20.0, meaning="time constant of the thermal form [s]", low=1e-3),
-    ),
-    forms=("ramp", "random_walk", "thermal"),
-)

@@ -2,36 +2,52 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
+from math import inf
 
 import numpy as np
 
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    ALIKE,
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 COGGING, READING = range(2)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class TorqueRipple:
-    """Ripple locked to the position.
+class TorqueRipple(HiddenEffect):
+    """Ripple locked to the position."""
 
-    Attributes:
-        torque_nm: Amplitude of the first harmonic. [N m]
-        cycles_per_rev: Its cycles per revolution of the joint; 200 is twice per turn of the motor at a ratio of 100.
-        second_share: Amplitude of the second harmonic relative to the first.
-        form: Index into the forms of the effect.
-    """
+    summary = "a torque, or an error of the torque sensor, that repeats with the turns of the motor"
+    forms = ("cogging", "reading")
 
-    torque_nm: float = 0.0
-    cycles_per_rev: float = 200.0
-    second_share: float = 0.3
+    torque_nm: float = strength(0.1, "amplitude of the first harmonic", "N m", lower=-inf)
+    cycles_per_rev: float = number(200.0, "its cycles per revolution of the joint", like="ripple_order")
+    second_share: float = number(0.3, "second harmonic relative to the first", lower=-inf)
     form: int = COGGING
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        cosine, sine, order = values.values()
+        size = math.hypot(cosine, sine)
+        if abs(cosine) <= ALIKE * size:
+            require(not setting.driven, "a motor that cogs beyond the sensor is not seen by it")
+            return {"torque_nm": -sine, "cycles_per_rev": order, "second_share": 0.0, "form": "cogging"}
+        require(abs(sine) <= ALIKE * size, "its ripple has the phase of a sine or of a cosine")
+        return {"torque_nm": cosine, "cycles_per_rev": order, "second_share": 0.0, "form": "reading"}
 
 
 @compiled()
-def torque_nm(group: Any, q: float) -> float:  # noqa: ANN401 - a record of numbers
+def torque_nm(group: Record, q: float) -> float:
     """Return the cogging torque on the motor, behind the sensor; 0 where the sensor ripples instead. [N m]
 
     Conservative: it gives back over a cycle what it took.
@@ -56,18 +72,3 @@ def reading_nm(group: TorqueRipple, q: Float) -> Float:
         return np.zeros_like(q)
     angle = group.cycles_per_rev * q
     return np.asarray(group.torque_nm * (np.cos(angle) + group.second_share * np.sin(2.0 * angle)))
-
-
-EFFECT = Effect(
-    name="torque_ripple",
-    family="load and place",
-    summary="a torque, or an error of the torque sensor, that repeats with the turns of the motor",
-    group=TorqueRipple,
-    strength="torque_nm",
-    parameters=(
-        Parameter(name="torque_nm", usual=0.1, meaning="amplitude of the first harmonic [N m]", low=-math.inf),
-        Parameter(name="cycles_per_rev", usual=200.0, meaning="its cycles per revolution of the joint"),
-        Parameter(name="second_share", usual=0.3, meaning="second harmonic relative to the first", low=-math.inf),
-    ),
-    forms=("cogging", "reading"),
-)

@@ -2,10 +2,18 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 from friction_audit.compiled import compiled
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects.effect import (
+    Given,
+    HiddenEffect,
+    Record,
+    Setting,
+    Values,
+    number,
+    require,
+    strength,
+)
 
 SMOOTH, DEAD_BAND, SIGMOID = range(3)
 
@@ -13,26 +21,28 @@ SKEW = 0.2
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class UnloggedCompensation:
-    """A torque of the motor that helps the motion.
+class UnloggedCompensation(HiddenEffect):
+    """A torque of the motor that helps the motion."""
 
-    Attributes:
-        share: Of the friction below that is compensated.
-        coulomb_nm: Coulomb friction that the compensator believes in. [N m]
-        viscous_nms_per_rad: Viscous coefficient that it believes in; the sigmoid form has none. [N m s/rad]
-        width_rad_s: Speed up to which it holds back. [rad/s]
-        form: Index into the forms of the effect.
-    """
+    summary = "a friction compensator was active that the log does not contain"
+    forms = ("smooth", "dead_band", "sigmoid")
 
-    share: float = 0.0
-    coulomb_nm: float = 0.2
-    viscous_nms_per_rad: float = 0.05
-    width_rad_s: float = 0.05
+    share: float = strength(0.7, "share of the friction compensated", upper=1.2)
+    coulomb_nm: float = number(0.2, "Coulomb friction it believes in", "N m")
+    viscous_nms_per_rad: float = number(0.05, "viscous coefficient it believes in", "N m s/rad")
+    width_rad_s: float = number(0.05, "speed up to which it holds back", like="unlogged_width_rad_s")
     form: int = SMOOTH
+
+    @classmethod
+    def from_parameters(cls, values: Values, setting: Setting) -> Given:
+        torque, width, skew, form = values.values()
+        require(skew == 0.0, "its sigmoid has one shift")
+        friction: Given = {"share": 1.0, "coulomb_nm": torque, "viscous_nms_per_rad": 0.0, "width_rad_s": width}
+        return {**friction, "form": "dead_band" if round(form) else "smooth"}
 
 
 @compiled()
-def torque_nm(group: Any, velocity: float) -> float:  # noqa: ANN401 - a record of numbers
+def torque_nm(group: Record, velocity: float) -> float:
     """Return the torque that helps the motion, of the sign of the velocity. [N m]
 
     Not passive by its nature: it feeds the joint, and above the joint's own friction it drives it.
@@ -49,7 +59,7 @@ def torque_nm(group: Any, velocity: float) -> float:  # noqa: ANN401 - a record 
 
 
 @compiled()
-def sigmoid_nm(group: Any, velocity: float) -> float:  # noqa: ANN401 - a record of numbers
+def sigmoid_nm(group: Record, velocity: float) -> float:
     """Return the friction of a Panda joint after Gaz et al. (2019): a sigmoid shifted through the origin. [N m]
 
     phi1 is twice the Coulomb friction, phi2 one over the width; phi2 phi3 is that of the published joint 1, so that the
@@ -57,19 +67,3 @@ def sigmoid_nm(group: Any, velocity: float) -> float:  # noqa: ANN401 - a record
     """
     shifted = math.tanh(0.5 * (velocity / group.width_rad_s + SKEW))
     return float(group.coulomb_nm * (shifted - math.tanh(0.5 * SKEW)))
-
-
-EFFECT = Effect(
-    name="unlogged_compensation",
-    family="slow and events",
-    summary="a friction compensator was active that the log does not contain",
-    group=UnloggedCompensation,
-    strength="share",
-    parameters=(
-        Parameter(name="share", usual=0.7, meaning="share of the friction compensated", high=1.2),
-        Parameter(name="coulomb_nm", usual=0.2, meaning="Coulomb friction it believes in [N m]"),
-        Parameter(name="viscous_nms_per_rad", usual=0.05, meaning="viscous coefficient it believes in [N m s/rad]"),
-        Parameter(name="width_rad_s", usual=0.05, meaning="speed up to which it holds back [rad/s]", low=1e-4),
-    ),
-    forms=("smooth", "dead_band", "sigmoid"),
-)
