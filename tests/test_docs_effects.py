@@ -9,9 +9,11 @@ import pytest
 from PIL import Image
 
 from friction_audit.cli import main
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.parameter import Parameter
 from friction_audit.effects.registry import effects
 from friction_audit.simulation import EFFECTS, SCENARIOS
-from friction_audit.simulation.effects.effect import Effect, Parameter
+from friction_audit.simulation.effects import HiddenEffect
 from tests.documented_commands import ROOT, blocks, commands
 
 DOCS = ROOT / "docs"
@@ -30,19 +32,19 @@ def allowed(parameter: Parameter) -> str:
     return f"from {low:g}" if high == inf else f"{low:g} to {high:g}"
 
 
-def parameter_table(effect: Effect) -> str:
+def parameter_table(effect: type[HiddenEffect]) -> str:
     """Return the table of an effect's parameters as its page has it; paste it there when it changes."""
     rows = ["| parameter | usual | unit | allowed | meaning |", "| --- | --- | --- | --- | --- |"]
     for one in effect.parameters():
-        meaning, _, unit = one.meaning.removesuffix("]").partition(" [")
-        rows.append(f"| `{one.name}` | {one.default:g} | {unit} | {allowed(one)} | {meaning} |")
+        unit = "" if one.unit == "1" else one.unit
+        rows.append(f"| `{one.name}` | {one.default:g} | {unit} | {allowed(one)} | {one.meaning} |")
     if effect.forms:
         words = ", ".join(f"`{word}`" for word in effect.forms)
         rows.append(f"| `form` | `{effect.forms[0]}` | | {words} | functional form |")
     return "\n".join(rows)
 
 
-def read(effect: Effect) -> str:
+def read(effect: type[HiddenEffect]) -> str:
     return (PAGES / f"{effect.name}.md").read_text()
 
 
@@ -57,20 +59,20 @@ def test_the_index_lists_the_effects_by_family() -> None:
 
 
 @EVERY_EFFECT
-def test_page_has_title_summary_and_family(effect: Effect) -> None:
+def test_page_has_title_summary_and_family(effect: type[HiddenEffect]) -> None:
     title, _, line = read(effect).splitlines()[:3]
     assert title == f"# {effect.name}"
     assert line == f"*{effect.summary[0].upper()}{effect.summary[1:]}.* Family: {effect.family()}."
 
 
 @EVERY_EFFECT
-def test_parameters_are_the_program_s(effect: Effect) -> None:
+def test_parameters_are_the_program_s(effect: type[HiddenEffect]) -> None:
     assert parameter_table(effect) in read(effect)
     assert f"`{effect.strength_name()}=0`" in read(effect)
 
 
 @EVERY_EFFECT
-def test_every_form_has_its_equation(effect: Effect) -> None:
+def test_every_form_has_its_equation(effect: type[HiddenEffect]) -> None:
     equation = read(effect).partition("## Equation")[2].partition("## Parameters")[0]
     rows = re.findall(r"^\| `(\w+)` \| `.+` \|", equation, re.MULTILINE)
     assert rows == list(effect.forms)
@@ -78,7 +80,7 @@ def test_every_form_has_its_equation(effect: Effect) -> None:
 
 
 @EVERY_EFFECT
-def test_effects_it_is_confused_with_exist(effect: Effect) -> None:
+def test_effects_it_is_confused_with_exist(effect: type[HiddenEffect]) -> None:
     confused = read(effect).partition("## Confused with")[2].partition("## On a real arm")[0]
     names = re.findall(r"^\| \[(\w+)\]", confused, re.MULTILINE)
     assert names
@@ -94,7 +96,7 @@ def test_page_says_where_diagnose_looks(candidate: Effect) -> None:
 
 
 @EVERY_EFFECT
-def test_picture_is_as_wide_as_a_column_and_small(effect: Effect) -> None:
+def test_picture_is_as_wide_as_a_column_and_small(effect: type[HiddenEffect]) -> None:
     path = IMAGES / f"{effect.name}.png"
     assert f"(../images/effects/{effect.name}.png)" in read(effect)
     assert path.stat().st_size <= LARGEST_BYTES
@@ -103,7 +105,7 @@ def test_picture_is_as_wide_as_a_column_and_small(effect: Effect) -> None:
 
 
 @EVERY_EFFECT
-def test_example_runs(effect: Effect, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_example_runs(effect: type[HiddenEffect], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (body,) = blocks(read(effect), "sh")
     (command,) = commands(body)
     program, *words = shlex.split(command)

@@ -9,6 +9,7 @@ from typing import Any
 
 import typer
 
+from friction_audit.effects.registry import NAMES
 from friction_audit.errors import UsageError, printable
 from friction_audit.joint_numbers import parse_joint_numbers
 
@@ -46,34 +47,7 @@ DIAGNOSE_TABLES = (
 )
 REPORT_TABLES = (*ESTIMATE_TABLES, *REPLAY_TABLES, *DIAGNOSE_TABLES)
 """Tables of each command's result."""
-EFFECTS = (
-    "stribeck",
-    "stiction",
-    "nonlinear_viscous",
-    "asymmetric_coulomb",
-    "asymmetric_viscous",
-    "presliding",
-    "frictional_lag",
-    "load_dependent_friction",
-    "position_dependent_friction",
-    "torque_ripple",
-    "gravity_error",
-    "cable_spring",
-    "joint_limit_stop",
-    "torque_bias",
-    "torque_drift",
-    "time_delay",
-    "torque_crosstalk",
-    "joint_elasticity",
-    "backlash",
-    "inertia_error",
-    "inertial_coupling",
-    "warm_up",
-    "friction_step",
-    "contact_event",
-    "unlogged_compensation",
-)
-"""Effects that a diagnosis may name, and that a simulation may hide."""
+EFFECTS = NAMES
 SCENARIOS = (
     "joint",
     "joint-sine",
