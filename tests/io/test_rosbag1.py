@@ -12,8 +12,6 @@ from friction_audit.io.readers.reader import ReadOptions
 from friction_audit.io.readers.rosbag1 import ROSBAG1, Rosbag1Stream
 from friction_audit.io.recording import Recording
 from tests.io.bag_writing import (
-    JOINTS,
-    STEP_NS,
     Samples,
     Stream,
     assert_read,
@@ -47,38 +45,6 @@ def read(path: Path, **options: Any) -> Recording:
 
 def codes(recording: Recording) -> set[str]:
     return {finding.code for finding in recording.findings}
-
-
-@pytest.mark.parametrize("compression", [None, "LZ4", "BZ2"])
-def test_joint_states(tmp_path: Path, compression: str | None) -> None:
-    values = samples(300)
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values)], compression)
-    assert ROSBAG1.recognises(path)
-    recording = read(path)
-    assert_read(recording, values)
-    np.testing.assert_array_equal(recording.t, np.arange(300) * STEP_NS / 1e9)
-    assert recording.joint_names == JOINTS
-    assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
-    assert recording.start_s == pytest.approx(1.7e9)
-    assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
-    assert recording.findings == ()
-
-
-def test_scrambled_order_and_fingers(tmp_path: Path) -> None:
-    values = samples(40)
-    names = ["panda_finger_joint1", *JOINTS[::-1], "panda_finger_joint2"]
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, names=names)])
-    recording = read(path)
-    assert recording.joint_names == JOINTS
-    assert_read(recording, values)
-
-
-def test_order_that_changes_within_a_block(tmp_path: Path) -> None:
-    values = samples(60)
-    orders = (JOINTS, JOINTS[::-1], (*JOINTS[3:], *JOINTS[:3], "panda_finger_joint1"))
-    messages = [(stamp_ns(i), joint_state(STORE, i, values, names=orders[i * i % 3])) for i in range(60)]
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [("/joint_states", "sensor_msgs/msg/JointState", messages)])
-    assert_read(read(path), values)
 
 
 def test_arm_and_gripper_taking_turns_on_one_topic(tmp_path: Path) -> None:
@@ -145,15 +111,6 @@ def test_first_hand_joint_states_before_the_republished_ones(tmp_path: Path) -> 
     assert "topic_chosen" in codes(recording)
 
 
-def test_two_arms_are_for_the_user_to_choose(tmp_path: Path) -> None:
-    values = samples(20)
-    streams = [joint_states(STORE, values, f"/panda_{arm}_state_controller/joint_states") for arm in (1, 2)]
-    path = write_rosbag1(tmp_path / "a.bag", STORE, streams)
-    with pytest.raises(UsageError, match=r"--topic '/panda_2_state_controller/joint_states' \(20 messages\)"):
-        read(path)
-    assert read(path, topic="panda_2_state_controller/joint_states").topic == streams[1][0]
-
-
 def test_two_arms_in_one_message(tmp_path: Path) -> None:
     values = samples(20, joints=6)
     names = [f"{side}_panda_joint{i}" for i in (1, 2, 3) for side in ("left", "right")]
@@ -210,18 +167,6 @@ def test_fields_mapped_by_the_user(tmp_path: Path) -> None:
     assert read(write_rosbag1(tmp_path / "b.bag", store, beside), mapping=mapping).topic == "/log"
 
 
-def test_topics(tmp_path: Path) -> None:
-    text: Stream = ("/note", "std_msgs/msg/String", [(stamp_ns(0), STORE.types["std_msgs/msg/String"]("x"))])
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, samples(5)), text])
-    found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in ROSBAG1.topics(path)}
-    expected = {("/joint_states", "sensor_msgs/msg/JointState", 5, True), ("/note", "std_msgs/msg/String", 1, False)}
-    assert found == expected
-    with pytest.raises(InputError, match=r"no topic /joint_stats; did you mean /joint_states\?"):
-        read(path, topic="/joint_stats")
-    with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
-        read(path, topic="/note")
-
-
 def test_effort_that_is_empty_is_no_channel(tmp_path: Path) -> None:
     values = samples(10)
     recording = read(write_rosbag1(tmp_path / "a.bag", STORE, [joint_states(STORE, values, empty=["tau_J"])]))
@@ -267,36 +212,6 @@ def test_bag_that_is_still_being_written(tmp_path: Path) -> None:
     recording = read(path)
     assert_read(recording, values)
     assert [finding.code for finding in recording.findings] == ["truncated"]
-
-
-BAD = {
-    "empty": (b"", "is empty"),
-    "garbage": (b"\x01\x02garbage" * 100, "does not begin with '#ROSBAG V2.0'"),
-    "version 1": (b"#ROSBAG V1.2\n", "version 1; expected 2.0"),
-    "magic only": (b"#ROSBAG V2.0\n", "no messages at all"),
-    "garbage behind the magic": (b"#ROSBAG V2.0\n" + b"\xff" * 200, "before the first whole message"),
-}
-
-
-@pytest.mark.parametrize(("content", "message"), BAD.values(), ids=BAD.keys())
-def test_bad_bags(tmp_path: Path, content: bytes, message: str) -> None:
-    path = tmp_path / "bad.bag"
-    path.write_bytes(content)
-    with pytest.raises(InputError, match=f"bad.bag: .*{message}"):
-        read(path)
-
-
-def test_bag_without_messages(tmp_path: Path) -> None:
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [])
-    with pytest.raises(InputError, match="no messages at all"):
-        read(path)
-
-
-def test_bag_without_joint_states(tmp_path: Path) -> None:
-    text: Stream = ("/note", "std_msgs/msg/String", [(stamp_ns(0), STORE.types["std_msgs/msg/String"]("x"))])
-    path = write_rosbag1(tmp_path / "a.bag", STORE, [text])
-    with pytest.raises(InputError, match=r"topics are /note \(std_msgs/msg/String, 1 messages\)"):
-        read(path)
 
 
 REAL = os.environ.get("FRICTION_AUDIT_REAL_LOGS")

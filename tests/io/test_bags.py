@@ -1,0 +1,175 @@
+"""What is the same in all containers of messages: ROS 1 bags, ROS 2 bags and MCAP files."""
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from mcap.writer import CompressionType, IndexType
+
+from friction_audit.errors import InputError, UsageError
+from friction_audit.io.readers.read import choose_reader
+from friction_audit.io.readers.reader import ReadOptions
+from friction_audit.io.recording import Recording
+from tests.io.bag_writing import (
+    JOINTS,
+    STEP_NS,
+    Stream,
+    assert_read,
+    header,
+    joint_state,
+    joint_states,
+    ros1_store,
+    ros2_store,
+    samples,
+    stamp_ns,
+    write_mcap,
+    write_rosbag1,
+    write_rosbag2,
+)
+
+KIND = "sensor_msgs/msg/JointState"
+Write = Callable[[Path, Sequence[Stream]], Path]
+
+
+def bag1(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
+    return write_rosbag1(folder / "a.bag", ros1_store(), streams, **options)
+
+
+def bag2(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
+    return write_rosbag2(folder / "bag", ros2_store(), streams, **options)
+
+
+def mcap(folder: Path, streams: Sequence[Stream], **options: Any) -> Path:
+    return write_mcap(folder / "a.mcap", ros1_store() if options.get("ros1") else ros2_store(), streams, **options)
+
+
+def store_of(write: Any) -> Any:
+    is_ros1 = getattr(write, "func", write) is bag1 or "ros1" in getattr(write, "keywords", {})
+    return ros1_store() if is_ros1 else ros2_store()
+
+
+def read(path: Path, **options: Any) -> Recording:
+    return choose_reader(path).read(path, ReadOptions(**options))
+
+
+@pytest.mark.parametrize(
+    "write",
+    [
+        *(partial(bag1, compression=compression) for compression in (None, "LZ4", "BZ2")),
+        *(partial(bag2, compression=compression) for compression in (None, "MESSAGE", "FILE")),
+        *(partial(bag2, storage="MCAP", compression=compression) for compression in (None, "FILE")),
+        *(partial(mcap, compression=compression) for compression in CompressionType),
+        partial(mcap, ros1=True),
+        partial(mcap, use_chunking=False),
+        partial(mcap, index_types=IndexType.NONE),
+        partial(mcap, use_statistics=False, repeat_channels=False, repeat_schemas=False),
+        partial(mcap, use_summary_offsets=False),
+    ],
+    ids=lambda write: f"{write.func.__name__} {' '.join(f'{k}={v}' for k, v in write.keywords.items())}",
+)
+def test_joint_states(tmp_path: Path, write: Write) -> None:
+    values, store = samples(1500), store_of(write)
+    text: Any = store.types["std_msgs/msg/String"]
+    path = write(tmp_path, [joint_states(store, values), ("/note", "std_msgs/msg/String", [(stamp_ns(0), text("x"))])])
+    recording = read(path)
+    assert_read(recording, values)
+    np.testing.assert_array_equal(recording.t, np.arange(1500) * STEP_NS / 1e9)
+    assert recording.joint_names == JOINTS
+    assert (recording.clock, recording.robot, recording.topic) == ("header_stamp", "panda", "/joint_states")
+    assert recording.start_s == pytest.approx(1.7e9)
+    assert recording.mapping == {"q": "position[{i}]", "dq": "velocity[{i}]", "tau_J": "effort[{i}]"}
+    assert recording.findings == ()
+    found = {(topic.name, topic.type, topic.messages, topic.readable) for topic in choose_reader(path).topics(path)}
+    assert found == {("/joint_states", KIND, 1500, True), ("/note", "std_msgs/msg/String", 1, False)}
+    with pytest.raises(InputError, match=r"no topic /joint_stats; did you mean /joint_states\?"):
+        read(path, topic="/joint_stats")
+    with pytest.raises(InputError, match="/note of type std_msgs/msg/String holds no joint state"):
+        read(path, topic="/note")
+
+
+ANY = pytest.mark.parametrize("write", [bag1, bag2, mcap])
+
+
+@ANY
+def test_topics_that_alternate(tmp_path: Path, write: Write) -> None:
+    values, store = samples(800), store_of(write)
+    text: Any = store.types["std_msgs/msg/String"]
+    notes = [(stamp_ns(i) + 7 * STEP_NS // 3, text("x" * (i % 13))) for i in range(700)]
+    assert_read(read(write(tmp_path, [joint_states(store, values), ("/note", "std_msgs/msg/String", notes)])), values)
+
+
+@ANY
+def test_order_that_changes_between_messages(tmp_path: Path, write: Write) -> None:
+    values, store = samples(60), store_of(write)
+    orders = (JOINTS, JOINTS[::-1], (*JOINTS[3:], *JOINTS[:3], "panda_finger_joint1"))
+    messages = [(stamp_ns(i), joint_state(store, i, values, names=orders[i * i % 3])) for i in range(60)]
+    assert_read(read(write(tmp_path, [("/joint_states", KIND, messages)])), values)
+
+
+@ANY
+def test_layout_that_changes_for_good_is_followed(tmp_path: Path, write: Write) -> None:
+    values, store = samples(5000), store_of(write)
+    names = [JOINTS, JOINTS[::-1]]
+    messages = [(stamp_ns(i), joint_state(store, i, values, names=names[i > 1700])) for i in range(5000)]
+    assert_read(read(write(tmp_path, [("/j", KIND, messages)])), values)
+
+
+@ANY
+def test_scrambled_order_fingers_and_empty_names(tmp_path: Path, write: Write) -> None:
+    values, store = samples(20), store_of(write)
+    names = ["panda_finger_joint1", *JOINTS[::2], "panda_finger_joint2", *JOINTS[1::2]]
+    recording = read(write(tmp_path, [joint_states(store, values, names=names)]))
+    assert_read(recording, values)
+    assert recording.joint_names == JOINTS
+    kind: Any = store.types[KIND]
+    rows = ([values[c][i] for c in ("q", "dq", "tau_J")] for i in range(20))
+    nameless = [(stamp_ns(i), kind(header(store, i), [], *row)) for i, row in enumerate(rows)]
+    (tmp_path / "nameless").mkdir()
+    recording = read(write(tmp_path / "nameless", [("/j", KIND, nameless)]))
+    assert_read(recording, values)
+    assert recording.joint_names == tuple(f"joint{i}" for i in range(1, 8))
+    assert recording.robot == "unknown"
+
+
+@ANY
+def test_two_arms_are_for_the_user_to_choose(tmp_path: Path, write: Write) -> None:
+    streams = [joint_states(store_of(write), samples(20), f"/{arm}/joint_states") for arm in ("left", "right")]
+    path = write(tmp_path, streams)
+    with pytest.raises(UsageError, match=r"--topic '/right/joint_states' \(20 messages\)"):
+        read(path)
+    assert read(path, topic="right/joint_states").topic == "/right/joint_states"
+
+
+@ANY
+def test_no_messages(tmp_path: Path, write: Write) -> None:
+    with pytest.raises(InputError, match="no messages at all"):
+        read(write(tmp_path, []))
+
+
+SQLITE, MCAP_MAGIC, BAG = b"SQLite format 3\x00", b"\x89MCAP0\r\n", b"#ROSBAG V2.0\n"
+
+
+@pytest.mark.parametrize(
+    ("suffix", "content", "message"),
+    [
+        (".mcap", b"garbage" * 100, "does not begin as an MCAP file"),
+        (".mcap", MCAP_MAGIC, "breaks off at byte 8 of 8 before the first whole chunk"),
+        (".mcap", MCAP_MAGIC + b"\xfe" * 300, "breaks off at byte 8 of 308"),
+        (".mcap", MCAP_MAGIC + bytes(300), "breaks off"),
+        (".bag", b"\x01\x02garbage" * 100, "does not begin with '#ROSBAG V2.0'"),
+        (".bag", b"#ROSBAG V1.2\n", "version 1; expected 2.0"),
+        (".bag", BAG, "no messages at all"),
+        (".bag", BAG + b"\xff" * 200, "before the first whole message"),
+        (".db3", b"garbage" * 100, "does not begin as an SQLite file"),
+        (".db3", SQLITE + bytes(200), "cannot be read: |no table messages"),
+        *((suffix, b"", "is empty") for suffix in (".mcap", ".bag", ".db3")),
+    ],
+)
+def test_bad_files(tmp_path: Path, suffix: str, content: bytes, message: str) -> None:
+    path = tmp_path / f"bad{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=f"bad{suffix}: .*({message})"):
+        read(path)
