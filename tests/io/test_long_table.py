@@ -47,11 +47,13 @@ def test_a_mapped_column_that_a_long_table_lacks(tmp_path: Path) -> None:
         read_log(written(tmp_path / "run.csv", long_frame(tau_J="effort")), ReadOptions(mapping={"tau_J": "efort"}))
 
 
-def test_degrees_are_believed_in_a_mapped_column(tmp_path: Path) -> None:
-    frame = long_frame(q="q_deg")
-    frame["q_deg"] = np.degrees(frame["q_deg"])
-    log = read_log(written(tmp_path / "run.csv", frame), ReadOptions(mapping={"q": "q_deg"}))
+@pytest.mark.parametrize(("name", "stated"), [("q_deg", "q_deg"), ("angle", "angle:deg"), ("q_deg", "q_deg:deg")])
+def test_degrees_of_a_mapped_column(tmp_path: Path, name: str, stated: str) -> None:
+    frame = long_frame(q=name)
+    frame[name] = np.degrees(frame[name])
+    log = read_log(written(tmp_path / "run.csv", frame), ReadOptions(mapping={"q": stated}))
     np.testing.assert_allclose(log.q, motion(SAMPLES)["q"], atol=1e-12)
+    assert log.source.findings == ()
 
 
 @pytest.mark.parametrize("label", ["{}", "{}.0", "J{}"])

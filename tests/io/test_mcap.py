@@ -93,7 +93,7 @@ def test_foxglove_joint_states_as_json(tmp_path: Path) -> None:
 @pytest.mark.parametrize("with_effort", [True, False])
 def test_foxglove_joint_states_as_protobuf(tmp_path: Path, with_effort: bool) -> None:
     descriptors = _descriptors()
-    kind = GetMessages(descriptors.file)["foxglove.JointStates"]
+    kind: Any = GetMessages(descriptors.file)["foxglove.JointStates"]
     values = samples(30)
     values["dq"][:, 0] = 0.0  # not on the wire, and still there
     payloads = []

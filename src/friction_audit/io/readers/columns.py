@@ -105,12 +105,12 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
     _refuse_absent(mapping, bare, path)
     stated = {channel: _stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
     cells = {channel: group.cells[0] for channel, group in stated.items()}
-    parsed = [
-        (cell, name) for cell, text in enumerate(bare) if (name := parse_name(text)) and cell not in cells.values()
-    ]
-    single = sorted((one for one in parsed if one[1].index is None and one[1].joint is None), key=lambda o: -o[1].rank)
-    best = {name.channel: (cell, name.degrees) for cell, name in single}  # of one channel the best name comes last
-    best |= {channel: (group.cells[0], group.degrees) for channel, group in stated.items()}
+    parsed = [(cell, name) for cell, text in enumerate(bare) if (name := parse_name(text))]
+    free = [(c, name) for c, name in parsed if c not in cells.values() and name.index is None and name.joint is None]
+    best = {name.channel: cell for cell, name in sorted(free, key=lambda one: -one[1].rank)} | cells
+    degrees = {name.channel for cell, name in parsed if name.degrees and best.get(name.channel) == cell}
+    degrees |= {channel for channel, group in stated.items() if group.degrees}
+    degrees -= {channel for channel, group in stated.items() if group.template.endswith(":rad")}
     if not {*_REQUIRED} <= best.keys():
         return None
     time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
@@ -121,9 +121,9 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
         )
     return ColumnMap(
         time=time,
-        channels={channel: (cell,) for channel, (cell, _) in best.items()},
-        mapping={channel: bare[cell] for channel, (cell, _) in best.items()},
-        degrees=frozenset(channel for channel, (_, degrees) in best.items() if degrees),
+        channels={channel: (cell,) for channel, cell in best.items()},
+        mapping={channel: bare[cell] for channel, cell in best.items()},
+        degrees=frozenset(degrees),
         joint=joint,
         stated=frozenset(stated),
     )

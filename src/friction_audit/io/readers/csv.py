@@ -242,7 +242,7 @@ def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.Data
     # Since pandas 3.1 numbers always are rounded correctly, and asking for it is deprecated.
     rounds = tuple(map(int, pd.__version__.split(".")[:2])) >= (3, 1)
     exact: dict[str, Any] = {} if rounds else {"float_precision": "round_trip"}
-    return pd.read_csv(
+    frame: pd.DataFrame = pd.read_csv(
         io.BytesIO(block),
         header=None,
         names=range(dialect.width),
@@ -256,6 +256,7 @@ def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.Data
         engine="c",
         **exact,
     )
+    return frame
 
 
 def _blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:

@@ -97,7 +97,7 @@ class NpzTable(ColumnTable):
         """Read all stamps."""
         name, element = self._cells[time.cells[0]]
         stamps = _array(self._archive, self._tables[name])[:, element or 0]
-        raw = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
+        raw: NDArray[Any] = stamps.astype(np.int64 if stamps.dtype.kind in "iu" else np.float64)
         return to_clock(raw, time.unit, path=str(self.path))
 
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:

@@ -85,7 +85,9 @@ class ParquetTable(ColumnTable):
         self._widths = Counter(name for name, element in self._cells if element is not None)
         super().__init__(path, [name if element is None else f"{name}[{element}]" for name, element in self._cells])
         labels = [name for name in lists if is_label(f"{name}[0]") and _is_text(self._types[name].value_type)]
-        found = {name: next(filter(None, rows), []) for name, rows in _first_rows(file, labels).items()}
+        found: dict[str, list[Any]] = {
+            name: next(filter(None, rows), []) for name, rows in _first_rows(file, labels).items()
+        }
         self._joints = {name: [str(joint) for joint in joints] for name, joints in found.items() if joints}
         named = {f"{name}[{i}]": joint for name, joints in self._joints.items() for i, joint in enumerate(joints)}
         self.labels = labels_of(self.names, named)
