@@ -15,7 +15,7 @@ from PIL import Image
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, diagnose_log
-from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.figures.style import figure_style
 from friction_audit.simulation import simulate
 from friction_audit.simulation.hide import hide
@@ -81,7 +81,7 @@ def make_pictures(names: list[str]) -> None:
             continue
         found = diagnosed(case)
         joints = [joint.joint for joint in found.discrepancy.joints]
-        for kind in DIAGNOSIS_FIGURES:
+        for kind in figures_of("diagnosis"):
             if kind.name in case.figures:
                 figure = kind.draw(found, joints[0] if len(joints) == 1 else None)
                 save(figure, FOLDER / f"{case.name}-{kind.name}.png")

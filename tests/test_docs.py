@@ -21,7 +21,7 @@ from friction_audit.io.writers import WRITERS
 from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import estimate_document
-from friction_audit.reporting.figures import FIGURES
+from friction_audit.reporting.figures.registry import FIGURES
 from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same

@@ -17,10 +17,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from friction_audit.cli import choices
 from friction_audit.cli.batch_files import RESULTS
 from friction_audit.io.writers import write_log
-from friction_audit.reporting.figures.batch import BATCH_FIGURES
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.simulation import BenchSettings, simulate
 from tests.cli.conftest import Run
 from tests.in_this_process import in_this_process
@@ -67,7 +66,7 @@ def test_from_logs_to_every_output(rig: Path, run: Run) -> None:
     assert document["joints"][0]["drift"] is True
     assert document["joints"][0]["coefficients"]["coulomb_nm"]["change_points"][0]["session"] == STEP + 1
     folder = Path("friction-drift")
-    figures = {f"{kind.name}.png" for kind in BATCH_FIGURES}
+    figures = {f"{kind.name}.png" for kind in figures_of("drift")}
     assert {path.name for path in folder.iterdir()} == {"ledger.sqlite", *RESULTS, *figures}
     assert json.loads((folder / "batch.json").read_text()) == document
     table = pd.read_parquet(folder / "sessions.parquet")
@@ -186,7 +185,3 @@ def _sessions(ledger: Path) -> int:
             return int(database.execute("SELECT COUNT(*) FROM sessions").fetchone()[0])
         except sqlite3.OperationalError:  # before its tables are there
             return 0
-
-
-def test_names_of_figures_are_those_of_the_report() -> None:
-    assert tuple(kind.name for kind in BATCH_FIGURES) == choices.BATCH_FIGURES

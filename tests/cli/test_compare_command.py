@@ -4,9 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.cli.compare import ARMS, FIGURES, METHOD_NAMES
+from friction_audit.cli.compare import ARMS, METHOD_NAMES
 from friction_audit.compensation.comparison import METHODS, SCENES
-from friction_audit.compensation.comparison import experiment as draw
 from tests.cli.conftest import Run
 
 NO_MARGINS = ("--margin-seeds", "0", "-q")
@@ -16,7 +15,6 @@ SHORT = ("--seeds", "2", "--duration", "12", "--methods", "none,oracle", "-q")
 def test_names_are_those_of_the_package() -> None:
     assert tuple(method.name for method in METHODS) == METHOD_NAMES
     assert tuple(scene.name for scene in SCENES) == ARMS
-    assert draw.FIGURES == FIGURES
 
 
 def test_table_and_figures(run: Run, tmp_path: Path) -> None:

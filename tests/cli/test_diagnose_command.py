@@ -13,7 +13,6 @@ from friction_audit.diagnosis import data_audit
 from friction_audit.effects.model_file import load_model
 from friction_audit.effects.registry import effects
 from friction_audit.io.writers import write_log
-from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate
 
@@ -23,10 +22,6 @@ WRITTEN = {"diagnose.json", "model.toml", *(f"{name}.png" for name in choices.DI
 
 def test_names_of_the_effects_are_those_of_the_catalogue() -> None:
     assert tuple(candidate.name for candidate in effects()) == choices.EFFECTS
-
-
-def test_names_of_the_figures_are_those_of_the_report() -> None:
-    assert tuple(kind.name for kind in DIAGNOSIS_FIGURES) == choices.DIAGNOSIS_FIGURES
 
 
 def test_the_page_explains_every_fault_and_limit_of_the_data() -> None:

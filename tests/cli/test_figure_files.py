@@ -2,13 +2,15 @@
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from matplotlib.figure import Figure
 
 from friction_audit import parallel
+from friction_audit.cli import figure_files
 from friction_audit.cli.console import Voice
-from friction_audit.cli.figure_files import FigureFile, draw_files
+from friction_audit.cli.figure_files import FigureFile, write_figures
 from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.reporting.figures.style import figure_style
 
@@ -31,12 +33,17 @@ def nothing(joint: int | None) -> Figure:
 def drawn_by(
     workers: int, folder: Path, kinds: tuple[str, ...] = ("line",), *, verbose: bool = False
 ) -> list[FigureFile]:
-    draw = {"line": line, "nothing": nothing}
-    voice = Voice(quiet=False, verbose=verbose)
+    known = [
+        SimpleNamespace(name="line", result="any", draw=lambda _, joint: line(joint)),
+        SimpleNamespace(name="nothing", result="any", draw=lambda _, joint: nothing(joint)),
+    ]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(parallel, "workers_for", lambda _: workers)
-        chosen = {kind: draw[kind] for kind in kinds}
-        return draw_files(chosen, (2, 5), folder, FORMATS, each_joint=True, overwrite=False, voice=voice)
+        patch.setattr(figure_files, "FIGURES", known)
+        voice = Voice(quiet=False, verbose=verbose)
+        return write_figures(
+            {"any": 0}, kinds, (2, 5), folder, FORMATS, overwrite=False, voice=voice, unit="N m", each_joint=True
+        )
 
 
 def test_copies_write_the_same_files_in_the_same_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

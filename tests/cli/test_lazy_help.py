@@ -11,7 +11,6 @@ from friction_audit.friction import settings as friction
 from friction_audit.io.writers import WRITERS
 from friction_audit.preprocessing import settings as cycles
 from friction_audit.preprocessing import settings as torque
-from friction_audit.reporting import figures
 from friction_audit.reporting.figures import style as save
 from friction_audit.simulation.effects import EFFECTS
 from friction_audit.simulation.scenarios import SCENARIOS
@@ -69,7 +68,6 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert choices.CYCLES_FROM == cycles.CYCLES_FROM
     assert choices.ESTIMATORS == friction.ESTIMATORS
     assert choices.MODELS == friction.MODELS
-    assert tuple(kind.name for kind in figures.FIGURES) == choices.FIGURES
     assert choices.IMAGE_FORMATS == save.FORMATS
     assert tuple(scenario.name for scenario in SCENARIOS) == choices.SCENARIOS
     assert {effect.name for effect in EFFECTS} == set(choices.EFFECTS)

@@ -2,7 +2,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.reporting.figures import FIGURES, REPLAY_FIGURES
+from friction_audit.reporting.figures.registry import figure_names
 from tests.cli.conftest import Run
 
 
@@ -19,10 +19,7 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
         "plot", logs / "moved2.csv", "--joints", "2", "--kind", "all", "--format", "svg,pdf", "-o", "x", "--json"
     )
     figures = answer.document()["figures"]
-    assert [figure["kind"] for figure in figures[::2]] == [
-        *(kind.name for kind in (*FIGURES, *REPLAY_FIGURES)),
-        "residual",
-    ]
+    assert tuple(figure["kind"] for figure in figures[::2]) == figure_names("estimate", "replay", "diagnosis")
     assert {figure["joint"] for figure in figures} == {2}
     assert {Path(figure["path"]).suffix for figure in figures} == {".svg", ".pdf"}
 
@@ -39,4 +36,4 @@ def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_pat
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
     answer = run("plot", logs / "still.csv", "--kind", "all")
     assert answer.code == 0
-    assert len(answer.out.split()) == len(FIGURES) + len(REPLAY_FIGURES) + len(["residual"])
+    assert len(answer.out.split()) == len(figure_names("estimate", "replay", "diagnosis"))

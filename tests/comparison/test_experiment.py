@@ -7,12 +7,14 @@ from math import inf
 import numpy as np
 import pytest
 
+from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, Comparison, compare
-from friction_audit.compensation.comparison.experiment import FIGURES, choose_best, draw
+from friction_audit.compensation.comparison.experiment import choose_best
 from friction_audit.compensation.comparison.methods import BEST, PAPER, Joint, Tuning
 from friction_audit.compensation.comparison.result import MEASURES, Curve, Point, tell_rows
 from friction_audit.compensation.compensators import Compensator, FixedCompensation
 from friction_audit.reporting.compare import compare_lines
+from friction_audit.reporting.figures.comparison import draw_comparison as draw
 from tests.comparison.conftest import CHOSEN, SEEDS, compared, short_joint
 
 

@@ -12,7 +12,7 @@ from friction_audit.joint_log import Finding, JointLog
 from friction_audit.pipeline import AuditSettings, Diagnosis, Estimate, estimate_log, replay_estimate
 from friction_audit.reporting.report import LogReport, report_estimate
 from tests.reporting.conftest import build_estimate
-from tests.reporting.test_diagnose_figures import ALL
+from tests.reporting.diagnosed_rows import ALL
 
 HOSTILE = "<script>alert('x')</script> & \"$\\frac{1}$\" | `x`"
 COMMAND = "friction-audit report 'run 1.csv' -o out"

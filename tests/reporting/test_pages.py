@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from friction_audit.reporting.figures.batch import BATCH_FIGURES
+from friction_audit.reporting.figures.batch_drift import draw_drift
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
-from friction_audit.reporting.figures.batch import BATCH_FIGURES
-from friction_audit.reporting.figures.batch_drift import draw_drift
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures, part_of

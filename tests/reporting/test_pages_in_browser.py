@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from friction_audit.reporting.figures.batch import BATCH_FIGURES
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html.log_figures import LOG_FIGURES
 from tests.opened_page import Opened
 from tests.reporting import batch_by_hand, log_report_by_hand
@@ -66,7 +66,7 @@ def test_paper_holds_everything_dark_on_white(open_page: Open, case: str) -> Non
     assert opened.page.pdf(format="A4")[:5] == b"%PDF-"
 
 
-@pytest.mark.parametrize(("case", "count"), [("plain", len(LOG_FIGURES)), ("batch", len(BATCH_FIGURES))])
+@pytest.mark.parametrize(("case", "count"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_figure_is_there(open_page: Open, case: str, count: int, scheme: str) -> None:
     opened = open_page(page(case), scheme=scheme)
@@ -175,7 +175,7 @@ def test_a_figure_is_enlarged_zoomed_moved_and_put_back(open_page: Open) -> None
 def test_a_page_can_be_read_without_scripts(open_page: Open) -> None:
     opened = open_page(page("batch"), scripts=False)
     assert opened.page.locator("table.sortable button, figure button").count() == 0
-    assert opened.page.locator("figure svg").count() == len(BATCH_FIGURES)
+    assert opened.page.locator("figure svg").count() == len(figures_of("drift"))
     assert opened.page.locator("dialog").is_visible() is False
 
 

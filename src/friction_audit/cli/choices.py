@@ -12,6 +12,7 @@ import typer
 from friction_audit.effects.registry import NAMES
 from friction_audit.errors import UsageError, printable
 from friction_audit.joint_numbers import parse_joint_numbers
+from friction_audit.reporting.figures.registry import figure_names
 
 TORQUES = ("auto", "interaction", "tau_ext", "tau_J")
 GRAVITIES = ("auto", "logged", "model", "none")
@@ -23,12 +24,9 @@ ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
 COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance-observer", "torque-regulation", "model")
-FIGURES = ("velocity-torque", "energy", "coefficients", "signals")
-REPLAY_FIGURES = ("replay", "replay-velocity-torque")
-DIAGNOSIS_FIGURES = ("verdicts", "simulation", "residual", "ladder", "effects", "evidence")
-BATCH_FIGURES = ("changes", "drift", "control", "curves")
-PLOTTED = (*FIGURES, *REPLAY_FIGURES, "residual")
-"""Kinds of figures of ``plot``."""
+FIGURES, REPLAY_FIGURES = figure_names("estimate"), figure_names("replay")
+DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drift")
+PLOTTED = figure_names("estimate", "replay", "diagnosis")
 KINDS = (*PLOTTED, "all")
 IMAGE_FORMATS = ("png", "svg", "pdf")
 REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import save_everywhere
+from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
 if TYPE_CHECKING:
@@ -143,12 +143,12 @@ def _draw(
     result: "Comparison", paths: dict[str, list[Path]], voice: Voice, *, overwrite: bool
 ) -> list[tuple[str, str]]:
     """Write the figures that there are; return their names and paths."""
-    from friction_audit.compensation.comparison.experiment import draw
+    from friction_audit.reporting.figures.comparison import draw_comparison
 
     with voice.step("draw"):
-        figures = draw(result)
+        figures = draw_comparison(result)
         for name, figure in figures.items():
-            save_everywhere(figure, paths[name], overwrite=overwrite)
+            save_figures(figure, paths[name], overwrite=overwrite)
     return [(name, str(path)) for name in figures for path in paths[name]]
 
 

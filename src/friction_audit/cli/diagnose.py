@@ -1,7 +1,6 @@
 """``friction-audit diagnose``."""
 
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,7 +9,7 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
-from friction_audit.cli.figure_files import draw_files, possible_files
+from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.errors import AnalysisError, UsageError
 
@@ -205,12 +204,11 @@ def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, ove
 
 
 def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.figures.diagnose import DIAGNOSIS_FIGURES
-
-    kinds = {kind.name: partial(kind.draw, found) for kind in DIAGNOSIS_FIGURES}
     numbers = [joint.joint for joint in found.discrepancy.joints]
-    unit = found.estimate.log.source.torque_unit
-    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice, unit=unit)
+    unit, results = found.estimate.log.source.torque_unit, {"diagnosis": found}
+    write_figures(
+        results, choices.DIAGNOSIS_FIGURES, numbers, folder, formats, overwrite=overwrite, voice=voice, unit=unit
+    )
 
 
 def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:

@@ -53,9 +53,9 @@ def command(
         chain.require_an_estimate(result)
         if folder is not None:
             _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
-            write_figures(
-                result, folder, choices.FIGURES, figures, each_joint=False, overwrite=output.overwrite, voice=told
-            )
+            numbers, unit = result.interaction.joint_numbers, result.log.source.torque_unit
+            results, again = {"estimate": result}, output.overwrite
+            write_figures(results, choices.FIGURES, numbers, folder, figures, overwrite=again, voice=told, unit=unit)
         if plan is not None:
             _export(result, plan, recorded, told, overwrite=output.overwrite)
     _print(result, reading_settings, json=output.json)

@@ -1,5 +1,6 @@
 """``friction-audit plot``."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -37,13 +38,41 @@ def command(
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:
         chain.warn_about(result, voice)
-    files = write_figures(result, folder, kinds, formats, each_joint=True, overwrite=output.overwrite, voice=voice)
+    files = write_figures(
+        _results(result, kinds, voice),
+        kinds,
+        result.interaction.joint_numbers,
+        folder,
+        formats,
+        overwrite=output.overwrite,
+        voice=voice,
+        unit=result.log.source.torque_unit,
+        each_joint=True,
+    )
     if output.json:
         _print_document(result, files, chain.reading_settings(options))
     else:
         for file in files:
             say(str(file.path))
     chain.exit_if_damaged(result.log)
+
+
+def _results(result: "Estimate", kinds: Sequence[str], voice: Voice) -> dict[str, object]:
+    """Return the results that the figures draw; replay and diagnosis, where needed, with the default settings."""
+    found: dict[str, object] = {"estimate": result}
+    if set(kinds) & set(choices.REPLAY_FIGURES):
+        from friction_audit.compensation.settings import ReplaySettings
+        from friction_audit.pipeline import replay_estimate
+
+        with voice.step("replay"):
+            found["replay"] = replay_estimate(result, ReplaySettings())
+    if set(kinds) & set(choices.DIAGNOSIS_FIGURES):
+        from friction_audit.diagnosis.settings import DiagnosisSettings
+        from friction_audit.pipeline import diagnose_estimate
+
+        with voice.step("diagnose"):
+            found["diagnosis"] = diagnose_estimate(result, DiagnosisSettings())
+    return found
 
 
 def _print_document(result: "Estimate", files: list[FigureFile], reading: dict[str, object]) -> None:

@@ -1,6 +1,5 @@
 """``friction-audit replay``."""
 
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -9,7 +8,7 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
-from friction_audit.cli.figure_files import draw_files, possible_files
+from friction_audit.cli.figure_files import possible_files, write_figures
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 from friction_audit.errors import AnalysisError, UsageError
@@ -153,13 +152,11 @@ def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) 
 
 
 def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bool, voice: Voice) -> None:
-    from friction_audit.reporting.figures.replay import draw_log_replay, draw_log_replay_velocity_torque
-
-    draws = (partial(draw_log_replay, found), partial(draw_log_replay_velocity_torque, found))
-    kinds = dict(zip(choices.REPLAY_FIGURES, draws, strict=True))
     numbers = [joint.joint for joint in found.replay.joints]
-    unit = found.estimate.log.source.torque_unit
-    draw_files(kinds, numbers, folder, formats, each_joint=False, overwrite=overwrite, voice=voice, unit=unit)
+    unit, results = found.estimate.log.source.torque_unit, {"replay": found}
+    write_figures(
+        results, choices.REPLAY_FIGURES, numbers, folder, formats, overwrite=overwrite, voice=voice, unit=unit
+    )
 
 
 def _print(found: "LogReplay", document: str, *, json: bool) -> None:

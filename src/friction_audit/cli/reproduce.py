@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
-from friction_audit.cli.figure_files import save_everywhere
+from friction_audit.cli.figure_files import save_figures
 from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ def _reproduce(
     for one in chosen:
         with voice.step(f"check and draw figure {one.figure}"):
             claims += one.check(simulations)
-            save_everywhere(one.draw(simulations), paths[one.figure], overwrite=overwrite)
+            save_figures(one.draw(simulations), paths[one.figure], overwrite=overwrite)
     return chosen, claims
 
 

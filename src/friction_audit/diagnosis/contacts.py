@@ -14,11 +14,17 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.declared import FRICTION, INERTIA, least_squares
 from friction_audit.diagnosis.find_contacts import find_contacts
 from friction_audit.diagnosis.ground import Ground
+from friction_audit.diagnosis.grown_model import grow_model
 from friction_audit.diagnosis.library import Library, keep_rows, without
 from friction_audit.diagnosis.naming import Found, Names, on_rows, search_library, with_moments_of_all_cycles
+from friction_audit.diagnosis.result import ContactTrace, JointDiscrepancy
 from friction_audit.diagnosis.ripple_scan import with_scanned_orders
+from friction_audit.diagnosis.rows import filter_rows, make_rows
 from friction_audit.effects.contact_event import EFFECT as CANDIDATE
 from friction_audit.effects.contact_event import Contact, contacts_of, overlap
+from friction_audit.effects.joint_data import JointData
+from friction_audit.effects.joint_model import JointModel, Provenance
+from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
 SHIFTED = 2.0
@@ -135,3 +141,31 @@ def _touched(ground: Ground, contacts: tuple[Contact, ...]) -> NDArray[np.bool_]
         (ground.rows.t >= contact.start_s - reach) & (ground.rows.t <= contact.stop_s + reach) for contact in contacts
     ]
     return np.asarray(np.any(inside, axis=0), bool)
+
+
+def contact_trace(
+    joint: JointDiscrepancy, contacts: tuple[Contact, ...], data: JointData, model: JointModel | None
+) -> ContactTrace | None:
+    """Return what the augmented model leaves over the whole log, samples of contacts included; None without contacts.
+
+    Args:
+        joint: The diagnosis without the samples of the contacts.
+        contacts: The stretches left out of it.
+        data: The joint on the fine grid.
+        model: Its nominal model; None for inertia, Coulomb and viscous friction.
+    """
+    if not contacts or joint.traces is None:
+        return None
+    rows = make_rows(data, joint.traces.corner_hz)
+    try:
+        torque = grow_model(joint, model, Provenance()).torque(data.motion())
+    except AnalysisError:  # a coefficient below zero, which a fit may give and no model allows
+        columns = np.column_stack([data.ddq, data.motion().direction, data.dq])
+        torque = np.asarray(columns @ least_squares(rows.of(columns), rows.y))
+    left = filter_rows(data.torque - torque, rows.kernel, rows.every)
+    seen = (data.moving & data.valid)[:: rows.every]
+    return ContactTrace(
+        t=data.t[:: rows.every],
+        residual_nm=np.where(seen, left, np.nan),
+        spans_s=tuple((contact.start_s, contact.stop_s) for contact in contacts),
+    )

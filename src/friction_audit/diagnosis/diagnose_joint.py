@@ -7,7 +7,13 @@ import numpy as np
 
 from friction_audit.diagnosis.against_energy import differences_from_energy
 from friction_audit.diagnosis.constancy import find_inconstant
-from friction_audit.diagnosis.contacts import Undisturbed, contacts_beside, leave_out_contacts, without_contacts
+from friction_audit.diagnosis.contacts import (
+    Undisturbed,
+    contact_trace,
+    contacts_beside,
+    leave_out_contacts,
+    without_contacts,
+)
 from friction_audit.diagnosis.cross_products import CrossProducts
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.declared import coefficients
@@ -37,6 +43,7 @@ from friction_audit.diagnosis.ripple_scan import with_scanned_orders
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.sampling_delay import put_on_time
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.diagnosis.shown_along import with_own_axes
 from friction_audit.diagnosis.slow_noise import news_of, prewhitened, slow_noise, told_by_both
 from friction_audit.diagnosis.tell import contact_effects, effects_of, message_of
 from friction_audit.effects.contact_event import EFFECT as CONTACT
@@ -122,7 +129,7 @@ def diagnose_joint(subject: Subject, candidates: Sequence[Effect], settings: Dia
     locked = np.unique(ground.rows.cycle[ground.locked])
     known = subject.known_inertia_kg_m2
     motion = gap_in_motion(found, subject.model, subject.data, locked, known_inertia_kg_m2=known)
-    return replace(found, simulation=motion)
+    return with_own_axes(replace(found, simulation=motion))
 
 
 def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiscrepancy:
@@ -156,7 +163,8 @@ def _judge(
     if not events and (ringing := find_ringing(ground, names, settings.alpha, rng)) is not None:
         names, events = ringing.names, (ringing.effect,)
     last = _test(ground, names, rng) if names.found else first
-    return _told(subject, ground, names, events, (first, last), settings.alpha, rng)
+    found = _told(subject, ground, names, events, (first, last), settings.alpha, rng)
+    return replace(found, contacts=contact_trace(found, undisturbed.contacts, subject.data, subject.model))
 
 
 def _named(

@@ -16,6 +16,7 @@ Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable", "
 VERDICTS: tuple[Verdict, ...] = ("none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed")
 UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
 """Verdicts that are no answer."""
+CONTACT_EVENT = "contact_event"
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -84,6 +85,25 @@ class Evidence:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class OwnAxis:
+    """The axis of an effect that no axis of the joint's motion shows: one wave of a ripple, or its fitted torque.
+
+    Attributes:
+        label: The quantity with its unit.
+        values: The quantity at the samples, shape (m,).
+        curve: What the augmented model leaves plus the effect's torque, along the axis.
+        before: The residual of the nominal model along it.
+        after: The residual of the augmented model along it.
+    """
+
+    label: str
+    values: Float
+    curve: Profile
+    before: Profile
+    after: Profile
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
 class Effect:
     """An effect that the declared model misses.
 
@@ -103,6 +123,7 @@ class Effect:
         torque: Its torque at the rows, shape (m,). [N m]
         curve: What the grown model leaves plus this torque, along the axis: the effect as the log shows it.
         evidence: The candidates in its place, the best first.
+        own: The axis that it is drawn along; None where ``axis`` shows it.
     """
 
     name: str
@@ -120,6 +141,7 @@ class Effect:
     curve: Profile
     evidence: tuple[Evidence, ...]
     together: tuple[tuple[str, str], ...] = ()
+    own: OwnAxis | None = None
 
     @property
     def alone(self) -> tuple[str, ...]:
@@ -182,6 +204,21 @@ class SimulationGap:
     grown: Float
 
 
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class ContactTrace:
+    """Contact events over the whole log.
+
+    Attributes:
+        t: Time, shape (k,). [s]
+        residual_nm: What the augmented model leaves of the low-passed torque, NaN at rest, shape (k,). [N m]
+        spans_s: Beginning and end of each contact. [s]
+    """
+
+    t: Float
+    residual_nm: Float
+    spans_s: tuple[tuple[float, float], ...]
+
+
 def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
     """Return what an effect may be instead, in words: another name, two, or a part of what is in the answer itself."""
     there = {one.name for one in effects}
@@ -217,6 +254,7 @@ class JointDiscrepancy:
         untestable: Why the log cannot show an effect, by name of the effect.
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
+        contacts: Contact events; None without any.
         message: What people are told, one or two sentences.
         traceback: Of the error, a bug, that ended the diagnosis of the joint; empty without one.
     """
@@ -243,7 +281,13 @@ class JointDiscrepancy:
     untestable: dict[str, str] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()
     traces: Traces | None = None
+    contacts: ContactTrace | None = None
     traceback: str = ""
+
+    @property
+    def added(self) -> tuple[Effect, ...]:
+        """The effects of the augmented model: contact events are in no model, their samples are left out."""
+        return tuple(effect for effect in self.effects if effect.name != CONTACT_EVENT)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

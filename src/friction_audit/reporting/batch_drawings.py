@@ -7,33 +7,15 @@ from typing import TYPE_CHECKING
 from friction_audit.drift.report import ArmDrift, JointDrift
 from friction_audit.reporting.drawn_arm import as_drawn
 from friction_audit.reporting.drift_words import change_text, coefficient_name, drift_verdict, joint_verdict, total_text
+from friction_audit.reporting.figures.registry import Figure, figure_names, figures_of
 from friction_audit.reporting.words import count_of, joint_label
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure as MatplotlibFigure
 
     from friction_audit.reporting.html.page import Figure as PageFigure
 
 
-CAPTIONS = {
-    "changes": "Change from the reference to the last sessions with its 95 % interval. The grey bar holds the straight "
-    "changes that so many sessions would not have shown with 90 % power.",
-    "drift": "Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines "
-    "are levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow circles "
-    "are sessions that were not compared.",
-    "control": "Deviation of each session from the level of the reference. The grey band holds all sessions of a joint "
-    "that does not change, together with 95 % probability; a band wider than the panel is cut.",
-    "curves": "Mean interaction torque in bins of velocity: the first session, the mean of the reference with the "
-    "range of its sessions, and the last session.",
-}
-"""How to read each figure."""
-TITLES = {
-    "changes": "Change of each joint",
-    "drift": "Coefficients over the sessions",
-    "control": "Control chart",
-    "curves": "Velocity-torque curves",
-}
-"""Title of each figure, in the order in which they are read."""
 LEADS = {
     "changes": "Change of the coefficients of each joint",
     "drift": "Friction coefficients of each joint over the sessions",
@@ -116,7 +98,7 @@ def drawings_of(arms: Sequence[ArmDrift], prefixes: Mapping[str, str], formats: 
         formats: Suffixes of the files.
     """
     for number, arm in enumerate(arms, start=1):
-        for kind in TITLES if arm.joints else ():
+        for kind in figure_names("drift") if arm.joints else ():
             sheets = list(page_drawings(arm, f"arm-{number}", kind))
             name, suffixes = f"{prefixes[arm.robot]}{kind}", tuple(formats)
             if len(sheets) == 1 and len(arm.joints) > 1:
@@ -144,11 +126,9 @@ def page_drawings(arm: ArmDrift, anchor: str, kind: str) -> Iterator[Drawing]:
 
 def draw(drawing: Drawing) -> Drawn:
     """Draw a figure, and save it in all its forms."""
-    from friction_audit.reporting.figures.batch import BATCH_FIGURES
     from friction_audit.reporting.figures.style import figure_bytes
 
-    (kind,) = (kind for kind in BATCH_FIGURES if kind.name == drawing.kind)
-    figure = kind.draw(drawing.arm, drawing.joint)
+    figure = _kind(drawing).draw(drawing.arm, drawing.joint)
     files = {}
     for suffix in drawing.formats:
         files[f"{drawing.name}.{suffix}"] = figure_bytes(figure, suffix)
@@ -156,9 +136,14 @@ def draw(drawing: Drawing) -> Drawn:
     return Drawn(files=files, figure=_on_page(figure, drawing) if drawing.anchor else None)
 
 
-def _on_page(figure: "Figure", drawing: Drawing) -> "PageFigure":
+def _on_page(figure: "MatplotlibFigure", drawing: Drawing) -> "PageFigure":
     from friction_audit.reporting.html.page import Figure as PageFigure
     from friction_audit.reporting.html.svg import draw_inline
 
     picture = draw_inline(figure, prefix=drawing.anchor, description=describe(drawing.arm, drawing.kind))
-    return PageFigure(picture=picture, title=f"{TITLES[drawing.kind]}{drawing.which}", caption=CAPTIONS[drawing.kind])
+    kind = _kind(drawing)
+    return PageFigure(picture=picture, title=f"{kind.title}{drawing.which}", caption=kind.caption)
+
+
+def _kind(drawing: Drawing) -> Figure:
+    return next(kind for kind in figures_of("drift") if kind.name == drawing.kind)

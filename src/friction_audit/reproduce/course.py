@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.compensation.comparison.experiment import draw
 from friction_audit.compensation.comparison.methods import BEST, PAPER
 from friction_audit.compensation.comparison.result import Row
 from friction_audit.compensation.compensators import EnergyCompensator
@@ -76,7 +75,9 @@ def in_words(rows: Sequence[Row], values: Sequence[float], factor: float, unit: 
 
 def draw_compared(simulations: Simulations, name: str) -> "Figure":
     """Draw a figure of the comparison."""
-    return draw(compared(simulations))[name]
+    from friction_audit.reporting.figures.comparison import draw_comparison
+
+    return draw_comparison(compared(simulations))[name]
 
 
 ROLES = ((PAPER, "tuned as in the paper"), (BEST, "each at its best"))

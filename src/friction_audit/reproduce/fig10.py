@@ -66,7 +66,7 @@ def _band(claim: str, leaves: Float, note: str, last_s: float) -> Claim:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw velocity and torque, the net energy and the coefficients."""
-    from friction_audit.reporting.figures.paper_arm import draw_compensated
+    from friction_audit.reporting.figures.paper import draw_compensated
 
     return draw_compensated(make_course(simulations["fig10"][0]))
 

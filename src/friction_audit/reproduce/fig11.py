@@ -75,7 +75,7 @@ def against_nm(course: Course) -> float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw the curve from the end of the second cycle on."""
-    from friction_audit.reporting.figures.paper_arm import draw_compensated_loop
+    from friction_audit.reporting.figures.paper import draw_compensated_loop
 
     without, with_ = make_course(simulations["fig8"][0]), compensated(make_course(simulations["fig10"][0]))
     return draw_compensated_loop(with_, without)

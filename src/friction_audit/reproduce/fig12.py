@@ -124,7 +124,7 @@ def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw signals, energies and coefficients, a row for every joint."""
-    from friction_audit.reporting.figures.paper_arm import draw_whole_arm
+    from friction_audit.reporting.figures.paper import draw_whole_arm
 
     arm = simulations["fig12"][0]
     return draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])

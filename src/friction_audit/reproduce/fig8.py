@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from friction_audit.reporting.figures.panels import smooth
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reporting.figures.style import smooth
 from friction_audit.reproduce.course import make_course
 from friction_audit.reproduce.reproduction import MANY, Claim, Reproduction, Simulations, each, share, spread
 
@@ -53,7 +53,7 @@ def peak_nm(course: Course, *, from_s: float = 0.0) -> float:
 
 def draw(simulations: Simulations) -> "Figure":
     """Draw velocity and torque, the net energy, and the torque over the velocity."""
-    from friction_audit.reporting.figures.paper_arm import draw_uncompensated
+    from friction_audit.reporting.figures.paper import draw_uncompensated
 
     return draw_uncompensated(make_course(simulations["fig8"][0]))
 

@@ -1,4 +1,4 @@
-"""Comparison -> figures."""
+"""The methods side by side: sweeps, the choice of tunings, trials and stability margins."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
@@ -7,9 +7,7 @@ from dataclasses import replace
 from math import ceil, isinf
 from multiprocessing import get_context
 from os import cpu_count
-from typing import TYPE_CHECKING, Any, NamedTuple
-
-import numpy as np
+from typing import Any, NamedTuple
 
 from friction_audit.compensation.comparison.margin import amplified, find_margins
 from friction_audit.compensation.comparison.methods import (
@@ -23,7 +21,7 @@ from friction_audit.compensation.comparison.methods import (
     Sweep,
     Tuning,
 )
-from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row, tell_curves, tell_rows
+from friction_audit.compensation.comparison.result import Comparison, Curve, Point, Row
 from friction_audit.compensation.comparison.scene import Scene
 from friction_audit.compensation.comparison.trial import (
     Course,
@@ -35,53 +33,6 @@ from friction_audit.compensation.comparison.trial import (
     measure,
 )
 from friction_audit.simulation.scenarios import simulate
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-    from friction_audit.reporting.figures.compare import TrialCourse
-
-
-FIGURES = ("energy", "velocity-torque", "sweep", "summary")
-"""Names of the figures; the first two are the paper's Figs 13 and 14."""
-
-
-def draw(comparison: Comparison) -> "dict[str, Figure]":
-    """Return the figures by name; those that have nothing to show are left out."""
-    from friction_audit.reporting.figures.compare import draw_energies, draw_loops, draw_summary, draw_sweeps
-
-    shown = [row for row in comparison.rows if row.role == PAPER]
-    joint = _most_loaded(shown[0])
-    courses = [_show(row, joint) for row in shown]
-    figures = {"energy": draw_energies(courses), "velocity-torque": draw_loops(courses, joint + 1)}
-    if comparison.curves:
-        none = comparison.row(NONE, PAPER)
-        slope = none.interval(lambda outcome: outcome.energy_slope_w).value if none is not None else float("nan")
-        figures["sweep"] = draw_sweeps(tell_curves(comparison), slope)
-    figures["summary"] = draw_summary(tell_rows(comparison))
-    return figures
-
-
-def _most_loaded(row: Row) -> int:
-    """Return the column of the joint that takes most torque to move."""
-    return int(np.argmax((row.course.interaction_nm**2).mean(axis=0)))
-
-
-def _show(row: Row, joint: int) -> "TrialCourse":
-    from friction_audit.reporting.figures.compare import TrialCourse
-
-    course = row.course
-    return TrialCourse(
-        method=row.method,
-        label=row.label,
-        t=course.t,
-        dq=course.dq[:, joint],
-        interaction_nm=course.interaction_nm[:, joint],
-        energy_j=course.energy_j,
-        from_s=course.from_s,
-        lost=bool(np.isfinite(course.lost_s)),
-    )
-
 
 Progress = Callable[[float], None]
 """Told the share that is done, 0 to 1."""

@@ -196,6 +196,15 @@ class Comparison:
     rows: tuple[Row, ...]
     curves: tuple[Curve, ...]
 
+    def of_role(self, role: str) -> list[Row]:
+        """Return the rows of a role."""
+        return [row for row in self.rows if row.role == role]
+
+    @property
+    def loaded_joint(self) -> int:
+        """Column of the joint that takes most torque to move without compensation."""
+        return int(np.argmax((self.rows[0].course.interaction_nm ** 2).mean(axis=0)))
+
     def row(self, method: str, role: str) -> Row | None:
         """Return the row of a method and a role; a method without sweep is at its best as it is."""
         mine = [row for row in self.rows if row.method == method]

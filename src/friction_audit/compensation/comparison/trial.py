@@ -65,6 +65,11 @@ class Course:
     from_s: float
     lost_s: float
 
+    @property
+    def is_lost(self) -> bool:
+        """Whether the loop was lost."""
+        return bool(np.isfinite(self.lost_s))
+
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Outcome:

@@ -1,33 +1,46 @@
-"""Courses of joints -> figures in the layout of the paper's."""
+"""Courses of simulated joints -> figures in the layout of the paper's Figs 3 and 6 to 12."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from friction_audit.joint_log import Float
+from friction_audit.reporting.figures.panels import (
+    add_legend,
+    draw_arrow,
+    draw_curve,
+    draw_dots,
+    draw_raw_and_filtered,
+    every_nth,
+    label_panel,
+    mark_zero,
+    new_figure,
+    smooth,
+)
+from friction_audit.reporting.figures.series import shade_stretches
 from friction_audit.reporting.figures.style import (
     BORDER,
     COLUMN_IN,
+    DASHED,
     DISSIPATED,
     FILTERED,
     FITTED,
-    MUTED,
     RAW,
-    SHADE,
-    add_legend,
-    every_nth,
+    SHEET_IN,
+    Look,
     figure_style,
-    label_panel,
-    new_figure,
-    smooth,
-    thin_extremes,
 )
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+DRAWN, DRAWN_ON_SHEET = 4000, 1500  # points of a curve: more than a column has pixels
+ARROWS_AT = 0.6  # share of a stroke's peak speed at which an arrow stands
+ARROW_SAMPLES = 40  # samples from the middle of an arrow to its ends
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -39,177 +52,209 @@ class Course:
         dq: Velocity, shape (n,). [rad/s]
         interaction_nm: Interaction torque F_m, shape (n,). [N m]
         energy_j: Net energy E_m, shape (n,). [J]
-        ends_s: When cycles end, shape (m,). [s]
-        ends_j: Net energy then, shape (m,). [J]
         coulomb_nm: Coulomb friction compensated, shape (n,). [N m]
         viscous_nms_per_rad: Viscous friction compensated, shape (n,). [N m s/rad]
         damping_nms_per_rad: Damping of the passivity controller, shape (n,). [N m s/rad]
+        ends_s: When cycles end, shape (m,). [s]
+        ends_j: Net energy then, shape (m,). [J]
     """
 
     t: Float
     dq: Float
     interaction_nm: Float
     energy_j: Float
-    ends_s: Float
-    ends_j: Float
     coulomb_nm: Float
     viscous_nms_per_rad: Float
     damping_nms_per_rad: Float
+    ends_s: Float
+    ends_j: Float
+
+    def part(self, kept: "NDArray[np.bool_]") -> "Course":
+        """Return the samples of a mask of shape (n,), and the ends of cycles from the first of them on."""
+        later = self.ends_s > self.t[kept][0]
+        samples = {one.name: getattr(self, one.name)[kept] for one in fields(self) if not one.name.startswith("ends")}
+        return replace(self, **samples, ends_s=self.ends_s[later], ends_j=self.ends_j[later])
 
 
-DRAWN = 4000
-"""Points of a curve: more than a column has pixels."""
-
-ARROWS_AT = 0.6
-"""Share of a stroke's peak speed at which an arrow stands."""
-ARROW_SAMPLES = 40
-"""Samples from the middle of an arrow to its ends."""
+def _shade(axes: "Axes", course: Course) -> None:
+    shade_stretches(axes, [course.t[0], *course.ends_s], [*course.ends_s, course.t[-1]], course.t)
 
 
-def shade(axes: "Axes", course: Course) -> None:
-    """Shade every other cycle and end the axis with the course."""
-    edges = [course.t[0], *course.ends_s, course.t[-1]]
-    for start, stop in zip(edges[:-1:2], edges[1::2], strict=False):
-        axes.axvspan(start, stop, facecolor=SHADE, linewidth=0, zorder=0)
-    axes.set_xlim(course.t[0], course.t[-1])
+def _draw_energy(axes: "Axes", course: Course, title: str = "") -> None:
+    """Draw the net energy with the ends of its cycles marked."""
+    _shade(axes, course)
+    mark_zero(axes)
+    draw_curve(axes, course.t, course.energy_j, DRAWN, color=FILTERED, label="net energy $E_m$")
+    look: Look = {"color": BORDER, "ms": 2.4, "mew": 0, "zorder": 5, "label": "end of a cycle"}
+    axes.plot(course.ends_s, course.ends_j, "o", **look)
+    label_panel(axes, title, y="Energy [J]")
 
 
-def draw_energy(axes: "Axes", course: Course, title: str) -> "list[Artist]":
-    """Draw the net energy with the ends of its cycles marked; return the legend's entries."""
-    shade(axes, course)
-    axes.axhline(0.0, color=MUTED, lw=0.4, zorder=1)
-    curve = axes.plot(*thin_extremes(course.t, course.energy_j, DRAWN), color=FILTERED, label="net energy $E_m$")
-    dots = axes.plot(course.ends_s, course.ends_j, "o", color=BORDER, ms=2.4, mew=0, zorder=5, label="end of a cycle")
-    label_panel(axes, title)
-    axes.set_ylabel("Energy [J]")
-    return [*curve, *dots]
+def _draw_steps(axes: "Axes", course: Course, signal: Float, y: str, colour: str, title: str = "") -> None:
+    """Draw a coefficient or a damping of shape (n,)."""
+    _shade(axes, course)
+    draw_curve(axes, course.t, signal, DRAWN, color=colour)
+    label_panel(axes, title, y=y)
 
 
-def draw_steps(axes: "Axes", course: Course, values: "tuple[str, str, str]", title: str) -> "list[Artist]":
-    """Draw a coefficient or a damping; ``values`` are the course's attribute, the axis' label and the colour."""
-    name, label, colour = values
-    shade(axes, course)
-    curve = axes.plot(*thin_extremes(course.t, getattr(course, name), DRAWN), color=colour)
-    label_panel(axes, title)
-    axes.set_ylabel(label)
-    return list(curve)
-
-
-def draw_raw_and_filtered(axes: "Axes", course: Course, name: str) -> "list[Artist]":
-    """Draw a signal as measured and filtered over time; return the legend's entries."""
-    signal = getattr(course, name)
-    raw = axes.plot(*thin_extremes(course.t, signal, DRAWN), color=RAW, lw=0.5, label="raw", rasterized=True)
-    curve = axes.plot(
-        *thin_extremes(course.t, smooth(course.t, signal), DRAWN), color=FILTERED, label="filtered (10 Hz)"
-    )
-    return [*raw, *curve]
-
-
-def draw_loop(axes: "Axes", course: Course, title: str) -> "list[Artist]":
-    """Draw interaction torque against velocity, as measured and filtered; return the legend's entries."""
-    axes.plot(course.dq, course.interaction_nm, ".", ms=1.0, mew=0, color=RAW, rasterized=True, zorder=1)
-    raw = axes.plot([], [], ".", color=RAW, label="raw")
+def _draw_loop(axes: "Axes", course: Course, title: str) -> None:
+    """Draw interaction torque over velocity, as measured and filtered, with arrows in the direction of time."""
+    draw_dots(axes, course.dq, course.interaction_nm, RAW, "raw", zorder=1)
     dq, torque = smooth(course.t, course.dq), smooth(course.t, course.interaction_nm)
     thin = every_nth(len(course.t), DRAWN)
-    curve = axes.plot(dq[thin], torque[thin], color=FILTERED, lw=0.6, label="filtered (10 Hz)", zorder=2)
+    axes.plot(dq[thin], torque[thin], color=FILTERED, lw=0.6, label="filtered, 10 Hz", zorder=2)
     for fastest in (int(np.argmax(dq)), int(np.argmin(dq))):
-        _add_arrows(axes, dq, torque, fastest)
-    label_panel(axes, title)
+        slow = np.sign(dq[fastest]) * dq < ARROWS_AT * abs(dq[fastest])
+        for place in (fastest - int(np.argmax(slow[fastest::-1])), fastest + int(np.argmax(slow[fastest:]))):
+            tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
+            draw_arrow(axes, (dq[tail], torque[tail]), (dq[head], torque[head]), FITTED, 0.9)
+    label_panel(axes, title, y="Interaction torque [N m]")
     axes.set_xlabel("Velocity [rad/s]")
-    axes.set_ylabel("Interaction torque [N m]")
-    return [*raw, *curve]
 
 
-def _add_arrows(axes: "Axes", dq: Float, torque: Float, fastest: int) -> None:
-    """Add two arrows in the direction of time: on the way to the fastest sample of a stroke, and on the way back."""
-    half = ARROWS_AT * dq[fastest]
-    side = np.sign(dq[fastest])
-    rising = fastest - int(np.argmax(side * dq[fastest::-1] < abs(half)))
-    falling = fastest + int(np.argmax(side * dq[fastest:] < abs(half)))
-    for place in (rising, falling):
-        tail, head = max(place - ARROW_SAMPLES, 0), min(place + ARROW_SAMPLES, len(dq) - 1)
-        style = {"arrowstyle": "-|>", "color": FITTED, "lw": 0.9, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
-        axes.annotate("", (dq[head], torque[head]), (dq[tail], torque[tail]), arrowprops=style, zorder=5)
+def _finish(figure: "Figure", last: "Axes") -> "Figure":
+    last.set_xlabel("Time [s]")
+    add_legend(figure)
+    figure.align_ylabels()
+    return figure
 
 
-def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
-    """Draw the net energy and the coefficient beside the true one, shape (n,). [N m s/rad]"""
-    with figure_style(mathematics=True):
-        figure = new_figure(COLUMN_IN, 3.0)
-        above, below = figure.subplots(2, 1, sharex=True)
-        handles = draw_energy(above, course, "(a)")
-        label = "Viscous\n[N m s/rad]"
-        true = below.plot(
-            *thin_extremes(course.t, viscous_nms_per_rad, DRAWN), color=FITTED, ls=(0, (4, 1.5)), label="true friction"
-        )
-        (curve,) = draw_steps(below, course, ("viscous_nms_per_rad", label, FILTERED), "(b)")
-        curve.set_label("compensated")
-        below.set_xlabel("Time [s]")
-        add_legend(figure, [*handles, *true, curve])
-        figure.align_ylabels()
-        return figure
-
-
+@figure_style(mathematics=True)
 def draw_exchange(course: Course, kinetic_j: Float, dissipated_j: Float) -> "Figure":
-    """Draw the net energy input and the two parts that it consists of.
-
-    Args:
-        course: The joint.
-        kinetic_j: Its kinetic energy E_s, shape (n,). [J]
-        dissipated_j: What friction dissipated, shape (n,). [J]
-    """
-    with figure_style(mathematics=True):
-        figure = new_figure(COLUMN_IN, 2.4)
-        axes = figure.subplots()
-        handles = draw_energy(axes, course, "")
-        parts = (
-            (kinetic_j, FITTED, (0, (4, 1.5)), "kinetic $E_s$"),
-            (dissipated_j, DISSIPATED, "-.", "dissipated $E_{dissp}$"),
-        )
-        for energy, colour, dashes, label in parts:
-            handles += axes.plot(*thin_extremes(course.t, energy, DRAWN), color=colour, ls=dashes, label=label)
-        for number, (end_s, end_j) in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
-            axes.annotate(
-                rf"$E^{number}_{{cyclic}}$",
-                (end_s, end_j),
-                (3, -10),
-                textcoords="offset points",
-                fontsize=6.5,
-                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8},
-            )
-        axes.set_xlabel("Time [s]")
-        add_legend(figure, handles)
-        return figure
+    """Draw the net energy input and its two parts, kinetic and dissipated energy, shape (n,) each (Fig. 3). [J]"""
+    figure = new_figure(COLUMN_IN, 2.4)
+    axes = figure.subplots()
+    _draw_energy(axes, course)
+    draw_curve(axes, course.t, kinetic_j, DRAWN, color=FITTED, ls=DASHED, label="kinetic $E_s$")
+    draw_curve(axes, course.t, dissipated_j, DRAWN, color=DISSIPATED, ls="-.", label="dissipated $E_{dissp}$")
+    box: Look = {"facecolor": "white", "edgecolor": "none", "pad": 0.5, "alpha": 0.8}
+    for number, end in enumerate(zip(course.ends_s, course.ends_j, strict=True), start=1):
+        name = rf"$E^{number}_{{cyclic}}$"
+        axes.annotate(name, end, (3, -10), textcoords="offset points", fontsize=6.5, bbox=box)
+    return _finish(figure, axes)
 
 
+@figure_style(mathematics=True)
+def draw_adaptation(course: Course, viscous_nms_per_rad: Float) -> "Figure":
+    """Draw the net energy, and the coefficient with the true one of shape (n,) (Fig. 6). [N m s/rad]"""
+    figure = new_figure(COLUMN_IN, 3.0)
+    above, below = figure.subplots(2, 1, sharex=True)
+    _draw_energy(above, course, "(a)")
+    draw_curve(below, course.t, viscous_nms_per_rad, DRAWN, color=FITTED, ls=DASHED, label="true friction")
+    _draw_steps(below, course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", FILTERED, "(b)")
+    below.lines[-1].set_label("compensated")
+    return _finish(figure, below)
+
+
+@figure_style(mathematics=True)
 def draw_overcompensation(bare: Course, guarded: Course) -> "Figure":
-    """Draw the net energy without and with the passivity controller, and its damping."""
-    with figure_style(mathematics=True):
-        figure = new_figure(COLUMN_IN, 3.9)
-        top, middle, bottom = figure.subplots(3, 1, sharex=True)
-        handles = draw_energy(top, bare, "(a) without passivity controller")
-        draw_energy(middle, guarded, "(b) with it")
-        damping = ("damping_nms_per_rad", "Damping\n[N m s/rad]", FITTED)
-        draw_steps(bottom, guarded, damping, "(c) adaptive damping")
-        bottom.set_xlabel("Time [s]")
-        add_legend(figure, handles)
-        figure.align_ylabels()
-        return figure
+    """Draw the net energy without and with the passivity controller, and its damping (Fig. 7)."""
+    figure = new_figure(COLUMN_IN, 3.9)
+    top, middle, bottom = figure.subplots(3, 1, sharex=True)
+    _draw_energy(top, bare, "(a) without passivity controller")
+    _draw_energy(middle, guarded, "(b) with it")
+    label = "Damping\n[N m s/rad]"
+    _draw_steps(bottom, guarded, guarded.damping_nms_per_rad, label, FITTED, "(c) adaptive damping")
+    return _finish(figure, bottom)
 
 
+def _draw_signals(above: "Axes", below: "Axes", course: Course) -> None:
+    """Draw velocity above interaction torque."""
+    for axes, signal, label in (
+        (above, course.dq, "Velocity\n[rad/s]"),
+        (below, course.interaction_nm, "Torque\n[N m]"),
+    ):
+        _shade(axes, course)
+        draw_raw_and_filtered(axes, course.t, signal, DRAWN, lw=0.8)
+        label_panel(axes, "(a)" if axes is above else "", y=label)
+
+
+def _share_time(panels: "Sequence[Axes]") -> "Axes":
+    """Write the time below the last panel only; return it."""
+    for axes in panels[:-1]:
+        axes.tick_params(labelbottom=False)
+    return panels[-1]
+
+
+@figure_style(mathematics=True)
+def draw_uncompensated(course: Course) -> "Figure":
+    """Draw velocity and torque, the net energy, and the torque over the velocity (Fig. 8)."""
+    figure = new_figure(COLUMN_IN, 5.6)
+    panels = figure.subplots(4, 1, height_ratios=(1, 1, 1.2, 2))
+    _draw_signals(panels[0], panels[1], course)
+    _draw_energy(panels[2], course, "(b)")
+    _draw_loop(panels[3], course, "(c)")
+    return _finish(figure, _share_time(panels[:3]))
+
+
+@figure_style(mathematics=True)
 def draw_plateaus(raw: Course, aided: Course) -> "Figure":
-    """Draw both curves, dashed and solid as in the paper."""
-    with figure_style(mathematics=True):
-        figure = new_figure(COLUMN_IN, 2.5)
-        axes = figure.subplots()
-        axes.axhline(0.0, color=MUTED, lw=0.4)
-        axes.axvline(0.0, color=MUTED, lw=0.4)
-        dashed = axes.plot(
-            raw.dq, raw.interaction_nm, color=FITTED, ls=(0, (4, 1.5)), lw=1.0, label="combined friction"
+    """Draw torque over velocity without and with compensation, dashed and solid as in the paper (Fig. 9)."""
+    figure = new_figure(COLUMN_IN, 2.5)
+    axes = figure.subplots()
+    mark_zero(axes, x=True)
+    axes.plot(raw.dq, raw.interaction_nm, color=FITTED, ls=DASHED, lw=1.0, label="combined friction")
+    axes.plot(aided.dq, aided.interaction_nm, color=FILTERED, lw=1.0, label="compensated")
+    label_panel(axes, y="Interaction torque [N m]")
+    _finish(figure, axes)
+    axes.set_xlabel("Velocity [rad/s]")
+    return figure
+
+
+@figure_style(mathematics=True)
+def draw_compensated(course: Course) -> "Figure":
+    """Draw velocity and torque, the net energy, and both coefficients (Fig. 10)."""
+    figure = new_figure(COLUMN_IN, 5.2)
+    panels = figure.subplots(5, 1)
+    _draw_signals(panels[0], panels[1], course)
+    _draw_energy(panels[2], course, "(b)")
+    panels[2].axhline(course.ends_j[1], color=FITTED, lw=0.7, ls=DASHED, label="$E^2_{cyclic}$")
+    _draw_steps(panels[3], course, course.viscous_nms_per_rad, "Viscous\n[N m s/rad]", FILTERED, "(c)")
+    _draw_steps(panels[4], course, course.coulomb_nm, "Coulomb\n[N m]", DISSIPATED)
+    return _finish(figure, _share_time(panels))
+
+
+@figure_style(mathematics=True)
+def draw_compensated_loop(course: Course, without: Course) -> "Figure":
+    """Draw torque over velocity on the axes of the uncompensated joint (Fig. 11)."""
+    figure = new_figure(COLUMN_IN, 2.5)
+    axes = figure.subplots()
+    _draw_loop(axes, course, "")
+    reach = 1.05 * float(abs(without.interaction_nm).max())
+    axes.set_ylim(-reach, reach)
+    add_legend(figure)
+    return figure
+
+
+@figure_style(mathematics=True)
+def draw_whole_arm(courses: Sequence[Course]) -> "Figure":
+    """Draw a row for every joint: velocity and torque, net energy, both coefficients (Fig. 12)."""
+    figure = new_figure(SHEET_IN, 0.9 + 0.92 * len(courses))
+    rows = figure.subplots(len(courses), 3, squeeze=False, sharex=True)
+    for number, (row, course) in enumerate(zip(rows, courses, strict=True), start=1):
+        t, (left, middle, right) = course.t, row
+        torque = course.interaction_nm
+        curves = (
+            (left, torque, {"color": RAW, "lw": 0.4, "label": "torque", "rasterized": True}),
+            (left, smooth(t, torque), {"color": FILTERED, "lw": 0.6, "label": "filtered, 10 Hz"}),
+            (left, course.dq, {"color": FITTED, "lw": 0.7, "label": "velocity"}),
+            (middle, course.energy_j, {"color": FILTERED}),
+            (right, course.coulomb_nm, {"color": DISSIPATED, "label": "Coulomb"}),
+            (right, course.viscous_nms_per_rad, {"color": FILTERED, "ls": DASHED, "label": "viscous"}),
         )
-        solid = axes.plot(aided.dq, aided.interaction_nm, color=FILTERED, lw=1.0, label="compensated")
-        label_panel(axes, "")
-        axes.set_xlabel("Velocity [rad/s]")
-        axes.set_ylabel("Interaction torque [N m]")
-        add_legend(figure, [*dashed, *solid])
-        return figure
+        for axes in row:
+            _shade(axes, course)
+            mark_zero(axes)
+            label_panel(axes, across=6)
+        for axes, signal, look in curves:
+            draw_curve(axes, t, signal, DRAWN_ON_SHEET, **look)
+        dots: Look = {"color": BORDER, "ms": 2.0, "mew": 0, "zorder": 5, "label": "end of a cycle"}
+        middle.plot(course.ends_s, course.ends_j, "o", **dots)
+        left.set_ylabel(f"joint {number}")
+    titles = ("(a) velocity [rad/s], torque [N m]", "(b) net energy [J]", "(c) coefficients [N m], [N m s/rad]")
+    for axes, title in zip(rows[0], titles, strict=True):
+        axes.set_title(title, loc="left")
+    figure.supxlabel("Time [s]")
+    add_legend(figure)
+    figure.align_ylabels()
+    return figure

@@ -1,4 +1,4 @@
-"""Velocity and interaction torque over time."""
+"""Estimate -> interaction torque over velocity, raw and filtered, with the fitted friction on it."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -6,174 +6,86 @@ import numpy as np
 
 from friction_audit.friction.history import JointFriction
 from friction_audit.joint_log import Float
-from friction_audit.pipeline import Estimate
-from friction_audit.reporting.figures.style import (
-    COLUMN_IN,
+from friction_audit.reporting.figures.panels import (
     CUTOFF_HZ,
-    FILTERED,
-    FITTED,
     MOST_POINTS,
-    RAW,
-    SHEET_IN,
-    JointSeries,
     add_legend,
-    all_series,
-    break_at_gaps,
     cutoff_hz,
-    cycle_handles,
+    draw_arrow,
+    draw_dots,
     every_nth,
-    figure_style,
+    grid,
     is_narrow,
-    joint_series,
     label_panel,
     median_rate_hz,
-    new_figure,
-    new_pairs,
-    say_in_panel,
-    shade_cycles,
     smooth,
-    thin_extremes,
+    write_message,
 )
+from friction_audit.reporting.figures.series import JointSeries, joint_series
+from friction_audit.reporting.figures.style import FILTERED, FITTED, RAW, figure_style
 
 if TYPE_CHECKING:
-    from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-LABELS = ("Velocity [rad/s]", "Torque [N m]")
-POINTS = 6000
-"""Points of a curve: a page is 2100 dots wide at 300 dots per inch, so nothing can be lost."""
-GAP_PERIODS = 20
-"""Sampling periods without a sample after which no line is drawn."""
-
-
-def draw_signals(estimate: Estimate, joint: int | None) -> "Figure":
-    """Draw one joint at column width, velocity above torque, or every joint on a sheet, a row for each."""
-    with figure_style():
-        joints = all_series(estimate) if joint is None else (joint_series(estimate, joint),)
-        figure, pairs = new_pairs(len(joints), sheet=joint is None)
-        found = [_draw_joint(pair, series) for pair, series in zip(pairs, joints, strict=True)]
-        add_legend(figure, found[0] + cycle_handles(joints))
-        figure.align_ylabels()
-        figure.supxlabel("Time [s]", fontsize=7.5)
-        return figure
-
-
-def _draw_joint(pair: "tuple[Axes, Axes]", series: JointSeries) -> "list[Artist]":
-    """Draw velocity and torque of one joint; return the legend's entries."""
-    handles: list[Artist] = []
-    for axes, signal, label in zip(pair, (series.dq, series.torque), LABELS, strict=True):
-        shade_cycles(axes, series)
-        handles = _draw_signal(axes, series.t, signal)
-        axes.set_xlim(series.t[0], series.t[-1])
-        label_panel(axes, series.title if axes is pair[0] else "")
-        axes.set_ylabel(label)
-    return handles
-
-
-def _draw_signal(axes: "Axes", t: Float, signal: Float) -> "list[Artist]":
-    """Draw a signal raw and filtered; return both curves."""
-    longest_s = GAP_PERIODS / median_rate_hz(t)
-    curves = (
-        (signal, RAW, 0.5, "raw"),
-        (smooth(t, signal), FILTERED, 0.7, f"filtered, {cutoff_hz(t):.3g} Hz"),
-    )
-    handles: list[Artist] = []
-    for values, color, width, label in curves:
-        stamps, kept = thin_extremes(t, values, POINTS)
-        whole = break_at_gaps(stamps, kept, longest_s + 2 * (t[-1] - t[0]) / len(stamps))
-        handles += axes.plot(stamps, whole, color=color, lw=width, label=label, rasterized=True)
-    return handles
-
+    from friction_audit.pipeline import Estimate
 
 COLUMNS = 4
-TICKS_ACROSS = 3
-ARROWS = 6
-ARROW_LENGTH = 0.06
-"""Of a panel's width."""
-NEAR_REST = 0.2
-"""Share of the peak speed below which no arrow is drawn: there the curve is steep and crowded."""
-POINTS_PER_PERIOD = 10
-"""Samples of the filtered curve per period of its highest frequency: enough for a smooth line."""
-SMALLEST_CENTRE_NM = 0.0005
-"""What the label's three decimals would round to nothing. [N m]"""
-MOST_LOOPS = 60
-"""Cycles of the filtered curve above which it would be a blot."""
-SMALLEST_SPEED_RAD_S = 0.1
-"""Half width of the panel of a joint that stands still. [rad/s]"""
+ARROWS, ARROW_LENGTH = 6, 0.06  # the length of a panel's width
+NEAR_REST = 0.2  # share of the peak speed below which the curve is too steep and crowded for an arrow
+POINTS_PER_PERIOD = 10  # of the filtered curve, per period of its highest frequency: enough for a smooth line
+SMALLEST_CENTRE_NM = 0.0005  # the label's three decimals would round less to nothing
+MOST_LOOPS = 60  # cycles of the filtered curve above which it would be a blot
+SMALLEST_SPEED_RAD_S = 0.1  # half width of the panel of a joint that stands still
 
 
 class Loop(NamedTuple):
-    """The filtered curve: velocity, torque, and how much of the log it shows."""
+    """The filtered curve: velocity, torque, and which part of the cycles it shows (1 in ``every``)."""
 
     dq: Float
     torque: Float
     every: int
 
 
-def draw_velocity_torque(estimate: Estimate, joint: int | None) -> "Figure":
+@figure_style()
+def draw_velocity_torque(estimate: "Estimate", joint: int | None) -> "Figure":
     """Draw one joint at column width, or every joint on a sheet."""
-    with figure_style():
-        if joint is None:
-            return _draw_sheet(all_series(estimate))
-        series = joint_series(estimate, joint)
-        figure = new_figure(COLUMN_IN, 2.9)
-        handles = _draw_panel(figure.subplots(), series, characters=40)
-        shown = None if series.not_determined else fitted_label(series.friction, centre_nm(series))
-        add_legend(figure, handles, formula=shown)
-        figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
-        figure.supylabel(_torque_label(series), fontsize=7.5)
-        return figure
-
-
-def _draw_sheet(joints: tuple[JointSeries, ...]) -> "Figure":
-    rows = -(-len(joints) // COLUMNS)
-    columns = min(len(joints), COLUMNS)
-    figure = new_figure(SHEET_IN, 0.5 + 1.75 * rows)
-    panels = figure.subplots(rows, columns, squeeze=False).ravel()
-    handles: list[Artist] = []
-    for axes, series in zip(panels, joints, strict=False):
-        found = _draw_panel(axes, series, characters=24)
-        handles = found if len(found) > len(handles) else handles
-    for axes in panels[len(joints) :]:
-        axes.remove()
-    # The numbers differ from panel to panel, so the sheet's legend cannot show them.
-    for handle in handles[2:]:
-        handle.set_label("fitted friction")
-    add_legend(figure, handles)
-    figure.supxlabel("Velocity [rad/s]", fontsize=7.5)
-    figure.supylabel(_torque_label(joints[0]), fontsize=7.5)
+    joints = joint_series(estimate, joint)
+    sheet = joint is None
+    figure, panels = grid([1.75 if sheet else 2.4] * len(joints), sheet=sheet, across=COLUMNS, head_in=0.5)
+    formulas = [_draw_panel(axes, series, sheet=sheet) for axes, series in zip(panels, joints, strict=True)]
+    add_legend(figure, formula=None if sheet else formulas[0])
+    figure.supxlabel("Velocity [rad/s]")
+    compensated = joints[0].compensation is not None
+    figure.supylabel("Interaction and compensator torque [N m]" if compensated else "Interaction torque [N m]")
     return figure
 
 
-def _torque_label(series: JointSeries) -> str:
-    return "Interaction torque [N m]" if series.compensation is None else "Interaction and compensator torque [N m]"
-
-
-def _draw_panel(axes: "Axes", series: JointSeries, *, characters: int) -> "list[Artist]":
-    """Draw one joint; return raw, filtered and (if there is an estimate) fitted curve for the legend."""
-    from matplotlib.lines import Line2D
-
+def _draw_panel(axes: "Axes", series: JointSeries, *, sheet: bool) -> str | None:
+    """Draw one joint; return the fitted curve's formula if there is one."""
     thinned = every_nth(len(series.t))
-    axes.plot(series.dq[thinned], series.driving_torque[thinned], ".", color=RAW, ms=1.2, mew=0, rasterized=True)
-    # In the legend the marks are larger, or nobody would see them.
-    raw = Line2D([], [], color=RAW, marker=".", ls="", ms=5, mew=0)
+    raw = "raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}"
+    draw_dots(axes, series.dq[thinned], series.driving_torque[thinned], RAW, raw)
     curve = filtered_curve(series)
     loop = filtered_loop(series, curve)
-    filtered = axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True)[0]
+    filtered = f"filtered, {cutoff_hz(series.t):.3g} Hz{'' if loop.every == 1 else f', 1 cycle in {loop.every}'}"
+    axes.plot(loop.dq, loop.torque, color=FILTERED, lw=0.35, rasterized=True, label=filtered)
     _add_arrows(axes, series, curve)
-    raw.set_label("raw" if thinned.step == 1 else f"raw, 1 sample in {thinned.step}")
-    shown = "" if loop.every == 1 else f", 1 cycle in {loop.every}"
-    filtered.set_label(f"filtered, {cutoff_hz(series.t):.3g} Hz{shown}")
-    handles: list[Artist] = [raw, filtered]
-    if not series.not_determined:
-        handles.extend(_draw_fit(axes, series))
-    reach = max(SMALLEST_SPEED_RAD_S, 1.05 * float(np.abs(series.dq).max()))
-    axes.set_xlim(-reach, reach)
-    label_panel(axes, series.title, across=None if is_narrow(axes.get_figure(root=True)) else TICKS_ACROSS)
-    say_in_panel(axes, series.not_determined, characters=characters)
-    return handles
+    reach = float(np.abs(series.dq).max())
+    # Two points next to zero on each side make the step of the Coulomb term upright.
+    dq = np.array([-reach, -1e-9, 1e-9, reach])
+    fitted = None if series.not_determined else fitted_torque(series.friction, dq)
+    formula = None
+    if fitted is not None:
+        centre = centre_nm(series)
+        formula = fitted_label(series.friction, centre)
+        # The numbers differ from panel to panel, so the sheet's legend cannot show them.
+        label = "fitted friction" if sheet else formula
+        axes.plot(dq, fitted + centre, color=FITTED, lw=1.3, zorder=4, label=label)
+    axes.set_xlim(*np.array([-1.0, 1.0]) * max(SMALLEST_SPEED_RAD_S, 1.05 * reach))
+    label_panel(axes, series.title, across=None if is_narrow(axes) else 3)
+    write_message(axes, series.not_determined, characters=24 if sheet else 40)
+    return formula
 
 
 def filtered_curve(series: JointSeries) -> tuple[Float, Float]:
@@ -196,15 +108,7 @@ def filtered_loop(series: JointSeries, curve: tuple[Float, Float]) -> Loop:
 
 
 def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
-    """Return the friction torque of the whole-log estimate, or None where a coefficient of its model is missing.
-
-    Args:
-        friction: The joint's friction.
-        dq: Velocity, shape (n,). [rad/s]
-
-    Returns:
-        Friction torque, shape (n,). [N m]
-    """
+    """Return the friction torque [N m] of the whole-log estimate at velocities of shape (n,); None without estimate."""
     coulomb = 0.0 if friction.model == "viscous" else friction.coulomb.value
     viscous = 0.0 if friction.model == "coulomb" else friction.viscous.value
     torque = coulomb * np.sign(dq) + viscous * dq
@@ -212,9 +116,10 @@ def fitted_torque(friction: JointFriction, dq: Float) -> Float | None:
 
 
 def centre_nm(series: JointSeries) -> float:
-    """Return the constant around which the curve is drawn: the middle of what friction leaves while moving. [N m]
+    """Return the constant around which the fitted curve is drawn. [N m]
 
-    An offset of the torque sensor or an error of gravity shifts the measured curve; friction itself has no constant.
+    It is the median of what friction leaves while the joint moves: an offset of the torque sensor or an error of
+    gravity shifts the measured curve; friction itself has no constant.
     """
     moving = np.abs(series.dq) > NEAR_REST * np.abs(series.dq).max()
     friction = fitted_torque(series.friction, series.dq[moving])
@@ -222,12 +127,7 @@ def centre_nm(series: JointSeries) -> float:
 
 
 def fitted_label(friction: JointFriction, centre: float) -> str:
-    """Return the fitted curve's formula with its numbers, for the legend.
-
-    Args:
-        friction: The joint's friction.
-        centre: Constant that the curve is drawn around. [N m]
-    """
+    """Return the fitted curve's formula with its numbers, drawn around a constant [N m], for the legend."""
     terms = []
     if friction.model != "viscous":
         terms.append(rf"{friction.coulomb.value:.3f}\,\mathrm{{sgn}}\,\dot{{q}}")
@@ -236,18 +136,6 @@ def fitted_label(friction: JointFriction, centre: float) -> str:
     if abs(centre) >= SMALLEST_CENTRE_NM:
         terms.append(f"{centre:+.3f}")
     return f"fitted: ${''.join(terms).removeprefix('+')}$"
-
-
-def _draw_fit(axes: "Axes", series: JointSeries) -> "list[Artist]":
-    reach = float(np.abs(series.dq).max())
-    # Two points beside zero on each side make the step of the Coulomb term upright.
-    dq = np.array([-reach, -1e-9, 1e-9, reach])
-    torque = fitted_torque(series.friction, dq)
-    if torque is None:
-        return []
-    centre = centre_nm(series)
-    label = fitted_label(series.friction, centre)
-    return list(axes.plot(dq, torque + centre, color=FITTED, lw=1.3, zorder=4, label=label))
 
 
 def typical_strokes(series: JointSeries) -> slice:
@@ -277,17 +165,5 @@ def _add_arrows(axes: "Axes", series: JointSeries, curve: tuple[Float, Float]) -
     for share in (np.arange(ARROWS) + 0.5) / ARROWS:
         tail, head = np.searchsorted(length, share * length[-1] + np.array([0.0, ARROW_LENGTH]))
         head = min(int(head), len(dq) - 1)
-        axes.annotate(
-            "",
-            xy=(float(dq[head]), float(torque[head])),
-            xytext=(float(dq[tail]), float(torque[tail])),
-            arrowprops={
-                "arrowstyle": "-|>",
-                "color": FILTERED,
-                "lw": 0.5,
-                "mutation_scale": 9,
-                "shrinkA": 0,
-                "shrinkB": 0,
-            },
-            zorder=5,
-        )
+        ends = [(float(dq[k]), float(torque[k])) for k in (tail, head)]
+        draw_arrow(axes, ends[0], ends[1], FILTERED, 0.5)

@@ -9,7 +9,7 @@ from friction_audit.drift.report import ArmDrift, ChangePoint, CoefficientDrift,
 from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting.batch_drawings import TITLES, draw, page_drawings
+from friction_audit.reporting.batch_drawings import draw, page_drawings
 from friction_audit.reporting.diagnosis import VERDICT_KEYS
 from friction_audit.reporting.drift import (
     CHANGES,
@@ -33,6 +33,7 @@ from friction_audit.reporting.drift_words import (
     span_of,
     trend_text,
 )
+from friction_audit.reporting.figures.registry import figure_names
 from friction_audit.reporting.html.page import (
     Figure,
     Page,
@@ -365,7 +366,7 @@ def _pictures(arms: tuple[ArmDrift, ...], drawn: Mapping[str, Figure]) -> dict[i
     found: dict[int, tuple[Figure, ...]] = {}
     left = MOST_BYTES
     for k in sorted(range(len(arms)), key=lambda k: not arms[k].drift):
-        drawings = (one for kind in TITLES for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
+        drawings = (one for kind in figure_names("drift") for one in page_drawings(arms[k], f"arm-{k + 1}", kind))
         every = (drawn.get(one.anchor) or draw(one).figure for one in drawings)
         figures = tuple(figure for figure in every if figure is not None)
         left -= sum(len(figure.picture.svg) for figure in figures)

@@ -1,0 +1,262 @@
+"""The parts of figures: grids of panels, titles, messages, legends, limits, thinned and filtered curves."""
+
+from collections.abc import Sequence
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Float
+from friction_audit.reporting.figures.style import BORDER, COLUMN_IN, FILTERED, MUTED, RAW, SHEET_IN, Look
+from friction_audit.reporting.words import joint_label
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+LONGEST_LABEL = 24  # characters of a label up to which two stand side by side in a column of a paper
+TICKS_ON_SHEET, TICKS_IN_COLUMN = 4, 6
+
+
+class Numbered(Protocol):
+    """A part of a result that belongs to one joint."""
+
+    @property
+    def joint(self) -> int:
+        """Number of the joint, 1..n."""
+
+
+T = TypeVar("T", bound=Numbered)
+
+
+def chosen_joints(joints: Sequence[T], joint: int | None) -> tuple[T, ...]:
+    """Return one joint, given by its number (1..n), or all of them for None.
+
+    Raises:
+        UsageError: If the result does not hold that joint.
+    """
+    chosen = tuple(one for one in joints if joint in (None, one.joint))
+    if not chosen and joint is not None:
+        held = ", ".join(str(one.joint) for one in joints)
+        raise UsageError(f"joint {joint}: not in this result, which holds {held}; choose one of them")
+    return chosen
+
+
+def joint_title(joint: int, name: str) -> str:
+    """Return what a panel of a figure calls a joint."""
+    return f"joint {joint_label(joint, name)}"
+
+
+def new_figure(width_in: float, height_in: float) -> "Figure":
+    """Return an empty figure that is unknown to pyplot and needs no screen."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(width_in, height_in), layout="constrained")
+
+
+def grid(
+    heights_in: Sequence[float], *, sheet: bool, across: int, head_in: float, equal: bool = False, **shared: Any
+) -> "tuple[Figure, list[Axes]]":
+    """Return a figure and its panels: above each other at column width, or side by side on a sheet.
+
+    Args:
+        heights_in: Height of each panel. [in]
+        sheet: If True, a page wide.
+        across: Panels side by side on a sheet.
+        head_in: Height of the legend and of the label below. [in]
+        equal: Keep the columns of a full row where there are fewer panels.
+        shared: ``sharex`` and ``sharey`` of the panels.
+    """
+    count = len(heights_in)
+    columns = (across if equal else min(across, count)) if sheet else 1
+    rows = [max(heights_in[k : k + columns]) for k in range(0, count, columns)]
+    figure = new_figure(SHEET_IN if sheet else COLUMN_IN, head_in + sum(rows))
+    panels = figure.subplots(len(rows), columns, squeeze=False, gridspec_kw={"height_ratios": rows}, **shared).ravel()
+    for axes in panels[count:]:
+        axes.remove()
+    return figure, list(panels[:count])
+
+
+def pairs(joints: int, *, sheet: bool) -> "tuple[Figure, NDArray[np.object_]]":
+    """Return a figure over time and two panels per joint: a row of a sheet, or above each other in a column."""
+    if sheet:
+        figure = new_figure(SHEET_IN, 0.6 + 1.15 * joints)
+        return figure, figure.subplots(joints, 2, squeeze=False, sharex=True)
+    figure = new_figure(COLUMN_IN, 3.2)
+    return figure, figure.subplots(2, 1, squeeze=False, sharex=True).T
+
+
+def is_narrow(axes: "Axes | Figure") -> bool:
+    """Return True for a figure, or a panel of one, that is one column of a paper wide."""
+    figure = axes.get_figure(root=True)
+    return figure is not None and figure.get_figwidth() <= COLUMN_IN
+
+
+def label_panel(axes: "Axes", title: str = "", *, y: str | None = None, across: int | None = None) -> None:
+    """Write a panel's title above its left corner and name its y axis; keep the ticks few, ``across`` of them on x."""
+    from matplotlib.ticker import MaxNLocator
+
+    axes.set_title(title, loc="left")
+    if y is not None:
+        axes.set_ylabel(y)
+    ticks = TICKS_IN_COLUMN if is_narrow(axes) else TICKS_ON_SHEET
+    for axis, most in ((axes.xaxis, across or ticks), (axes.yaxis, ticks)):
+        axis.set_major_locator(MaxNLocator(most, steps=[1, 2, 2.5, 5, 10]))
+
+
+def write_message(axes: "Axes", sentence: str, *, characters: int = 44, instead: bool = False) -> None:
+    """Write a sentence, if any, into a panel, wrapped; without ticks where it stands ``instead`` of curves."""
+    if not sentence:
+        return
+    if instead:
+        axes.set_xticks([])
+        axes.set_yticks([])
+    box: Look = {"facecolor": "white", "edgecolor": MUTED, "linewidth": 0.4, "pad": 2.5, "alpha": 0.92}
+    axes.text(
+        0.5, 0.5, fill(sentence, characters), transform=axes.transAxes, ha="center", va="center", fontsize=6.5,
+        color=BORDER, bbox=box, zorder=10,
+    )  # fmt: skip
+
+
+def mark_zero(axes: "Axes", *, x: bool = False, y: bool = True, **look: Any) -> None:
+    """Draw thin lines at zero: along the x axis (``y`` = 0) and along the y axis (``x`` = 0)."""
+    look = {"color": MUTED, "lw": 0.4, "zorder": 1, **look}
+    if y:
+        axes.axhline(0.0, **look)
+    if x:
+        axes.axvline(0.0, **look)
+
+
+def add_legend(figure: "Figure", order: Sequence[str] = (), *, formula: str | None = None) -> None:
+    """Write one legend above all panels with every label of them, once.
+
+    Args:
+        figure: Its panels hold labelled artists.
+        order: Labels that stand first, in this order.
+        formula: The one label that is mathematics where names may hold dollar signs.
+    """
+    from matplotlib.patches import Patch
+
+    found: dict[str, Any] = {}
+    for axes in figure.axes:
+        for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+            found.setdefault(label, handle)
+    rest = sorted((label for label in found if label not in order), key=lambda label: isinstance(found[label], Patch))
+    labels = [label for label in order if label in found] + rest
+    if not labels:
+        return
+    longest = max((len(label) for label in labels if label != formula), default=0)
+    columns = (2 if longest <= LONGEST_LABEL else 1) if is_narrow(figure) else 7
+    legend = figure.legend([found[label] for label in labels], labels, loc="outside upper center", ncols=columns)
+    if formula is not None:
+        for text in legend.get_texts():
+            text.set_parse_math(text.get_text() == formula)
+
+
+def band(axes: "Axes", x: Float, low: Float, high: Float, colour: str, label: str, **look: Any) -> None:
+    """Fill the space between two curves; arrays of shape (n,)."""
+    look = {"color": colour, "alpha": 0.2, "lw": 0, "label": label, **look}
+    axes.fill_between(x, low, high, **look)
+
+
+def limits(shown: Float, others: Float, *, near: float, smallest: float) -> tuple[float, float] | None:
+    """Return the ends of an axis that hold all numbers shown and of others what is near; None without any number.
+
+    Args:
+        shown: Seen whole; NaN where there is none, shape (n,).
+        others: One wild number of these must not flatten the panel, shape (m,).
+        near: Others may extend the axis by so many times the range of what is shown.
+        smallest: Range below which the axis is not resolved.
+    """
+    shown, others = (values[np.isfinite(values)] for values in (shown, others))
+    if not len(shown):
+        return None
+    low, high = float(shown.min()), float(shown.max())
+    reach = near * max(high - low, smallest)
+    inside = np.clip(np.append(others, (low, high)), low - reach, high + reach)
+    bottom, top = min(low, float(inside.min())), max(high, float(inside.max()))
+    margin = 0.05 * max(top - bottom, smallest)
+    return bottom - margin, top + margin
+
+
+CUTOFF_HZ = 10.0  # corner of the low-pass filter of the drawn curves, as in the paper
+ORDER = 2
+SHORTEST = 20  # samples below which a filter makes no sense
+MOST_POINTS = 20_000  # points of one curve that a reader can still tell apart, and a file can still hold
+
+
+def cutoff_hz(t: Float) -> float:
+    """Return the corner in force: CUTOFF_HZ, or less where the log is too slow for it. [Hz]"""
+    return min(CUTOFF_HZ, 0.2 * median_rate_hz(t))
+
+
+def median_rate_hz(t: Float) -> float:
+    """Return the sampling rate of stamps, shape (n,). [Hz]"""
+    return 1.0 / float(np.median(np.diff(t)))
+
+
+def smooth(t: Float, signal: Float) -> Float:
+    """Return the signal after a zero-phase Butterworth low-pass filter, both of shape (n,)."""
+    from scipy.signal import butter, sosfiltfilt
+
+    if len(t) < SHORTEST:
+        return signal
+    sections = butter(ORDER, cutoff_hz(t), fs=median_rate_hz(t), output="sos")
+    return np.asarray(sosfiltfilt(sections, signal, padlen=min(len(t) - 1, 3 * SHORTEST)), dtype=np.float64)
+
+
+def every_nth(samples: int, most: int = MOST_POINTS) -> slice:
+    """Return the stride that leaves at most ``most`` of n samples."""
+    return slice(None, None, max(1, -(-samples // most)))
+
+
+def thin_extremes(t: Float, signal: Float, most: int = MOST_POINTS) -> tuple[Float, Float]:
+    """Return at most ``most`` samples that hold the smallest and the largest of every stretch, in order of time.
+
+    Args:
+        t: Time, shape (n,). [s]
+        signal: Shape (n,).
+        most: Number of points wanted.
+    """
+    width = -(-2 * len(t) // most)
+    if width <= 1 or len(t) <= most:
+        return t, signal
+    whole = len(t) // width * width
+    stretches = signal[:whole].reshape(-1, width)
+    first = np.arange(0, whole, width)
+    places = np.concatenate([first + stretches.argmin(axis=1), first + stretches.argmax(axis=1), [len(t) - 1]])
+    kept = np.unique(places)
+    return t[kept], signal[kept]
+
+
+def break_at_gaps(t: Float, signal: Float, longest_s: float) -> Float:
+    """Return the signal with NaN after every step of time longer than ``longest_s``: a line must not bridge a gap."""
+    broken = signal.copy()
+    broken[:-1][np.diff(t) > longest_s] = np.nan
+    return broken
+
+
+def draw_curve(axes: "Axes", t: Float, signal: Float, points: int, **look: Any) -> None:
+    """Draw a signal over time, thinned to its extremes."""
+    axes.plot(*thin_extremes(t, signal, points), **look)
+
+
+def draw_raw_and_filtered(axes: "Axes", t: Float, signal: Float, points: int, **filtered: Any) -> None:
+    """Draw a signal over time as measured and filtered."""
+    draw_curve(axes, t, signal, points, color=RAW, lw=0.5, label="raw", rasterized=True)
+    look: Look = {"color": FILTERED, "lw": 0.7, "label": f"filtered, {cutoff_hz(t):.3g} Hz", **filtered}
+    draw_curve(axes, t, smooth(t, signal), points, **look)
+
+
+def draw_dots(axes: "Axes", x: Float, y: Float, colour: str, label: str, **look: Any) -> None:
+    """Draw a cloud of dots as an image; in the legend they are large enough to be seen."""
+    axes.plot(x, y, ".", color=colour, ms=1.2, mew=0, rasterized=True, **look)
+    axes.plot([], [], ".", color=colour, ms=5, mew=0, label=label)
+
+
+def draw_arrow(axes: "Axes", tail: tuple[float, float], head: tuple[float, float], colour: str, width: float) -> None:
+    """Draw an arrow from one point of a curve to another."""
+    style: Look = {"arrowstyle": "-|>", "color": colour, "lw": width, "mutation_scale": 9, "shrinkA": 0, "shrinkB": 0}
+    axes.annotate("", head, tail, arrowprops=style, zorder=5)

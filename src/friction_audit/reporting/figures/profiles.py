@@ -1,0 +1,264 @@
+"""Diagnosis -> the residual along the quantity that shows an effect, each effect's own curve, and contact events."""
+
+from collections.abc import Callable
+from functools import partial
+from textwrap import fill
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.diagnosis.result import CONTACT_EVENT, Effect, JointDiscrepancy, OwnAxis, Profile, Traces
+from friction_audit.joint_log import Float
+from friction_audit.reporting.diagnosis_words import effect_numbers
+from friction_audit.reporting.figures.panels import (
+    add_legend,
+    chosen_joints,
+    every_nth,
+    grid,
+    is_narrow,
+    joint_title,
+    label_panel,
+    limits,
+    mark_zero,
+    new_figure,
+)
+from friction_audit.reporting.figures.style import (
+    BLUE,
+    BORDER,
+    COLUMN_IN,
+    DASHED,
+    DISSIPATED,
+    MUTED,
+    REJECTED,
+    SHEET_IN,
+    ZOOMED,
+    Look,
+    figure_style,
+)
+from friction_audit.reporting.figures.verdicts import AUGMENTED, write_verdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from friction_audit.pipeline import Diagnosis
+
+CHARACTERS = 52  # of a line of a title
+OUTSIDE = 0.005  # share of the samples that may lie above a panel, and below
+NEAR = 1.5  # more where they are farther from the means than so many times their range
+SMALLEST_NM = 0.001  # least height of a panel without any residual
+STANDARD_ERRORS = 2.0  # half length of an error bar: about 95 %
+MOST_DOTS = 1500  # samples in a panel above which they would only be a blot
+# Axes from zero on, and the last bin over the first from which a linear one would hide the first bins.
+STRETCHED, WIDENING = ("speed", "displacement"), 30.0
+POINTS = 60  # stretches with equally many samples over which a fitted torque is averaged for a line
+
+
+class Row(NamedTuple):
+    """A row of the figure: a joint and its residual before and after; None where there is nothing."""
+
+    joint: JointDiscrepancy
+    before: Profile | None
+    after: Profile | None
+    own: OwnAxis | None = None
+
+
+def rows_of(joint: JointDiscrepancy) -> list[Row]:
+    """Return one row per axis that shows a named effect, and one for what is left unexplained."""
+
+    def along(axis: str) -> Row:
+        both = (joint.profiles, joint.remaining)
+        before, after = (next((one for one in found if one.axis == axis), None) for found in both)
+        return Row(joint, before, after)
+
+    rows: dict[str, Row] = {}
+    for effect in joint.added:
+        own = effect.own
+        row = along(effect.curve.axis) if own is None else Row(joint, own.before, own.after, own)
+        rows.setdefault(own.label if own else effect.curve.axis, row)
+    found = list(rows.values())
+    if joint.verdict == "unexplained" and joint.added and joint.remaining:
+        found.append(along(joint.remaining[0].axis))
+    return found or [Row(joint, joint.profiles[0] if joint.profiles else None, None)]
+
+
+@figure_style()
+def draw_residual(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw the residual before and after along every axis that shows an effect; a sheet has that of the strongest."""
+    joints = chosen_joints(found.discrepancy.joints, joint)
+    rows = [row for one in joints for row in (rows_of(one) if joint is not None else rows_of(one)[:1])]
+    if joint is None:
+        figure = new_figure(SHEET_IN, 0.75 + 1.4 * len(rows))
+        panels = iter(figure.subplots(len(rows), 2, squeeze=False, sharey="row").ravel())
+        counts = [2] * len(rows)
+    else:
+        counts = [1 if row.after is None else 2 for row in rows]
+        figure = new_figure(COLUMN_IN, 0.75 + 1.55 * sum(counts))
+        panels = iter(figure.subplots(sum(counts), 1, squeeze=False).ravel())
+    for row, count in zip(rows, counts, strict=True):
+        _draw_row([next(panels) for _ in range(count)], row)
+    add_legend(figure)
+    corners = sorted({round(one.traces.corner_hz, 6) for one in joints if one.traces is not None})
+    ends = " to ".join(f"{hz:.3g}" for hz in dict.fromkeys((*corners[:1], *corners[-1:])))
+    figure.supylabel(f"Residual{f' below {ends} Hz' if corners else ''} [N m]")
+    return figure
+
+
+def _draw_row(panels: "list[Axes]", row: Row) -> None:
+    joint, traces = row.joint, row.joint.traces
+    for axes in panels[1:] if row.after is None else ():
+        axes.set_axis_off()
+    if row.before is None or traces is None:
+        write_verdict(panels[0], joint)
+        return
+    names = " and ".join(effect.name for effect in joint.added)
+    contacts = ", contacts left out" if len(joint.added) < len(joint.effects) else ""
+    titles = (f"{joint_title(joint.joint, joint.name)}: nominal model{contacts}", f"with {names}")
+    residuals = (traces.measured - traces.before, traces.measured - traces.after)
+    drawn = [one for one in zip((row.before, row.after), residuals, titles, strict=True) if one[0] is not None]
+    ends = np.array([limits_for(residual, profile) for profile, residual, _ in drawn if profile is not None])
+    for axes, (profile, residual, title) in zip(panels, drawn, strict=False):
+        assert profile is not None
+        along = traces.along[profile.axis] if row.own is None else row.own.values
+        draw_profile(axes, profile, along, traces.dq, residual)
+        # What is left needs no place unless it is more than noise.
+        shown = joint.verdict == "unexplained" or (profile is row.before and joint.added)
+        lines = [fill(text, CHARACTERS) for text in (title, profile.where if shown else "") if text]
+        label_panel(axes, "\n".join(lines), across=4)
+        name_axis(axes, profile)
+        axes.set_ylim(ends[:, 0].min(), ends[:, 1].max())
+
+
+def limits_for(samples: Float, profile: Profile) -> tuple[float, float]:
+    """Return limits that hold zero, all means with their errors, and most of the samples of shape (m,). [N m]"""
+    means = np.concatenate([profile.forwards, profile.backwards])
+    half = STANDARD_ERRORS * np.nan_to_num(np.concatenate([profile.forwards_se, profile.backwards_se]))
+    shown = np.concatenate([means - half, means + half, [0.0]])
+    ends = limits(shown, np.quantile(samples, (OUTSIDE, 1.0 - OUTSIDE)), near=NEAR, smallest=SMALLEST_NM)
+    assert ends is not None
+    return ends
+
+
+def draw_profile(axes: "Axes", profile: Profile, along: Float, dq: Float, torque: Float) -> None:
+    """Draw samples as dots and the means of the bins with their errors, each direction of motion apart.
+
+    Args:
+        axes: The panel.
+        profile: Means of the bins.
+        along: The quantity of the axis, of every sample, shape (m,).
+        dq: Velocity of every sample, shape (m,). [rad/s]
+        torque: What is drawn of every sample, shape (m,). [N m]
+    """
+    mark_zero(axes)
+    reach = np.stack([profile.centre - profile.edges[:-1], profile.edges[1:] - profile.centre])
+    directions = (
+        ("forwards", dq > 0, ">", BLUE, profile.forwards, profile.forwards_se),
+        ("backwards", dq <= 0, "<", DISSIPATED, profile.backwards, profile.backwards_se),
+    )
+    for name, which, marker, colour, mean, error in directions:
+        kept = every_nth(int(which.sum()), MOST_DOTS)
+        axes.plot(along[which][kept], torque[which][kept], ".", color=colour, ms=1.2, mew=0, alpha=0.35, zorder=2)
+        axes.errorbar(profile.centre, mean, xerr=reach, fmt="none", elinewidth=0.6, ecolor=colour, zorder=3)
+        half = STANDARD_ERRORS * np.where(np.isfinite(error), error, 0.0)
+        axes.errorbar(
+            profile.centre, mean, half, fmt=marker, color=colour, ms=3.2, mec=BORDER, mew=0.4, elinewidth=0.8,
+            ecolor=BORDER, capsize=1.2, label=f"{name}: mean ± {STANDARD_ERRORS:g} SE", zorder=4,
+        )  # fmt: skip
+
+
+def name_axis(axes: "Axes", profile: Profile) -> None:
+    """Name the axis; it is logarithmic beyond its first bin where the bins are of very different widths."""
+    from matplotlib.ticker import FuncFormatter
+
+    axes.set_xlabel(profile.label[:1].upper() + profile.label[1:])
+    first, last = float(profile.centre[0]), float(profile.centre[-1])
+    if profile.axis in STRETCHED and last > WIDENING * first > 0.0:
+        axes.set_xscale("symlog", linthresh=10.0 ** np.floor(np.log10(first)), linscale=0.3)
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        axes.set_xlim(0.0, float(profile.edges[-1]))
+
+
+@figure_style()
+def draw_effects(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw a panel per effect of one joint at column width, parameters below, or of every joint on a sheet."""
+    sheet = joint is None
+    panels: list[Callable[[Axes], None]] = []
+    heights: list[float] = []
+    for one in chosen_joints(found.discrepancy.joints, joint):
+        drawn = [panel for effect in one.effects for panel in _effect_panels(one, effect, sheet=sheet)]
+        panels += drawn or [partial(write_verdict, joint=one)]
+        heights += [1.55 if sheet else 2.3 for _ in drawn] or [0.9]
+    figure, grid_axes = grid(heights, sheet=sheet, across=3, head_in=0.75)
+    for axes, draw in zip(grid_axes, panels, strict=True):
+        draw(axes)
+    add_legend(figure)
+    figure.supylabel("Torque of the effect [N m]")
+    return figure
+
+
+def _effect_panels(joint: JointDiscrepancy, effect: Effect, *, sheet: bool) -> "list[Callable[[Axes], None]]":
+    if effect.name != CONTACT_EVENT or joint.contacts is None:
+        return [partial(_draw_effect, joint=joint, effect=effect)]
+    t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
+    title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
+    panels = [partial(_draw_contacts, joint=joint, title=title, ends=(float(t[0]), float(t[-1])))]
+    if not sheet:
+        largest = max(spans, key=lambda span: np.nanmax(np.abs(residual[(t >= span[0]) & (t <= span[1])]), initial=0.0))
+        ends = (largest[0] - ASIDE_S, largest[1] + ASIDE_S)
+        panels.append(partial(_draw_contacts, joint=joint, title="the largest", ends=ends))
+    return list(panels)
+
+
+def _draw_effect(axes: "Axes", joint: JointDiscrepancy, effect: Effect) -> None:
+    """Draw the effect as the log shows it, and as it was fitted."""
+    traces, own = joint.traces, effect.own
+    assert traces is not None
+    shown = traces.measured - traces.after + effect.torque
+    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {effect.name}")
+    along = traces.along[effect.curve.axis] if own is None else own.values
+    curve = effect.curve if own is None else own.curve
+    draw_profile(axes, curve, along, traces.dq, shown)
+    _draw_fitted(axes, traces, effect, along)
+    axes.set_ylim(*limits_for(shown, curve))
+    name_axis(axes, curve)
+    if is_narrow(axes):
+        axes.annotate(
+            fill(effect_numbers(effect), 56), (0.0, 0.0), (0.0, -28.0), xycoords="axes fraction",
+            textcoords="offset points", va="top", fontsize=6.0, color=MUTED,
+        )  # fmt: skip
+
+
+def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> None:
+    """Draw the fitted torque along the axis, a line for each direction."""
+    for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, DASHED, "backwards")):
+        x, y = mean_along(along[which], effect.torque[which])
+        axes.plot(x, y, color=BORDER, lw=0.9, ls=dashes, label=f"fitted, {name}", zorder=5)
+
+
+def mean_along(along: Float, torque: Float, points: int = POINTS) -> tuple[Float, Float]:
+    """Return the mean of a quantity and of a torque, shape (m,) each, over stretches with equally many samples."""
+    order = np.argsort(along, kind="stable")
+    parts = [part for part in np.array_split(order, points) if len(part)]
+    return np.array([along[part].mean() for part in parts]), np.array([torque[part].mean() for part in parts])
+
+
+ASIDE_S = 1.0  # what is shown before and after the largest contact
+LEAST_WIDTH = 0.004  # share of a panel that a contact is drawn wide at least
+
+
+def _draw_contacts(axes: "Axes", joint: JointDiscrepancy, title: str, ends: tuple[float, float]) -> None:
+    """Draw what the augmented model leaves over time, contacts shaded."""
+    contacts, traces = joint.contacts, joint.traces
+    assert contacts is not None
+    assert traces is not None
+    label_panel(axes, title)
+    mark_zero(axes)
+    label = f"measured less model, below {traces.corner_hz:.3g} Hz"
+    axes.plot(contacts.t, contacts.residual_nm, color=AUGMENTED, lw=0.6, label=label)
+    least = LEAST_WIDTH * (ends[1] - ends[0])
+    for start, stop in contacts.spans_s:
+        more = 0.5 * max(least - (stop - start), 0.0)
+        look: Look = {"facecolor": ZOOMED, "edgecolor": REJECTED, "lw": 0.4, "zorder": 0}
+        axes.axvspan(start - more, stop + more, label="contact", **look)
+    axes.set_xlim(*ends)
+    axes.set_xlabel("Time [s]")

@@ -1,0 +1,174 @@
+"""The kinds of figures of each result, in the order in which they are read; drawing one loads its module."""
+
+from dataclasses import dataclass
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure as MatplotlibFigure
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Figure:
+    """A kind of figure.
+
+    Attributes:
+        name: As ``--figures`` takes it, and the first part of its files' names.
+        result: What it draws: ``estimate``, ``replay``, ``diagnosis`` or ``drift``.
+        draws: Module and function, with a dot between them.
+        title: What it shows, in a line.
+        caption: How to read it; empty if it stands on no page.
+    """
+
+    name: str
+    result: str
+    draws: str
+    title: str
+    caption: str = ""
+
+    def draw(self, result: Any, joint: int | None = None) -> "MatplotlibFigure":
+        """Draw one joint, given by its number (1..n), at column width, or all joints on a sheet.
+
+        Raises:
+            UsageError: If the result does not hold that joint.
+        """
+        module, _, function = self.draws.rpartition(".")
+        drawing: MatplotlibFigure = getattr(import_module(f"{__package__}.{module}"), function)(result, joint)
+        return drawing
+
+
+FIGURES = (
+    Figure(
+        name="coefficients",
+        result="estimate",
+        draws="over_time.draw_coefficients",
+        title="Coefficients over time",
+        caption="After each cycle the coefficients of the last cycles with their 95 % interval; dashed those of the "
+        "whole log with theirs. Intervals that are far wider than the rest are cut at the edge.",
+    ),
+    Figure(
+        name="velocity-torque",
+        result="estimate",
+        draws="velocity_torque.draw_velocity_torque",
+        title="Velocity-torque curves",
+        caption="Interaction torque against velocity. Loops are inertia, which cancels between two moments of rest; "
+        "the fitted line is friction.",
+    ),
+    Figure(
+        name="energy",
+        result="estimate",
+        draws="over_time.draw_energy",
+        title="Net energy and cycles",
+        caption="Energy put into the joint. At zero velocity nothing is stored in the inertia, so that the rise from "
+        "dot to dot is what friction dissipated. Hatched cycles were rejected.",
+    ),
+    Figure(
+        name="signals",
+        result="estimate",
+        draws="over_time.draw_signals",
+        title="Velocity and interaction torque over time",
+    ),
+    Figure(
+        name="replay",
+        result="replay",
+        draws="replay.draw_replay",
+        title="Torque, net energy and coefficients with the compensator",
+        caption="Solid with the compensator, dashed without it; the coefficients are those that it would have applied. "
+        "Flat energy means that friction costs the person nothing.",
+    ),
+    Figure(
+        name="replay-velocity-torque",
+        result="replay",
+        draws="replay.draw_replay_velocity_torque",
+        title="Velocity-torque curves with the compensator",
+        caption="Torque that the person has to give, without the compensator and with it from its first estimate on.",
+    ),
+    Figure(
+        name="verdicts",
+        result="diagnosis",
+        draws="verdicts.draw_verdicts",
+        title="Residual torque of each joint",
+        caption="Residual torque of the nominal model and with the effects named, and the noise floor. The detection "
+        "limit is the smallest effect that would have been found.",
+    ),
+    Figure(
+        name="ladder",
+        result="diagnosis",
+        draws="verdicts.draw_ladder",
+        title="Residual torque after each effect",
+        caption="From the nominal model by each effect that was added down to the noise floor, on held-out cycles.",
+    ),
+    Figure(
+        name="residual",
+        result="diagnosis",
+        draws="profiles.draw_residual",
+        title="Where model and measurement disagree",
+        caption="Residual of the nominal model, and with the effects named, against the quantity that shows the "
+        "strongest effect; dots are samples, markers means of bins with two standard errors.",
+    ),
+    Figure(
+        name="effects",
+        result="diagnosis",
+        draws="profiles.draw_effects",
+        title="The effects named",
+        caption="Each effect as the log shows it, with its interval, and the fitted effect over it; an effect that no "
+        "one quantity shows is drawn over its own fitted torque, so that it lies on the diagonal.",
+    ),
+    Figure(
+        name="simulation",
+        result="diagnosis",
+        draws="simulation.draw_simulation",
+        title="Measured and simulated",
+        caption="Torque and motion as measured, of the nominal model and of the model augmented by the effects named, "
+        "on held-out cycles.",
+    ),
+    Figure(
+        name="evidence",
+        result="diagnosis",
+        draws="verdicts.draw_evidence",
+        title="Competing effects of each effect named",
+    ),
+    Figure(
+        name="changes",
+        result="drift",
+        draws="changes.draw_changes",
+        title="Change of each joint",
+        caption="Change from the reference to the last sessions with its 95 % interval. The grey bar holds the changes "
+        "that this many sessions would not have shown with 90 % power.",
+    ),
+    Figure(
+        name="drift",
+        result="drift",
+        draws="drift.draw_drift",
+        title="Coefficients over the sessions",
+        caption="Each session with its 95 % interval, as compared (at like temperature where it is known). Solid lines "
+        "are levels between steps or a significant trend; a dashed line is a trend that is not significant. Hollow "
+        "circles are sessions that were not compared.",
+    ),
+    Figure(
+        name="control",
+        result="drift",
+        draws="changes.draw_control",
+        title="Control chart",
+        caption="Deviation of each session from the level of the reference. The grey band holds all sessions of a "
+        "joint that does not change, together with 95 % probability; the panel cuts the band of uncertain sessions.",
+    ),
+    Figure(
+        name="curves",
+        result="drift",
+        draws="drift.draw_curves",
+        title="Velocity-torque curves",
+        caption="Mean interaction torque in bins of velocity: the first session, the mean of the reference with the "
+        "range of its sessions, and the last session.",
+    ),
+)
+
+
+def figures_of(*results: str) -> tuple[Figure, ...]:
+    """Return the kinds of figures of some results."""
+    return tuple(figure for figure in FIGURES if figure.result in results)
+
+
+def figure_names(*results: str) -> tuple[str, ...]:
+    """Return the names of the kinds of figures of some results."""
+    return tuple(figure.name for figure in figures_of(*results))

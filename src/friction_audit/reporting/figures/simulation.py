@@ -1,0 +1,186 @@
+"""Diagnosis -> measured against simulated torque and motion, with and without the effects, on a few held-out cycles."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.diagnosis.result import JointDiscrepancy, SimulationGap, Traces
+from friction_audit.joint_log import Float
+from friction_audit.reporting.figures.panels import (
+    add_legend,
+    break_at_gaps,
+    chosen_joints,
+    is_narrow,
+    joint_title,
+    label_panel,
+    limits,
+    mark_zero,
+    new_figure,
+    thin_extremes,
+)
+from friction_audit.reporting.figures.series import joint_series
+from friction_audit.reporting.figures.style import (
+    BORDER,
+    COLUMN_IN,
+    DASHED,
+    FILTERED,
+    MUTED,
+    RAW,
+    SHADE,
+    SHEET_IN,
+    Look,
+    figure_style,
+)
+from friction_audit.reporting.figures.verdicts import AUGMENTED, NOMINAL, write_verdict
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from friction_audit.pipeline import Diagnosis
+
+SHOWN = 4  # held-out cycles in a panel
+GAP = 0.04  # of the time shown, between one cycle and the next
+LONGEST_STEP = 1.5  # usual steps of time beyond which samples were left out
+POINTS = 4000
+LEAST_ROOM = 0.17  # of the axis, from one cycle's label to the next, for a label in words
+# Times the range of the other curves that raw torque, and the motion of a nominal model that runs away, may stretch
+# a panel; there they are cut.
+FARTHEST_RAW, FARTHEST_NOMINAL = 0.5, 1.5
+SMALLEST = 0.001  # least height of a panel [N m or rad/s]
+LABELS = ("Torque [N m]", "Measured less\nmodel [N m]", "Velocity [rad/s]")
+
+
+class Piece(NamedTuple):
+    """A stretch of the log that is shown, and where its beginning stands in the panel. [s]"""
+
+    start: float
+    stop: float
+    place: float
+
+
+@figure_style()
+def draw_simulation(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw one joint at column width, panels above each other, or every joint on a sheet, a row for each."""
+    joints = chosen_joints(found.discrepancy.joints, joint)
+    across = 3 if any(one.simulation is not None for one in joints) else 2
+    if joint is None:
+        figure = new_figure(SHEET_IN, 0.75 + 1.25 * len(joints))
+        rows = figure.subplots(len(joints), across, squeeze=False, sharex="row").tolist()
+    else:
+        figure = new_figure(COLUMN_IN, 0.75 + 1.3 * across)
+        rows = figure.subplots(across, 1, squeeze=False, sharex=True).T.tolist()
+    for row, one in zip(rows, joints, strict=True):
+        _draw_joint(row, found, one, alone=len(joints) == 1)
+    add_legend(figure)
+    figure.supxlabel("Time within the held-out cycles shown [s]")
+    figure.align_ylabels()
+    return figure
+
+
+def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiscrepancy, *, alone: bool) -> None:
+    """Draw torque, residual and motion of one joint."""
+    motion, traces = joint.simulation, joint.traces
+    drawn = panels[: 1 if traces is None else 2 if motion is None else 3]
+    for axes in panels[len(drawn) :]:
+        axes.set_axis_off()
+    if traces is None:
+        write_verdict(panels[0], joint)
+        return
+    pieces = shown_cycles(traces, motion)
+    names = " and ".join(effect.name for effect in joint.added) if alone else "the effects named"
+    with_effects = f"with {names}" if joint.added else ""
+    filtered = f"measured, below {traces.corner_hz:.3g} Hz" if alone else "measured, low-passed"
+    (series,) = joint_series(found.estimate, joint.joint)
+    raw = thin_extremes(*lay_out(pieces, series.t, series.driving_torque), POINTS)
+    panels[0].plot(*raw, color=RAW, lw=0.5, label="measured, raw", zorder=1)
+    measured = _draw(panels[0], pieces, traces.t, traces.measured, color=FILTERED, lw=1.0, label=filtered, zorder=2)
+    models = _draw_models(panels[0], pieces, traces.t, (traces.before, traces.after), with_effects)
+    panels[0].set_ylim(limits(np.concatenate([measured, *models]), raw[1], near=FARTHEST_RAW, smallest=SMALLEST))
+    mark_zero(panels[1])
+    residuals = (traces.measured - traces.before, traces.measured - traces.after)
+    _draw_models(panels[1], pieces, traces.t, residuals, with_effects)
+    if motion is not None:
+        look: Look = {"color": BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
+        measured = _draw(panels[2], pieces, motion.t, motion.measured, **look)
+        nominal, *augmented = _draw_models(panels[2], pieces, motion.t, (motion.declared, motion.grown), with_effects)
+        shown = np.concatenate([measured, *augmented])
+        panels[2].set_ylim(limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
+    for axes, label in zip(drawn, LABELS, strict=False):
+        for one, following in pairwise(pieces):
+            axes.axvspan(one.place + one.stop - one.start, following.place, color=SHADE, lw=0, zorder=0)
+        axes.set_xlim(0.0, pieces[-1].place + pieces[-1].stop - pieces[-1].start)
+        label_panel(axes, joint_title(joint.joint, joint.name) if axes is panels[0] else "", y=label)
+    label_cycles(panels[1], pieces)
+
+
+def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int = SHOWN) -> tuple[Piece, ...]:
+    """Return held-out cycles from the first to the last, evenly chosen, in a row.
+
+    Args:
+        traces: Of one joint, with at least one held-out cycle.
+        motion: The simulated motion, or None; cycles that it holds go before those that it lacks.
+        most: Number of cycles.
+    """
+    held_out = np.unique(traces.cycle[traces.locked])
+    if motion is not None:
+        begins = np.array([traces.t[traces.cycle == number][0] for number in held_out])
+        known = motion.t[np.isfinite(motion.t)]
+        near = np.abs(known[np.clip(np.searchsorted(known, begins), 0, len(known) - 1)] - begins)
+        moved = held_out[near <= LONGEST_STEP * np.median(np.diff(traces.t))]
+        held_out = moved if len(moved) else held_out
+    chosen = held_out[np.unique(np.linspace(0, len(held_out) - 1, min(most, len(held_out))).round().astype(int))]
+    spans = [(float(t[0]), float(t[-1])) for t in (traces.t[traces.cycle == number] for number in chosen)]
+    lengths = [stop - start for start, stop in spans]
+    places = np.cumsum([0.0, *(length + GAP * sum(lengths) for length in lengths[:-1])])
+    return tuple(Piece(*span, float(place)) for span, place in zip(spans, places, strict=True))
+
+
+def lay_out(pieces: Sequence[Piece], t: Float, signal: Float) -> tuple[Float, Float]:
+    """Return place in the panel and signal of the samples that are shown, NaN between cycles and over gaps.
+
+    Args:
+        pieces: The cycles.
+        t: Ascending; NaN where a curve is interrupted, shape (n,). [s]
+        signal: Shape (n,).
+    """
+    usual = float(np.nanmedian(np.diff(t))) if len(t) > 1 else 0.0
+    x: list[Float] = []
+    y: list[Float] = []
+    for piece in pieces:
+        inside = (t >= piece.start) & (t <= piece.stop)
+        x.append(np.append(t[inside] - piece.start + piece.place, np.nan))
+        y.append(np.append(break_at_gaps(t[inside], signal[inside], LONGEST_STEP * usual), np.nan))
+    return np.concatenate(x), np.concatenate(y)
+
+
+def _draw(axes: "Axes", pieces: Sequence[Piece], t: Float, signal: Float, **look: object) -> Float:
+    x, y = lay_out(pieces, t, signal)
+    axes.plot(x, y, **look)  # type: ignore[arg-type]
+    return y
+
+
+def _draw_models(
+    axes: "Axes", pieces: Sequence[Piece], t: Float, curves: tuple[Float, Float], with_effects: str
+) -> list[Float]:
+    """Draw a curve of the nominal model and, where effects were added, of the augmented one; return what is drawn."""
+    look: Look = {"color": NOMINAL, "lw": 0.8, "ls": DASHED, "label": "nominal model", "zorder": 3}
+    drawn = [_draw(axes, pieces, t, curves[0], **look)]
+    if with_effects:
+        drawn.append(_draw(axes, pieces, t, curves[1], color=AUGMENTED, lw=0.8, label=with_effects, zorder=4))
+    return drawn
+
+
+def label_cycles(axes: "Axes", pieces: Sequence[Piece]) -> None:
+    """Write above each cycle when it began; on a sheet, or over short cycles, there is room for the number alone."""
+    middles = [piece.place + 0.5 * (piece.stop - piece.start) for piece in pieces]
+    room = min((following - one for one, following in pairwise(middles)), default=np.inf)
+    wide = room >= LEAST_ROOM * (pieces[-1].place + pieces[-1].stop - pieces[-1].start)
+    words = "from " if wide and is_narrow(axes) else ""
+    for piece, middle in zip(pieces, middles, strict=True):
+        axes.annotate(
+            f"{words}{piece.start:.1f} s", (middle, 1.0), xycoords=("data", "axes fraction"), ha="center", va="bottom",
+            fontsize=5.5, color=MUTED,
+        )  # fmt: skip

@@ -1,0 +1,273 @@
+"""Diagnosis -> verdicts of all joints, the residual after each effect, and the evidence of competing effects."""
+
+from collections.abc import Sequence
+from functools import partial
+from textwrap import fill
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Effect, Evidence, JointDiscrepancy, others_of
+from friction_audit.reporting.diagnosis_words import verdict_words
+from friction_audit.reporting.figures.panels import (
+    add_legend,
+    chosen_joints,
+    grid,
+    is_narrow,
+    joint_title,
+    label_panel,
+    new_figure,
+    write_message,
+)
+from friction_audit.reporting.figures.style import (
+    BORDER,
+    COLUMN_IN,
+    FITTED,
+    GREEN,
+    MUTED,
+    SHADE,
+    SHEET_IN,
+    Look,
+    figure_style,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from friction_audit.pipeline import Diagnosis
+
+NOMINAL, AUGMENTED = FITTED, GREEN
+
+
+class Mark(NamedTuple):
+    """How a number is drawn, and what it is."""
+
+    marker: str
+    colour: str
+    face: str
+    label: str
+    size: float = 4.0
+
+
+NOMINAL_MARK = Mark("D", NOMINAL, NOMINAL, "nominal model")
+AUGMENTED_MARK = Mark("o", AUGMENTED, AUGMENTED, "with the effects named")
+FLOOR_MARK = Mark("|", BORDER, BORDER, "noise floor", 9.0)
+LIMIT_MARK = Mark("^", MUTED, "white", "detection limit", 3.5)
+CHARACTERS = {COLUMN_IN: 30, SHEET_IN: 64}  # of a line of the verdict, by the width of the figure
+MOST_LINES = 3
+WIDER = 1.3  # times the largest and the smallest torque up to which the axis reaches
+
+
+def write_verdict(axes: "Axes", joint: JointDiscrepancy) -> None:
+    """Fill a panel with the verdict on a joint that has nothing to draw there."""
+    label_panel(axes, joint_title(joint.joint, joint.name))
+    sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
+    write_message(axes, sentence, characters=52 if is_narrow(axes) else 36, instead=True)
+
+
+def _draw_mark(axes: "Axes", mark: Mark, x: float, y: float) -> None:
+    look: Look = {"color": mark.colour, "mfc": mark.face, "ms": mark.size, "mew": 0.9, "ls": ""}
+    axes.plot(x, y, mark.marker, label=mark.label, **look)
+
+
+@figure_style()
+def draw_verdicts(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw one joint at column width, or every joint on a sheet, a line for each."""
+    joints = chosen_joints(found.discrepancy.joints, joint)
+    figure = new_figure(COLUMN_IN if joint is not None else SHEET_IN, 0.8 + 0.34 * max(len(joints), 2))
+    axes, words = figure.subplots(1, 2, sharey=True)
+    words.set_axis_off()
+    for place, one in enumerate(joints):
+        _draw_torques(axes, place, one)
+        text = fill(said_of(one), CHARACTERS[figure.get_figwidth()], max_lines=MOST_LINES, placeholder=" ...")
+        words.annotate(text, (0.0, place), xycoords=("axes fraction", "data"), va="center", fontsize=6.5)
+    label_panel(axes)
+    _name_rows(axes, [joint_title(one.joint, one.name) for one in joints])
+    _scale_torques(axes, joints)
+    add_legend(figure)
+    return figure
+
+
+def said_of(joint: JointDiscrepancy) -> str:
+    """Return the verdict and names, and where there is no answer, the message."""
+    words = verdict_words(joint)
+    return f"{words}: {joint.message}" if joint.verdict in UNANSWERED else words
+
+
+def _draw_torques(axes: "Axes", place: int, joint: JointDiscrepancy) -> None:
+    """Draw a line from the residual of the nominal model to that of the augmented one."""
+    gap = joint.gap
+    if gap is None:
+        return
+    axes.hlines(place, gap.after, gap.before, color=MUTED, lw=0.8, zorder=2)
+    _draw_mark(axes, NOMINAL_MARK, gap.before, place)
+    _draw_mark(axes, FLOOR_MARK, gap.floor, place)
+    if joint.effects:
+        _draw_mark(axes, AUGMENTED_MARK, gap.after, place)
+    if np.isfinite(joint.detection_limit_nm):
+        _draw_mark(axes, LIMIT_MARK, joint.detection_limit_nm, place)
+
+
+def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
+    """Name the rows of a panel, the first on top."""
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_yticks(range(len(names)), names)
+    axes.tick_params(axis="y", length=0)
+
+
+def _scale_torques(axes: "Axes", joints: Sequence[JointDiscrepancy]) -> None:
+    """Let a logarithmic axis hold all that is drawn, with plain numbers at 1 and 3 times the powers of ten."""
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+    axes.set_xlabel("Held-out residual torque, rms [N m]")
+    gaps = [(one.gap.before, one.gap.after, one.gap.floor, one.detection_limit_nm) for one in joints if one.gap]
+    values = np.array(gaps).ravel()
+    values = values[np.isfinite(values) & (values > 0.0)]
+    if not len(values):
+        axes.set_xticks([])
+        return
+    axes.set_xscale("log")
+    axes.set_xlim(float(values.min()) / WIDER, float(values.max()) * WIDER)
+    axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 3.0)))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.grid(axis="x", color=MUTED, lw=0.25, alpha=0.5)
+
+
+LEFT_OUT = "contacts left out"
+ROOM = 1.22  # width of a panel over its longest bar, for the number at its end
+
+
+@figure_style()
+def draw_ladder(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw the residual after each effect of one joint at column width, or of every joint on a sheet."""
+    joints = chosen_joints(found.discrepancy.joints, joint)
+    heights = [0.45 + 0.21 * max(len(one.ladder), 3) for one in joints]
+    figure, panels = grid(heights, sheet=joint is None, across=2, head_in=0.75)
+    for axes, one in zip(panels, joints, strict=True):
+        _draw_steps(axes, one)
+    figure.supxlabel("Residual torque on held-out cycles, rms [N m]")
+    return figure
+
+
+def _draw_steps(axes: "Axes", joint: JointDiscrepancy) -> None:
+    """Draw a bar per step, the largest on top, and a line at the noise floor."""
+    if not joint.ladder or joint.gap is None:
+        write_verdict(axes, joint)
+        return
+    steps = [LEFT_OUT if label == f"+ {CONTACT_EVENT}" else label for label, _ in joint.ladder[1:-1]]
+    values = [value for _, value in joint.ladder]
+    places, last = np.arange(len(values)), len(values) - 1
+    colours = [NOMINAL, *(AUGMENTED for _ in steps), SHADE]
+    axes.barh(places, values, height=0.66, color=colours, edgecolor=MUTED, lw=0.4)
+    axes.axvline(values[last], color=MUTED, lw=0.7, ls=":")
+    for place, value in zip(places, values, strict=True):
+        axes.annotate(f"{value:.4f}", (value, place), (2, 0), textcoords="offset points", va="center", fontsize=6.5)
+    label_panel(axes, f"{joint_title(joint.joint, joint.name)}: {explained_words(joint)}", across=4)
+    _name_rows(axes, ["nominal model", *steps, "noise floor"])
+    axes.set_xlim(0.0, ROOM * max(values))
+
+
+def explained_words(joint: JointDiscrepancy) -> str:
+    """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
+    gap = joint.gap
+    assert gap is not None
+    contacts = f", {LEFT_OUT}" if len(joint.added) < len(joint.effects) else ""
+    cycles = f"on {gap.cycles} held-out cycles{contacts}"
+    if not joint.added:
+        return f"nothing added\n{cycles}"
+    if np.isnan(gap.shrink):
+        return f"at the noise floor from the start\n{cycles}"
+    error = f" ± {100 * gap.shrink_se:.1f}" if np.isfinite(gap.shrink_se) else ""
+    return f"{100 * gap.shrink:.1f}{error} % explained\n{cycles}"
+
+
+TITLE_CHARACTERS = {True: 46, False: 34}  # of a line of a title, at column width or on a sheet
+ON_SHEET = 4  # competing effects on a sheet, the named one among them
+LINEAR_TO = 10.0  # difference in BIC up to which the axis is linear, logarithmic beyond
+STRONG = 6.0  # difference in BIC that counts as strong evidence (Kass and Raftery 1995)
+CHOSEN = Mark("o", AUGMENTED, AUGMENTED, "the effect named")
+ALIKE = Mark("o", FITTED, "white", "indistinguishable")
+BEATEN = Mark("x", BORDER, BORDER, "rejected")
+ELSEWHERE = Mark("+", MUTED, MUTED, "explains something else")  # as good or better, with another torque
+
+
+@figure_style()
+def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
+    """Draw a panel per effect of one joint at column width, or of every joint on a sheet."""
+    sheet = joint is None
+    panels, heights = [], []
+    for one in chosen_joints(found.discrepancy.joints, joint):
+        if not one.effects:
+            panels.append(partial(write_verdict, joint=one))
+            heights.append(0.9)
+        for effect in one.effects:
+            rivals = nearest(effect) if sheet else effect.evidence
+            lines = len(fill(not_drawn(effect, rivals, one.effects), TITLE_CHARACTERS[False]).splitlines())
+            panels.append(partial(_draw_rivals, joint=one, effect=effect, rivals=rivals))
+            heights.append(0.45 + 0.14 * lines + 0.17 * len(rivals) if has_rivals(effect) else 0.9)
+    figure, grid_axes = grid(heights, sheet=sheet, across=2, head_in=0.75)
+    for axes, draw in zip(grid_axes, panels, strict=True):
+        draw(axes)
+    add_legend(figure)
+    figure.supxlabel("BIC above that of the effect named; r: correlation")
+    return figure
+
+
+def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
+    """Return the best competing effects and all that are indistinguishable from an effect."""
+    ranked = enumerate(effect.evidence)
+    return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alone)
+
+
+def not_drawn(effect: Effect, rivals: Sequence[Evidence], effects: Sequence[Effect]) -> str:
+    """Return in words the indistinguishable effects that have no line: no recorded motion separates them."""
+    drawn = {rival.name for rival in rivals}
+    others = [other for other in others_of(effect, effects) if other not in drawn]
+    return f"also indistinguishable: {', '.join(others)}" if others else ""
+
+
+def has_rivals(effect: Effect) -> bool:
+    """Return whether an effect has competing effects; an event that comes once has none."""
+    return any(rival.name != effect.name for rival in effect.evidence)
+
+
+def mark_of(effect: Effect, rival: Evidence) -> Mark:
+    """Return how a competing effect is marked."""
+    if rival.name == effect.name:
+        return CHOSEN
+    if rival.name in effect.alone:
+        return ALIKE
+    return ELSEWHERE if rival.delta_bic < STRONG else BEATEN
+
+
+def _draw_rivals(axes: "Axes", joint: JointDiscrepancy, effect: Effect, rivals: Sequence[Evidence]) -> None:
+    """Draw a line per competing effect, the best on top."""
+    title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
+    if not has_rivals(effect):
+        label_panel(axes, title)
+        write_message(axes, "it has no competing effect", characters=36, instead=True)
+        return
+    axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
+    axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label=f"strong evidence ({STRONG:g})")
+    for place, rival in enumerate(rivals):
+        axes.hlines(place, 0.0, rival.delta_bic, color=MUTED, lw=0.5)
+        _draw_mark(axes, mark_of(effect, rival), rival.delta_bic, place)
+        if place:
+            axes.annotate(
+                f"r = {rival.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
+                textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
+            )  # fmt: skip
+    others = fill(not_drawn(effect, rivals, joint.effects), TITLE_CHARACTERS[is_narrow(axes)])
+    label_panel(axes, "\n".join(filter(None, (title, others))))
+    _scale_bic(axes, [rival.delta_bic for rival in rivals])
+    _name_rows(axes, [rival.name for rival in rivals])
+
+
+def _scale_bic(axes: "Axes", worse: Sequence[float]) -> None:
+    from matplotlib.ticker import FuncFormatter, SymmetricalLogLocator
+
+    axes.set_xlim(min(-2.0, 1.6 * min(worse)), 1.6 * max(*worse, LINEAR_TO))
+    axes.xaxis.set_major_locator(SymmetricalLogLocator(base=10.0, linthresh=LINEAR_TO))
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))

@@ -1,0 +1,307 @@
+"""Figures of a diagnosis: every verdict can be drawn, and what is drawn is what the numbers say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from friction_audit.diagnosis.gap import Gap
+from friction_audit.diagnosis.result import ContactTrace, Evidence, OwnAxis
+from friction_audit.joint_log import Float
+from friction_audit.reporting.diagnosis_words import verdict_words
+from friction_audit.reporting.figures.profiles import (
+    STANDARD_ERRORS,
+    draw_effects,
+    draw_residual,
+    limits_for,
+    mean_along,
+    rows_of,
+)
+from friction_audit.reporting.figures.registry import Figure as FigureKind
+from friction_audit.reporting.figures.registry import figures_of
+from friction_audit.reporting.figures.simulation import Piece, draw_simulation, label_cycles, lay_out, shown_cycles
+from friction_audit.reporting.figures.verdicts import (
+    ALIKE,
+    AUGMENTED,
+    BEATEN,
+    CHOSEN,
+    ELSEWHERE,
+    draw_evidence,
+    draw_ladder,
+    draw_verdicts,
+    explained_words,
+    mark_of,
+    nearest,
+    not_drawn,
+    said_of,
+)
+from tests.reporting import diagnosis_by_hand as by_hand
+from tests.reporting.diagnosed_rows import (
+    ALL,
+    AMBIGUOUS,
+    DATA_FAULT,
+    LEFT_OUT,
+    MISSING_NM,
+    NAMED,
+    ROWS,
+    STEP_S,
+    TRACES,
+    UNEXPLAINED,
+    effect_of,
+    moved,
+    of,
+)
+
+KINDS = pytest.mark.parametrize("kind", figures_of("diagnosis"), ids=lambda kind: kind.name)
+
+
+def words_in(figure: Figure) -> str:
+    """Return all that is written inside panels and above them."""
+    texts = [text.get_text() for axes in figure.axes for text in axes.texts]
+    titles = [axes.get_title(loc="left") for axes in figure.axes]
+    ticks = [label.get_text() for axes in figure.axes for label in axes.get_yticklabels()]
+    return " ".join([*texts, *titles, *ticks]).replace("\n", " ")
+
+
+def legend_of(figure: Figure) -> list[str]:
+    return [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+
+
+def line(axes: Axes, label: str) -> tuple[Float, Float]:
+    (found,) = (one for one in axes.lines if one.get_label() == label)
+    return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
+
+
+@KINDS
+def test_a_joint_without_an_answer_says_why(kind: FigureKind) -> None:
+    assert "0 energy cycles with motion" in words_in(kind.draw(ALL, 5))
+    assert by_hand.FAULT in words_in(kind.draw(ALL, 6))
+
+
+def test_held_out_cycles_are_shown_from_the_first_to_the_last() -> None:
+    pieces = shown_cycles(TRACES, most=4)
+    cycles = [int(np.unique(TRACES.cycle[(TRACES.t >= p.start) & (TRACES.t <= p.stop)])[0]) for p in pieces]
+    assert [cycle % 3 for cycle in cycles] == [1, 1, 1, 1]
+    assert (cycles[0], cycles[-1]) == (1, 28)
+    ends = [p.place + p.stop - p.start for p in pieces]
+    assert all(end < following.place for end, following in zip(ends, pieces[1:], strict=False))
+    two = replace(TRACES, locked=TRACES.cycle < 2)
+    assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
+
+
+def test_cycles_that_were_simulated_are_shown_before_others() -> None:
+    whole = moved()
+    late = replace(whole, **{name: getattr(whole, name)[-ROWS:] for name in ("t", "measured", "declared", "grown")})
+    (piece,) = shown_cycles(TRACES, late)
+    assert piece.start == pytest.approx((28 * ROWS + LEFT_OUT) * STEP_S)
+
+
+def test_cycles_are_drawn_in_a_row_and_gaps_are_not_bridged() -> None:
+    t = np.array([0.0, 1.0, 2.0, 5.0, 6.0, 20.0, 21.0])
+    x, y = lay_out((Piece(0.0, 6.0, 0.0), Piece(20.0, 21.0, 7.0)), t, np.arange(7.0))
+    nan = np.nan
+    assert x == pytest.approx(np.array([0, 1, 2, 5, 6, nan, 7, 8, nan]), nan_ok=True)
+    assert y == pytest.approx(np.array([0, 1, nan, 3, 4, nan, 5, 6, nan]), nan_ok=True)
+
+
+@pytest.mark.parametrize(("cycles", "label"), [(5, "from 10.0 s"), (6, "10.0 s")])
+def test_labels_of_many_cycles_are_numbers_alone(cycles: int, label: str) -> None:
+    """Of n cycles of a second each, centres are a second apart: a fifth of the panel, or a sixth."""
+    axes = draw_simulation(ALL, 1).axes[0]
+    label_cycles(axes, [Piece(start=10.0 * k, stop=10.0 * k + 1.0, place=float(k)) for k in range(cycles)])
+    assert axes.texts[-cycles + 1].get_text() == label
+
+
+def test_torque_residual_and_motion_are_those_of_the_result() -> None:
+    figure = draw_simulation(ALL, 1)
+    assert legend_of(figure) == [
+        "measured, raw",
+        "measured, below 17 Hz",
+        "nominal model",
+        "with stribeck",
+        "measured velocity",
+    ]
+    torque, residual, motion = figure.axes
+    assert torque.get_ylabel() == "Torque [N m]"
+    x, y = line(residual, "nominal model")
+    first = TRACES.cycle == 1
+    count = int(first.sum())
+    assert x[:count] == pytest.approx(TRACES.t[first] - TRACES.t[first][0])
+    assert y[:count] == pytest.approx((TRACES.measured - TRACES.before)[first])
+    _, augmented = line(motion, "with stribeck")
+    assert np.nanmin(augmented) == pytest.approx((ROWS + LEFT_OUT) * STEP_S)
+    alone = draw_simulation(ALL, 3)
+    assert (len(alone.axes), legend_of(alone)[-1]) == (2, "nominal model")
+    sheet = legend_of(draw_simulation(ALL, None))
+    assert [label for label in sheet if "with" in label] == ["with the effects named"]
+
+
+def test_the_residual_has_a_row_per_axis_and_one_for_what_is_unexplained() -> None:
+    (row,) = rows_of(replace(NAMED, remaining=(by_hand.profile("time", 0.0), by_hand.profile("speed", 0.0))))
+    assert row.before is not None
+    assert row.after is not None
+    assert (row.before.axis, row.after.axis) == ("speed", "speed")
+    both = replace(UNEXPLAINED, effects=NAMED.effects, profiles=NAMED.profiles, remaining=NAMED.remaining)
+    assert [one.after.axis if one.after else None for one in rows_of(both)] == [None, "time"]
+    two = replace(NAMED, effects=(NAMED.effects[0], replace(NAMED.effects[0], curve=by_hand.profile("time", 0.1))))
+    assert (len(draw_residual(of(two), None).axes), len(draw_residual(of(two), 1).axes)) == (2, 3)
+
+
+def test_a_place_is_written_above_what_is_unexplained_and_not_above_noise() -> None:
+    assert "joint 4: nominal model below 0.15 unit, in both directions" in words_in(draw_residual(ALL, 4))
+    assert len(draw_residual(ALL, 4).axes) == 1
+    assert "below" not in words_in(draw_residual(ALL, 3))
+
+
+def test_means_stand_at_the_bins_with_two_standard_errors() -> None:
+    axes = draw_residual(ALL, 4).axes[0]
+    shown = UNEXPLAINED.profiles[0]
+    means = [box for box in axes.containers if str(box.get_label()).startswith("backwards")]
+    x, y = (np.asarray(data) for data in means[0].lines[0].get_data())  # type: ignore[attr-defined]
+    assert x == pytest.approx(shown.centre)
+    assert y == pytest.approx(shown.backwards)
+    (bars,) = means[0].lines[2]  # type: ignore[attr-defined]
+    half = np.array([np.ptp(segment[:, 1]) / 2 for segment in bars.get_segments()])
+    assert half == pytest.approx(STANDARD_ERRORS * shown.backwards_se)
+
+
+def test_the_ladder_is_as_long_as_the_residuals() -> None:
+    axes = draw_ladder(ALL, 1).axes[0]
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([rms for _, rms in NAMED.ladder])  # type: ignore[attr-defined]
+    steps = [label.get_text() for label in axes.get_yticklabels()]
+    assert steps == ["nominal model", *(step for step, _ in NAMED.ladder[1:-1]), "noise floor"]
+    assert axes.get_title(loc="left") == "joint 1: 97.6 ± 1.0 % explained\non 9 held-out cycles"
+    shut = Gap(before=0.02, after=0.02, floor=0.02, shrink=np.nan, shrink_se=np.nan, over_floor=1.0, cycles=4)
+    assert explained_words(replace(NAMED, gap=shut)).startswith("at the noise floor from the start")
+
+
+CONTACTS = effect_of(
+    replace(
+        NAMED.effects[0],
+        name="contact_event",
+        parameters={"contacts": by_hand.coefficient(2.0, 0.0)},
+        evidence=(Evidence(name="contact_event", delta_bic=0.0, correlation=1.0),),
+    )
+)
+TRACE = ContactTrace(
+    t=np.arange(0.0, 12.0, 0.1), residual_nm=np.sin(np.arange(120) / 50.0), spans_s=((1.0, 1.3), (8.0, 8.4))
+)
+TOUCHED = replace(
+    NAMED,
+    effects=(CONTACTS,),
+    ladder=(("declared model", 0.3), ("+ contact_event", 0.02), ("floor of the noise", 0.02)),
+    gap=by_hand.gap(0.02, 0.02, 0.02),
+    contacts=TRACE,
+)
+
+
+def test_contacts_are_left_out_and_no_model_has_them() -> None:
+    alone = of(TOUCHED)
+    assert not any(label.startswith("with ") for label in legend_of(draw_simulation(alone, 1)))
+    (axes,) = draw_residual(alone, 1).axes
+    assert axes.get_title(loc="left") == "joint 1: nominal model, contacts left out"
+    ladder = words_in(draw_ladder(alone, 1))
+    assert "joint 1: nothing added on 9 held-out cycles, contacts left out" in ladder
+    assert "+ contact_event" not in ladder
+    assert "no competing effect" in words_in(draw_evidence(alone, 1))
+    left = (by_hand.profile("speed", 0.0),)
+    both = of(replace(TOUCHED, effects=(CONTACTS, *NAMED.effects), gap=NAMED.gap, remaining=left))
+    assert "with stribeck" in legend_of(draw_simulation(both, 1))
+    assert len(draw_residual(both, 1).axes) == 2
+    assert "97.6 ± 1.0 % explained on 9 held-out cycles, contacts left out" in words_in(draw_ladder(both, 1))
+
+
+def test_contacts_are_shaded_over_the_whole_log_and_the_largest_close_by() -> None:
+    whole, largest = draw_effects(of(TOUCHED), 1).axes
+    assert (whole.get_title(loc="left"), largest.get_title(loc="left")) == ("joint 1: contact_event", "the largest")
+    assert [len(axes.patches) for axes in (whole, largest)] == [2, 2]
+    assert largest.get_xlim() == pytest.approx((7.0, 9.4))  # sin(t / 5) is 0.2 at the first, 1.0 at the second
+    assert [len(axes.patches) for axes in draw_effects(of(TOUCHED), None).axes] == [2]
+
+
+def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
+    own = OwnAxis(
+        label="Position within a wave [waves]",
+        values=np.mod(TRACES.t, 1.0),
+        curve=by_hand.profile("wave", 0.1),
+        before=by_hand.profile("wave", 0.2),
+        after=by_hand.profile("wave", 0.0),
+    )
+    torque = np.sin(2 * np.pi * own.values)
+    joint = of(replace(NAMED, effects=(replace(NAMED.effects[0], own=own, torque=torque),)))
+    x, y = line(draw_effects(joint, 1).axes[0], "fitted, forwards")
+    assert y == pytest.approx(np.sin(2 * np.pi * x), abs=0.05)
+    assert [axes.get_xlabel() for axes in draw_residual(joint, 1).axes] == ["Wave [unit]", "Wave [unit]"]
+
+
+def test_marks_of_competing_effects() -> None:
+    (effect,) = AMBIGUOUS.effects
+    rivals = {name: Evidence(name=name, delta_bic=bic, correlation=0.5) for name, bic in (("a", 41.3), ("b", 2.0))}
+    assert mark_of(effect, effect.evidence[0]) == CHOSEN
+    assert mark_of(effect, replace(rivals["b"], name=effect.alternatives[0])) == ALIKE
+    assert (mark_of(effect, rivals["a"]), mark_of(effect, rivals["b"])) == (BEATEN, ELSEWHERE)
+    pair = ("asymmetric_coulomb", "inertia_error")
+    one = replace(effect, alternatives=pair, together=(pair,))
+    assert mark_of(one, Evidence(name="inertia_error", delta_bic=126.0, correlation=0.7)) == BEATEN
+    assert not_drawn(one, one.evidence, (one,)) == "also indistinguishable: asymmetric_coulomb with inertia_error"
+
+
+def test_evidence_stands_at_its_difference_in_bic_and_the_indistinguishable_stay_on_a_sheet() -> None:
+    (effect,) = AMBIGUOUS.effects
+    alike = Evidence(name="asymmetric_coulomb", delta_bic=1.5, correlation=1.0)
+    one = replace(effect, evidence=(*effect.evidence, alike))
+    figure = draw_evidence(of(replace(AMBIGUOUS, effects=(one,))), 2)
+    marks = {str(mark.get_label()): float(np.asarray(mark.get_xdata())[0]) for mark in figure.axes[0].lines}
+    assert (marks[CHOSEN.label], marks[BEATEN.label], marks[ALIKE.label]) == (0.0, 41.3, 1.5)
+    assert "r = 0.31" in words_in(figure)
+    assert [rival.name for rival in nearest(one, most=1)] == ["torque_bias", "asymmetric_coulomb"]
+    names = ("asymmetric_coulomb", "joint_limit_stop", "torque_drift")
+    part = replace(one, alternatives=names)
+    whole = replace(NAMED.effects[0], name="torque_drift")
+    assert not_drawn(part, part.evidence, (whole, part)) == (
+        "also indistinguishable: joint_limit_stop, a part of torque_drift"
+    )
+
+
+def test_the_fitted_torque_lies_over_the_curve_of_the_log() -> None:
+    axes = draw_effects(ALL, 1).axes[0]
+    _, forwards = line(axes, "fitted, forwards")
+    _, backwards = line(axes, "fitted, backwards")
+    assert forwards == pytest.approx(np.full(len(forwards), MISSING_NM))
+    assert backwards == pytest.approx(np.full(len(backwards), -MISSING_NM))
+    dots = np.concatenate([np.asarray(one.get_ydata(), float) for one in axes.lines if one.get_marker() == "."])
+    assert np.abs(dots).mean() == pytest.approx(MISSING_NM, abs=0.01)
+    assert "0.150 ± 0.010 N m" in words_in(draw_effects(ALL, 1))
+    x, y = mean_along(np.array([3.0, 1.0, 2.0, 4.0]), np.array([30.0, 10.0, 20.0, 50.0]), points=2)
+    assert (x.tolist(), y.tolist()) == ([1.5, 3.5], [15.0, 40.0])
+
+
+@given(arrays(float, 50, elements=st.floats(-10.0, 10.0)))
+def test_a_panel_holds_zero_and_all_means_and_is_not_filled_by_noise(samples: Float) -> None:
+    shown = by_hand.profile("speed", 0.5)
+    bottom, top = limits_for(samples, shown)
+    assert bottom < min(0.0, np.nanmin(shown.backwards - 2 * shown.backwards_se))
+    assert top > np.nanmax(shown.forwards + 2 * shown.forwards_se)
+    assert top - bottom < 5 * 0.14
+
+
+def test_a_verdict_is_written_with_its_names() -> None:
+    assert [verdict_words(joint) for joint in ALL.discrepancy.joints] == [
+        "named: stribeck",
+        "ambiguous: torque_bias or asymmetric_coulomb",
+        "none",
+        "unexplained",
+        "not testable",
+        "data fault",
+    ]
+    assert verdict_words(replace(UNEXPLAINED, effects=NAMED.effects)) == "unexplained, with stribeck"
+    assert said_of(DATA_FAULT) == f"data fault: {by_hand.FAULT}"
+    axes = draw_verdicts(ALL, None).axes[0]
+    places = [(one.get_ydata(), one.get_xdata()) for one in axes.lines if one.get_color() == AUGMENTED]
+    numbers = {float(np.asarray(y)[0]): float(np.asarray(x)[0]) for y, x in places}
+    assert numbers == {0.0: 0.021, 1.0: 0.03}
