@@ -44,7 +44,7 @@ def test_completion_is_installed_for_bash_and_answers(tmp_path: Path) -> None:
     assert asked(tmp_path, "friction-audit est") == ["estimate"]
     assert asked(tmp_path, "friction-audit batch-report --fa") == ["--fail-on"]
     assert asked(tmp_path, "friction-audit estimate run.csv --drive ha") == ["hand"]
-    assert asked(tmp_path, "friction-audit plot run.csv --kind energy,co") == ["energy,coefficients"]
+    assert asked(tmp_path, "friction-audit plot run.csv --figures energy,co") == ["energy,coefficients"]
 
 
 def offered(command: str, option: str, begun: str = "") -> list[str]:
@@ -64,7 +64,7 @@ def listed() -> Iterator[tuple[str, str, list[str]]]:
 
 
 def test_every_name_that_the_help_lists_is_offered() -> None:
-    assert {"--drive", "--gravity", "--robot", "--compensator", "--arm", "--kind"} <= {one for _, one, _ in listed()}
+    assert {"--drive", "--gravity", "--robot", "--compensator", "--arm", "--figures"} <= {one for _, one, _ in listed()}
     for command, option, names in listed():
         assert offered(command, option) == names, (command, option)
         assert offered(command, option, names[-1]) == [n for n in names if n.startswith(names[-1])], (command, option)
@@ -89,4 +89,4 @@ def test_names_that_another_option_lists_are_offered(command: str, option: str, 
 
 def test_a_list_goes_on_after_its_comma() -> None:
     assert offered("diagnose", "--candidates", "stribeck,torque_r") == ["stribeck,torque_ripple"]
-    assert offered("plot", "--format", "png,") == ["png,svg", "png,pdf"]
+    assert offered("plot", "--figure-format", "png,") == ["png,svg", "png,pdf"]

@@ -21,7 +21,7 @@ TABLES = {
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("command", TABLES)
 def test_every_table_is_written(command: str, run: Run, logs: Path) -> None:
-    beside = ("--format", "markdown") if command == "report" else ("--figures", "svg")
+    beside = ("--format", "markdown") if command == "report" else ("--figure-format", "svg")
     answer = run(command, logs / "moved1.csv", "-o", "out", *beside, "--export", "csv,parquet,mcap", "-q")
     assert answer.code == 0, answer.err
     before = "moved1.report." if command == "report" else ""
@@ -51,7 +51,9 @@ def test_nothing_is_replaced_unasked(run: Run, logs: Path) -> None:
     assert "cycles.csv: exists already" in answer.err
     assert [path.name for path in Path("out").iterdir()] == ["cycles.csv"]
     assert Path("out/cycles.csv").read_text() == "mine"
-    again = run("estimate", logs / "moved1.csv", "-o", "out", "--export", "csv", "--figures", "svg", "--overwrite")
+    again = run(
+        "estimate", logs / "moved1.csv", "-o", "out", "--export", "csv", "--figure-format", "svg", "--overwrite"
+    )
     assert again.code == 0
     assert Path("out/cycles.csv").read_text() != "mine"
 
@@ -77,7 +79,7 @@ def test_a_misspelt_format_suggests_the_near_one(run: Run, logs: Path) -> None:
 def test_topics_lie_beside_the_log_that_they_were_made_from(window: tuple[str, ...], run: Run) -> None:
     original = Path(__file__).parents[2] / "sample_logs" / "formats" / "mcap-franka-robot-state.mcap"
     answer = run(
-        "estimate", original, *window, "--joints", "7", "-o", "out", "--figures", "svg", "--export", "mcap", "-q"
+        "estimate", original, *window, "--joints", "7", "-o", "out", "--figure-format", "svg", "--export", "mcap", "-q"
     )
     assert answer.code == 0, answer.err
     (first, last), (begin, end) = span_of(Path("out/estimate.mcap")), span_of(original)

@@ -16,7 +16,17 @@ def test_a_sheet_and_every_joint(run: Run, logs: Path, tmp_path: Path) -> None:
 @pytest.mark.usefixtures("sketched")
 def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
     answer = run(
-        "plot", logs / "moved2.csv", "--joints", "2", "--kind", "all", "--format", "svg,pdf", "-o", "x", "--json"
+        "plot",
+        logs / "moved2.csv",
+        "--joints",
+        "2",
+        "--figures",
+        "all",
+        "--figure-format",
+        "svg,pdf",
+        "-o",
+        "x",
+        "--json",
     )
     figures = answer.document()["figures"]
     assert tuple(figure["kind"] for figure in figures[::2]) == figure_names("estimate", "replay", "diagnosis")
@@ -27,13 +37,13 @@ def test_one_joint_needs_no_sheet(run: Run, logs: Path) -> None:
 def test_figures_of_an_older_run_are_refused_first(run: Run, logs: Path, tmp_path: Path) -> None:
     (tmp_path / "figures").mkdir()
     (tmp_path / "figures" / "energy-joint5.png").touch()
-    answer = run("plot", logs / "absent.csv", "--kind", "energy")
+    answer = run("plot", logs / "absent.csv", "--figures", "energy")
     assert answer.code == 2
     assert "energy-joint5.png: exists already" in answer.err
 
 
 @pytest.mark.usefixtures("sketched")
 def test_a_joint_at_rest_is_drawn_all_the_same(run: Run, logs: Path) -> None:
-    answer = run("plot", logs / "still.csv", "--kind", "all")
+    answer = run("plot", logs / "still.csv", "--figures", "all")
     assert answer.code == 0
     assert len(answer.out.split()) == len(figure_names("estimate", "replay", "diagnosis"))

@@ -75,7 +75,7 @@ def test_damage_is_said(run: Run, logs: Path) -> None:
         (["--no-passivity", "--max-damping", "3"], "nothing is damped"),
         (["--compensator", "sigmoid", "--fixed", "coulomb=0.2"], "has no use for --fixed"),
         (["--compensator", "lugre", "--observer-gain", "5"], "has no use for --observer-gain"),
-        (["--compensator", "disturbance-observer"], "feeds the motion back"),
+        (["--compensator", "disturbance_observer"], "feeds the motion back"),
         (["--operator", "0.3,9,60"], "ask for --assume same-operator"),
         (["--assume", "same-operator", "--operator", "0.3,9"], "expected 3"),
         (["--assume", "same-operator", "--operator", "0,0,0"], "at least one of them"),
@@ -114,6 +114,6 @@ def test_an_assumption_that_the_log_does_not_carry(run: Run, logs: Path) -> None
 @pytest.mark.usefixtures("sketched")
 @pytest.mark.parametrize("kind", ["replay", "replay-velocity-torque"])
 def test_plot_draws_a_replay(kind: str, run: Run, logs: Path) -> None:
-    answer = run("plot", logs / "moved2.csv", "--kind", kind, "-o", "x")
+    answer = run("plot", logs / "moved2.csv", "--figures", kind, "-o", "x")
     assert answer.code == 0
     assert answer.out.split() == [f"x/{kind}.png", f"x/{kind}-joint1.png", f"x/{kind}-joint2.png"]

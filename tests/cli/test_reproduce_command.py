@@ -23,7 +23,7 @@ def test_table_figures_and_exit_code(run: Run, tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("sketched")
 def test_document(run: Run, tmp_path: Path) -> None:
-    answer = run("reproduce", "--figures", "7", "--format", "svg", "--seeds", "2", "--json")
+    answer = run("reproduce", "--figures", "7", "--figure-format", "svg", "--seeds", "2", "--json")
     document = answer.document()
     assert document["seeds"] == 2
     assert [claim["figure"] for claim in document["claims"]] == ["7a", "7b", "7b", "7c", "7c"]
@@ -66,5 +66,5 @@ def test_wrong_usage(words: tuple[str, str], message: str, run: Run) -> None:
 
 def test_the_same_figure_has_the_same_bytes(run: Run, tmp_path: Path) -> None:
     for folder in ("one", "two"):
-        assert run("reproduce", "--figures", "9", "-o", folder, "--format", "pdf", "-q").code == 0
+        assert run("reproduce", "--figures", "9", "-o", folder, "--figure-format", "pdf", "-q").code == 0
     assert (tmp_path / "one" / "fig9.pdf").read_bytes() == (tmp_path / "two" / "fig9.pdf").read_bytes()

@@ -108,7 +108,7 @@ def test_over_compensation_is_taken_back_in_closed_loop() -> None:
 
 
 def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
-    rival = Rival(name="torque-regulation", desired_inertia_kg_m2=0.02)
+    rival = Rival(name="torque_regulation", desired_inertia_kg_m2=0.02)
     found = replay(log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=rival)).replay
     joint = found.joints[0]
     assert joint.numbers is not None
@@ -119,13 +119,13 @@ def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
     assert "diverged" in {caution.code for caution in found.warnings}
 
 
-@pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance-observer", "torque-regulation"])
+@pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation"])
 def test_rivals_are_tuned_from_the_log(name: str) -> None:
     settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=Rival(name=name))
     joint = replay(log_of(BENCH), settings).replay.joints[0]
     assert joint.numbers is not None, joint.reason
     assert np.isnan(joint.numbers.diverged_s)
-    assert joint.numbers.dissipation_removed > (0.4 if name == "torque-regulation" else 0.8)
+    assert joint.numbers.dissipation_removed > (0.4 if name == "torque_regulation" else 0.8)
 
 
 def test_an_inertia_that_the_log_does_not_tell_is_refused() -> None:
@@ -143,7 +143,7 @@ def test_contradictions_are_refused() -> None:
     with pytest.raises(UsageError, match="--operator"):
         ReplaySettings(operator=TRUE_HAND)
     with pytest.raises(UsageError, match="same-motion holds fixed"):
-        ReplaySettings(rival=Rival(name="disturbance-observer"))
+        ReplaySettings(rival=Rival(name="disturbance_observer"))
     with pytest.raises(UsageError, match="same-motion holds fixed"):
         ReplaySettings(compensator=TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2))
     with pytest.raises(UsageError, match="--compensator magic"):

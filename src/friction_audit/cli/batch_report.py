@@ -17,7 +17,7 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, remark, say
-from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FiguresBeside
+from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFormats
 from friction_audit.errors import AnalysisError, InputError, UsageError
 
 if TYPE_CHECKING:
@@ -137,7 +137,7 @@ def command(
         Path,
         option(OUTPUT, f"Folder of the ledger, {', '.join(RESULTS)} and the figures.", "--output", "-o", metavar="DIR"),
     ] = Path("friction-drift"),
-    figures: FiguresBeside = PNG,
+    formats: FigureFormats = PNG,
 ) -> None:
     """Follow the friction of each joint over many recordings: what changed, when, and how sure we are."""
     from friction_audit.batch.remote import as_text
@@ -148,15 +148,15 @@ def command(
     found = _find(logs or [], sessions.manifest, folder)
     with _ledger(folder, running, voice) as (ledger, alone), _processes(running) as processes:
         if not (output.overwrite or running.rebuild):
-            check_results(folder, figures, ledger, settings)
+            check_results(folder, formats, ledger, settings)
         standing = _catch_up(found, settings, ledger, _cluster(running) or processes, voice, alone=alone)
-        request = (standing.digest(), settings.text(), drift_settings, limits, figures, __version__)
+        request = (standing.digest(), settings.text(), drift_settings, limits, formats, __version__)
         answer = None if output.overwrite or voice.verbose else recall_results(request, folder, ledger, voice)
         if answer is None:
             again = as_text(command_line(context, leave_out=NOT_PART_OF_IT))
             with voice.step("look for drift"):
                 summary, warnings = _summarise(standing, settings, ledger, drift_settings, limits, again, processes)
-            answer = write_results(summary, warnings, request, folder, figures, ledger, settings, processes, voice)
+            answer = write_results(summary, warnings, request, folder, formats, ledger, settings, processes, voice)
     if not output.json:
         voice.warn(answer.warnings)
     for text in answer.document_of(standing) if output.json else (answer.text_of(standing),):

@@ -23,11 +23,11 @@ CYCLES_FROM = ("joint", "hand")
 ESTIMATORS = ("weighted", "paper")
 MODELS = ("combined", "coulomb", "viscous")
 ASSUMPTIONS = ("same-motion", "same-torque", "same-operator")
-COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance-observer", "torque-regulation", "model")
+COMPENSATORS = ("energy", "fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation", "model")
 FIGURES, REPLAY_FIGURES = figure_names("estimate"), figure_names("replay")
 DIAGNOSIS_FIGURES, BATCH_FIGURES = figure_names("diagnosis"), figure_names("drift")
 PLOTTED = figure_names("estimate", "replay", "diagnosis")
-KINDS = (*PLOTTED, "all")
+ALL = "all"
 IMAGE_FORMATS = ("png", "svg", "pdf")
 REPORT_FORMATS = {"html": ".html", "pdf": ".pdf", "markdown": ".md", "json": ".json"}
 """Formats of a report and the endings of their files."""
@@ -151,6 +151,11 @@ def _some(names: Sequence[str]) -> Callable[[list[str]], list[str]]:
         return list(dict.fromkeys(chosen))
 
     return check
+
+
+def some_figures(wanted: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
+    """Return the figures of ``--figures``, in their order."""
+    return tuple(name for name in names if name in wanted or ALL in wanted)
 
 
 def near_misses(word: str, names: Sequence[str]) -> str:

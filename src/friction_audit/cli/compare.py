@@ -9,7 +9,7 @@ from friction_audit.cli import chain, choices
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
-from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
+from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, OutputOptions, figures_option
 
 if TYPE_CHECKING:
     from friction_audit.compensation.comparison import Comparison
@@ -19,7 +19,7 @@ COMPARISON = "Comparison"
 
 EXAMPLES = """Examples:
   friction-audit compare
-  friction-audit compare --arm panda -o panda --format pdf
+  friction-audit compare --arm panda -o panda --figure-format pdf
   friction-audit compare --methods sigmoid,energy --effect stribeck:excess_nm=0.15
   friction-audit compare --seeds 50 --set operator.stiffness_nm_per_rad=120 --json"""
 
@@ -97,12 +97,15 @@ def command(
     comparison: ComparisonOptions,
     output: OutputOptions,
     general: GeneralOptions,
-    formats: ImageFormats = PNG,
+    figures: Annotated[list[str], figures_option(FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: FigureFormats = PNG,
     folder: FigureFolder = Path("compared"),
 ) -> None:
     """Try the compensation methods side by side in the simulator: same person, same arm, same noise."""
     voice = general.voice
-    paths = {name: [folder / f"{name}.{suffix}" for suffix in formats] for name in FIGURES}
+    paths = {
+        name: [folder / f"{name}.{suffix}" for suffix in formats] for name in choices.some_figures(figures, FIGURES)
+    }
     chain.check_outputs([path for each in paths.values() for path in each], overwrite=output.overwrite)
     scene = _scene(comparison)
     result = _compare(scene, comparison, voice)
@@ -146,7 +149,7 @@ def _draw(
     from friction_audit.reporting.figures.comparison import draw_comparison
 
     with voice.step("draw"):
-        figures = draw_comparison(result)
+        figures = {name: figure for name, figure in draw_comparison(result).items() if name in paths}
         for name, figure in figures.items():
             save_figures(figure, paths[name], overwrite=overwrite)
     return [(name, str(path)) for name in figures for path in paths[name]]

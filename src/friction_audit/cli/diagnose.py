@@ -10,7 +10,16 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
+from friction_audit.cli.options import (
+    NO_EXPORT,
+    OUTPUT,
+    PNG,
+    Exports,
+    FigureFormats,
+    LogOptions,
+    LogPath,
+    figures_option,
+)
 from friction_audit.errors import AnalysisError, UsageError
 
 if TYPE_CHECKING:
@@ -84,19 +93,20 @@ def command(
             metavar="DIR",
         ),
     ] = None,
-    figures: FiguresBeside = PNG,
+    figures: Annotated[list[str], figures_option(choices.DIAGNOSIS_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
+    formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Find what the model of each joint misses, name it, and show how far the gap closes."""
     voice = shared.general.voice
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
-    plan = plan_exports(folder, export, "diagnose")
+    plan, kinds = plan_exports(folder, export, "diagnose"), choices.some_figures(figures, choices.DIAGNOSIS_FIGURES)
     if folder is not None:
-        files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, choices.DIAGNOSIS_FIGURES, figures)]
+        files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, kinds, formats)]
         files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
-    with voice.stages(2 + (len(choices.DIAGNOSIS_FIGURES) if folder else 0) + len(export)) as told:
+    with voice.stages(2 + (len(kinds) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
             recorded = chain.read(log, reading, told)
         _check_model(options.joint_model, settings.model, recorded)
@@ -107,7 +117,9 @@ def command(
         text = _document(found, chain.reading_settings(reading))
         if folder is not None:
             _write(found, text, folder, told, overwrite=output.overwrite)
-            _draw(found, folder, figures, told, overwrite=output.overwrite)
+            numbers, again = [joint.joint for joint in found.discrepancy.joints], output.overwrite
+            unit, results = recorded.source.torque_unit, {"diagnosis": found}
+            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
         if plan is not None:
             _export(found, plan, recorded, told, overwrite=output.overwrite)
     _print(found, text, json=output.json, verbose=voice.verbose)
@@ -201,14 +213,6 @@ def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, ove
     grown = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
     voice.warn(f"{folder / MODEL}: joint {joint}: {lack}" for joint, lack in grown.lacking)
     save_model(grown.model, folder / MODEL, overwrite=overwrite)
-
-
-def _draw(found: "Diagnosis", folder: Path, formats: list[str], voice: Voice, *, overwrite: bool) -> None:
-    numbers = [joint.joint for joint in found.discrepancy.joints]
-    unit, results = found.estimate.log.source.torque_unit, {"diagnosis": found}
-    write_figures(
-        results, choices.DIAGNOSIS_FIGURES, numbers, folder, formats, overwrite=overwrite, voice=voice, unit=unit
-    )
 
 
 def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:

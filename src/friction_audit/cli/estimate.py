@@ -9,7 +9,16 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, AuditOptions, Exports, FiguresBeside, LogPath
+from friction_audit.cli.options import (
+    NO_EXPORT,
+    OUTPUT,
+    PNG,
+    AuditOptions,
+    Exports,
+    FigureFormats,
+    LogPath,
+    figures_option,
+)
 
 if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
@@ -17,7 +26,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = """Examples:
   friction-audit estimate run.mcap
-  friction-audit estimate run.csv --drive robot -o results --figures pdf,png
+  friction-audit estimate run.csv --drive robot -o results --figure-format pdf,png
   friction-audit estimate run.bag --topic /left/joint_states --joints 1,3-5 --json
   friction-audit estimate slow.parquet --thresholds auto --estimator paper
   friction-audit estimate run.mcap -o results --export mcap,csv"""
@@ -32,19 +41,20 @@ def command(
         Path | None,
         option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
     ] = None,
-    figures: FiguresBeside = PNG,
+    figures: Annotated[list[str], figures_option(choices.FIGURES)] = [choices.ALL],  # noqa: B006 - Typer copies it
+    formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
-    plan = plan_exports(folder, export, "estimate")
+    plan, kinds = plan_exports(folder, export, "estimate"), choices.some_figures(figures, choices.FIGURES)
     if folder is not None:
-        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.FIGURES, figures)]
+        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, kinds, formats)]
         files += [] if plan is None else plan.files(choices.ESTIMATE_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
     reading_settings = chain.reading_settings(options)
-    with voice.stages(2 + (len(choices.FIGURES) if folder else 0) + len(export)) as told:
+    with voice.stages(2 + (len(kinds) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate"):
             recorded = chain.read(log, options, told)
         result = chain.estimate(recorded, settings, told)
@@ -55,7 +65,7 @@ def command(
             _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
             numbers, unit = result.interaction.joint_numbers, result.log.source.torque_unit
             results, again = {"estimate": result}, output.overwrite
-            write_figures(results, choices.FIGURES, numbers, folder, figures, overwrite=again, voice=told, unit=unit)
+            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
         if plan is not None:
             _export(result, plan, recorded, told, overwrite=output.overwrite)
     _print(result, reading_settings, json=output.json)

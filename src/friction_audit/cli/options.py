@@ -1,5 +1,6 @@
 """The options that commands share, in groups; each is declared here once."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Annotated
@@ -19,16 +20,14 @@ CYCLES, ESTIMATE, OUTPUT = "Energy cycles", "Estimate", "Output"
 PNG = ["png"]
 NO_EXPORT: list[str] = []
 
-ImageFormats = Annotated[
+FigureFormats = Annotated[
     list[str],
     option(
-        OUTPUT, "Formats of the figures; repeatable, or separated by commas.", "--format", some_of=choices.IMAGE_FORMATS
+        OUTPUT,
+        "Formats of the figures; repeatable, or separated by commas.",
+        "--figure-format",
+        some_of=choices.IMAGE_FORMATS,
     ),
-]
-
-FiguresBeside = Annotated[
-    list[str],
-    option(OUTPUT, "Formats of the figures in DIR; repeatable, or separated by commas.", some_of=choices.IMAGE_FORMATS),
 ]
 
 Exports = Annotated[
@@ -41,6 +40,13 @@ Exports = Annotated[
         some_of=choices.EXPORTS,
     ),
 ]
+
+
+def figures_option(names: Sequence[str]) -> object:
+    """Return the option that says which of some figures are drawn."""
+    text = f"Figures to draw: {choices.ALL}, or some of {', '.join(names)}. Repeatable, or separated by commas."
+    return option(OUTPUT, text, "--figures", some_of=(*names, choices.ALL), metavar="NAME")
+
 
 FigureFolder = Annotated[Path, option(OUTPUT, "Folder of the figures.", "--output", "-o", metavar="DIR")]
 

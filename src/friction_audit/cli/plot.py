@@ -6,34 +6,30 @@ from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
-from friction_audit.cli.choices import option
-from friction_audit.cli.console import say
+from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import FigureFile, possible_files, write_figures
-from friction_audit.cli.options import OUTPUT, PNG, AuditOptions, FigureFolder, ImageFormats, LogPath
+from friction_audit.cli.options import PNG, AuditOptions, FigureFolder, FigureFormats, LogPath, figures_option
 
 if TYPE_CHECKING:
     from friction_audit.pipeline import Estimate
 
 EXAMPLES = """Examples:
   friction-audit plot run.mcap
-  friction-audit plot run.csv --kind energy,coefficients --format pdf -o paper
-  friction-audit plot run.bag --kind all --joints 5 --format svg --format png"""
+  friction-audit plot run.csv --figures energy,coefficients --figure-format pdf -o paper
+  friction-audit plot run.bag --figures all --joints 5 --figure-format svg,png"""
 
 
 def command(
     log: LogPath,
     shared: AuditOptions,
-    kind: Annotated[
-        list[str],
-        option(OUTPUT, "What to draw; repeatable, or separated by commas.", some_of=choices.KINDS),
-    ] = ["velocity-torque"],  # noqa: B006 - Typer copies it
-    formats: ImageFormats = PNG,
+    figures: Annotated[list[str], figures_option(choices.PLOTTED)] = ["velocity-torque"],  # noqa: B006 - Typer copies it
+    formats: FigureFormats = PNG,
     folder: FigureFolder = Path("figures"),
 ) -> None:
     """Draw figures for a paper: all joints on a sheet, and each joint at column width."""
     voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
-    kinds = choices.PLOTTED if "all" in kind else tuple(kind)
+    kinds = choices.some_figures(figures, choices.PLOTTED)
     chain.check_outputs(possible_files(folder, kinds, formats), overwrite=output.overwrite, log=log)
     result = chain.estimate(chain.read(log, options, voice), settings, voice)
     if not output.json:

@@ -9,7 +9,16 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
 from friction_audit.cli.figure_files import possible_files, write_figures
-from friction_audit.cli.options import NO_EXPORT, OUTPUT, PNG, Exports, FiguresBeside, LogOptions, LogPath
+from friction_audit.cli.options import (
+    NO_EXPORT,
+    OUTPUT,
+    PNG,
+    Exports,
+    FigureFormats,
+    LogOptions,
+    LogPath,
+    figures_option,
+)
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 from friction_audit.errors import AnalysisError, UsageError
 
@@ -37,19 +46,20 @@ def command(
         Path | None,
         option(OUTPUT, f"Also write {DOCUMENT}, {HISTORY} and the figures there.", "--output", "-o", metavar="DIR"),
     ] = None,
-    figures: FiguresBeside = PNG,
+    figures: Annotated[list[str], figures_option(choices.REPLAY_FIGURES)] = [choices.ALL],  # noqa: B006 - copied
+    formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
     """Show what a friction compensator with a passivity controller would have done."""
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
-    plan = plan_exports(folder, export, "replay")
+    plan, kinds = plan_exports(folder, export, "replay"), choices.some_figures(figures, choices.REPLAY_FIGURES)
     if folder is not None:
-        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, choices.REPLAY_FIGURES, figures)]
+        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, kinds, formats)]
         files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
         chain.check_outputs(files, overwrite=output.overwrite, log=log)
-    with voice.stages(3 + (len(choices.REPLAY_FIGURES) if folder else 0) + len(export)) as told:
+    with voice.stages(3 + (len(kinds) if folder else 0) + len(export)) as told:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
             recorded = chain.read(log, reading, told)
         _check_model(settings.joint_model, recorded)
@@ -61,7 +71,9 @@ def command(
         text = _document(found, chain.reading_settings(reading))
         if folder is not None:
             _write(found, text, folder, overwrite=output.overwrite)
-            _draw(found, folder, figures, overwrite=output.overwrite, voice=told)
+            numbers, again = [joint.joint for joint in found.replay.joints], output.overwrite
+            unit, results = recorded.source.torque_unit, {"replay": found}
+            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
         if plan is not None:
             _export(found, plan, recorded, told, overwrite=output.overwrite)
     _print(found, text, json=output.json)
@@ -149,14 +161,6 @@ def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) 
         draft.write_text(document, encoding="utf-8")
     with whole_file(folder / HISTORY, overwrite=overwrite) as draft:
         write_table(history_table(found), draft, "csv")
-
-
-def _draw(found: "LogReplay", folder: Path, formats: list[str], *, overwrite: bool, voice: Voice) -> None:
-    numbers = [joint.joint for joint in found.replay.joints]
-    unit, results = found.estimate.log.source.torque_unit, {"replay": found}
-    write_figures(
-        results, choices.REPLAY_FIGURES, numbers, folder, formats, overwrite=overwrite, voice=voice, unit=unit
-    )
 
 
 def _print(found: "LogReplay", document: str, *, json: bool) -> None:

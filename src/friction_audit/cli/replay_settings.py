@@ -90,13 +90,13 @@ class ReplayOptions:
         float | None,
         option(
             REPLAY,
-            "That disturbance-observer and torque-regulation assume [kg m^2]. Default: as fitted to the log.",
+            "That disturbance_observer and torque_regulation assume [kg m^2]. Default: as fitted to the log.",
             metavar="KG_M2",
         ),
     ] = None
     desired_inertia: Annotated[
         float | None,
-        option(REPLAY, "That torque-regulation shapes [kg m^2]. Default: half the motor's.", metavar="KG_M2"),
+        option(REPLAY, "That torque_regulation shapes [kg m^2]. Default: half the motor's.", metavar="KG_M2"),
     ] = None
     operator: Annotated[
         str | None,
@@ -128,7 +128,7 @@ class ReplayOptions:
         paper = (*paper, *(["--no-passivity"] if self.no_passivity else []))
         if self.compensator != "energy" and paper:
             raise UsageError(f"--compensator {self.compensator}: has no use for {', '.join(paper)}; leave it away")
-        inertial = ("disturbance-observer", "torque-regulation")
+        inertial = ("disturbance_observer", "torque_regulation")
         tuning = (
             ("--observer-gain", self.observer_gain, inertial[:1]),
             ("--motor-inertia", self.motor_inertia, inertial),

@@ -9,7 +9,7 @@ from friction_audit.cli import chain
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.figure_files import save_figures
-from friction_audit.cli.options import PNG, FigureFolder, GeneralOptions, ImageFormats, OutputOptions
+from friction_audit.cli.options import PNG, FigureFolder, FigureFormats, GeneralOptions, OutputOptions
 
 if TYPE_CHECKING:
     from friction_audit.reproduce import Claim, Reproduction
@@ -18,7 +18,7 @@ SIMULATION = "Simulation"
 
 EXAMPLES = """Examples:
   friction-audit reproduce
-  friction-audit reproduce --figures 3,6,7 --format pdf -o paper
+  friction-audit reproduce --figures 3,6,7 --figure-format pdf -o paper
   friction-audit reproduce --figures 10 --seeds 100 --json"""
 
 PAPER_FIGURES = ("3", "6", "7", "8", "9", "10", "11", "12", "13", "14")
@@ -47,7 +47,7 @@ def command(
             max=1000,
         ),
     ] = 20,
-    formats: ImageFormats = PNG,
+    formats: FigureFormats = PNG,
     folder: FigureFolder = Path("reproduced"),
 ) -> None:
     """Simulate the figures of the paper, draw them, and hold each of its claims against a number."""

@@ -17,7 +17,7 @@ DEFAULT_MODEL = "combined"
 # Twice the paper's: on a Panda's sensors, the difference of two cycles is noise as often as friction.
 DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
 
-FEED_BACK = ("disturbance-observer", "torque-regulation")  # without a loop over the motion their result means nothing
+FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over the motion their result means nothing
 MODEL = "model"  # applies the friction of a model file
 RIVALS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
 

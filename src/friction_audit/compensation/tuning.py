@@ -59,7 +59,7 @@ def _feed_back(rival: Rival, friction: JointFriction) -> Compensator | str:
         inertia = found.inertia.value
     if inertia is None:
         return friction.reason or "its inertia is not determined by the log; give --motor-inertia"
-    if rival.name == "disturbance-observer":
+    if rival.name == "disturbance_observer":
         return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=rival.observer_gain_per_s)
     desired = rival.desired_inertia_kg_m2
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)

@@ -20,7 +20,7 @@ from friction_audit.reporting.drift_words import (
 from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.panels import add_legend, is_narrow, label_panel, pairs, write_message
 from friction_audit.reporting.figures.style import GREEN, MUTED, Look, figure_style
-from friction_audit.reporting.words import LONGEST_NAME, NOTHING, joint_label
+from friction_audit.reporting.words import NOTHING, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,6 +30,7 @@ DrawPanel = Callable[["Axes", ArmDrift, JointDrift, CoefficientDrift], None]
 REFERENCE, LEFT_OUT = GREEN, MUTED
 MOST_MARKED = 150  # sessions in a panel above which markers would only be a blot; a line takes their place
 MOST_TICKS = 6
+MOST_LETTERS = 16  # of a name in a panel
 COEFFICIENTS = ("coulomb_nm", "viscous_nms_per_rad")
 
 
@@ -59,7 +60,7 @@ def label_sheet(figure: "Figure", arm: ArmDrift, drawn: Sequence[JointDrift], la
 
 def joint_name(joint: JointDrift) -> str:
     """Return what a panel calls a joint."""
-    return f"joint {shortened(joint_label(joint.joint, joint.name), LONGEST_NAME)}"
+    return f"joint {shortened(joint_label(joint.joint, joint.name), MOST_LETTERS)}"
 
 
 def of_coefficient(joint: JointDrift, coefficient: str) -> CoefficientDrift | None:
