@@ -17,7 +17,12 @@ CONTEXT = "context"
 """Parameter of a command that takes Typer's context."""
 
 
-RENAMED = {("diagnose", "--model"): "--joint-model", ("simulate", "--model"): "--joint-model"}
+RENAMED = {
+    ("diagnose", "--model"): "--joint-model",
+    ("simulate", "--model"): "--joint-model",
+    ("plot", "--kind"): "--figures",
+    **{(command, "--format"): "--figure-format" for command in ("plot", "compare", "reproduce")},
+}
 
 
 class GroupedCommand(TyperCommand):

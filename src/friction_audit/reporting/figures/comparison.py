@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Look(NamedTuple):
+class Style(NamedTuple):
     """Colour and dashes of a method."""
 
     colour: str
@@ -46,13 +46,13 @@ class Look(NamedTuple):
 
 
 LOOKS = {
-    "none": Look(MUTED, (0, (1, 1))),
-    "sigmoid": Look(DISSIPATED, DASHED),
-    "lugre": Look(REJECTED, (0, (4, 1.2, 1, 1.2))),
-    "disturbance_observer": Look("#56b4e9", (0, (6, 1))),
-    "torque_regulation": Look(GREEN, "-."),
-    "energy": Look(FITTED, "-"),
-    "oracle": Look(FILTERED, (0, (1, 0.6))),
+    "none": Style(MUTED, (0, (1, 1))),
+    "sigmoid": Style(DISSIPATED, DASHED),
+    "lugre": Style(REJECTED, (0, (4, 1.2, 1, 1.2))),
+    "disturbance_observer": Style("#56b4e9", (0, (6, 1))),
+    "torque_regulation": Style(GREEN, "-."),
+    "energy": Style(FITTED, "-"),
+    "oracle": Style(FILTERED, (0, (1, 0.6))),
 }
 LOST: dict[str, Any] = {"color": BORDER, "marker": "x", "ls": ""}  # where a loop was lost
 
@@ -161,7 +161,7 @@ def _draw_sweeps(axes: "Axes", sweeps: Sequence[Curve]) -> None:
         axes.set_xscale("log")
     for number, sweep in enumerate(sweeps):
         held = [point for point in sweep.points if point.stable]
-        look: Look = {
+        look: dict[str, Any] = {
             "marker": MARKERS[number % len(MARKERS)],
             "alpha": SHADES[number % len(SHADES)],
             "label": sweep.name,

@@ -14,13 +14,12 @@ from friction_audit.reporting.drift_words import (
     coefficient_name,
     drift_verdict,
     format_change,
-    format_date,
     total_text,
 )
 from friction_audit.reporting.figures import panels
 from friction_audit.reporting.figures.panels import add_legend, is_narrow, label_panel, pairs, write_message
 from friction_audit.reporting.figures.style import GREEN, MUTED, Look, figure_style
-from friction_audit.reporting.words import NOTHING, joint_label
+from friction_audit.reporting.words import NOTHING, format_date, joint_label
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
