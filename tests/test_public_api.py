@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from friction_audit.reporting.tables import ESTIMATE_TABLES, REPLAY_TABLES, REPORT_TABLES
 
 import friction_audit
 from friction_audit import api as options
