@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from friction_audit.reporting.figures.batch import BATCH_FIGURES
 from friction_audit.reporting.figures.batch_drift import draw_drift
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
+from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
 from friction_audit.reporting.html.log_figures import LOG_FIGURES, draw_figures, part_of
@@ -39,7 +39,7 @@ def without_parts() -> LogReport:
     return replace(report(), diagnosis=None, replay=None, unanswered=missing)
 
 
-@pytest.mark.parametrize(("case", "figures"), [("plain", len(LOG_FIGURES)), ("batch", len(BATCH_FIGURES))])
+@pytest.mark.parametrize(("case", "figures"), [("plain", len(LOG_FIGURES)), ("batch", len(figures_of("drift")))])
 def test_a_page_is_whole_small_and_loads_nothing(case: str, figures: int) -> None:
     html = page(case)
     assert len(html.encode()) < MOST_BYTES
@@ -179,7 +179,7 @@ def test_figures_that_find_no_room_are_named(monkeypatch: pytest.MonkeyPatch) ->
     steady = replace(batch_by_hand.arm(4, 1, robot="steady"), drift=False)
     drifting = replace(batch_by_hand.arm(4, 2, robot="moving"), drift=True)
     html = write_page(batch_by_hand.batch(steady, drifting), blank_figures(2, letters=20_000))
-    assert html.count('<figure class="drawing"') == len(BATCH_FIGURES)
+    assert html.count('<figure class="drawing"') == len(figures_of("drift"))
     assert "those of steady are in files next to it" in html
 
 
