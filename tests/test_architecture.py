@@ -1,7 +1,9 @@
 """The rules that hold for the whole tree: import contracts, style, types, and what the README promises."""
 
+import ast
 import subprocess
 import sys
+import tokenize
 import tomllib
 from pathlib import Path
 
@@ -54,3 +56,47 @@ def test_the_package_declares_what_it_imports() -> None:
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
     assert project["requires-python"] == ">=3.11"
     assert "Apache-2.0" in project["license"]
+
+
+# Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
+SIZE = {
+    "lines": 0,
+    "files": 0,
+    "code lines of the longest function": 0,
+    "per cent of functions of at most 3 code lines": 0,
+    "lines of tests": 0,
+}
+BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
+
+
+def code_lines(path: Path) -> set[int]:
+    """Return the lines that hold code: no blanks and comments."""
+    with path.open("rb") as stream:
+        tokens = [token for token in tokenize.tokenize(stream.readline) if token.type not in BLANK]
+    return {line for token in tokens[1:] for line in range(token.start[0], token.end[0] + 1)}
+
+
+def function_lengths(path: Path) -> list[int]:
+    """Return the code lines of each function of a module, its docstring not counted."""
+    held, lengths = code_lines(path), []
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            first = node.body[0]
+            documented = ast.get_docstring(node) is not None
+            words = set(range(first.lineno, (first.end_lineno or 0) + 1)) if documented else set()
+            lengths.append(len(held.intersection(range(node.lineno, (node.end_lineno or 0) + 1)) - words))
+    return lengths
+
+
+def test_the_house_does_not_grow() -> None:
+    source, tests = (sorted((ROOT / folder).rglob("*.py")) for folder in ("src", "tests"))
+    lengths = [length for path in source for length in function_lengths(path)]
+    found = {
+        "lines": sum(len(path.read_text().splitlines()) for path in source),
+        "files": len(source),
+        "code lines of the longest function": max(lengths),
+        "per cent of functions of at most 3 code lines": 100 * sum(length <= 3 for length in lengths) // len(lengths),
+        "lines of tests": sum(len(path.read_text().splitlines()) for path in tests),
+    }
+    grown = {name: (size, SIZE[name]) for name, size in found.items() if size > SIZE[name]}
+    assert not grown, grown

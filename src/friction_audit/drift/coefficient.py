@@ -29,7 +29,7 @@ from friction_audit.drift.regression import (
 from friction_audit.drift.report import ChangePoint, CoefficientDrift
 from friction_audit.drift.session import NORMAL_95, Series, Session
 from friction_audit.drift.settings import DriftSettings
-from friction_audit.drift.words import Circumstances, describe, describe_too_few
+from friction_audit.drift.words import describe, describe_too_few
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
 
@@ -78,7 +78,7 @@ def too_few(series: Series, sessions: Sequence[Session]) -> CoefficientDrift:
         reasons=tuple(joint.reason for joint in own if joint.reason),
         message="",
     )
-    return replace(drift, message=describe_too_few(drift, drift.reasons))
+    return replace(drift, message=describe_too_few(drift))
 
 
 def describe_series(
@@ -133,8 +133,7 @@ def describe_series(
         speed_ratio=_speed_ratio(warm, found.model) if verdict.p_value <= settings.alpha else float("nan"),
         message="",
     )
-    given = Circumstances(warmer_k=drift.warmer_k, by_temperature=drift.by_temperature, speed_ratio=drift.speed_ratio)
-    return replace(drift, message=describe(drift, sessions, given))
+    return replace(drift, message=describe(drift, sessions))
 
 
 def _change(series: Series, model: Model, fit: Fit, reference: Collection[int], inflation: float) -> Coefficient:

@@ -1,9 +1,8 @@
-"""The sentences of drift, for tired people."""
+"""The sentences of drift."""
 
 import re
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from math import isfinite
 from pathlib import PurePath
@@ -19,61 +18,36 @@ from friction_audit.joint_numbers import write_joint_numbers
 NAMES = {"coulomb_nm": "Coulomb friction", "viscous_nms_per_rad": "viscous friction"}
 UNITS = {"coulomb_nm": "N m", "viscous_nms_per_rad": "N m s/rad"}
 
-LARGEST_PERCENT = 10.0
-"""A smallest drift above ten times the level is no comfort: it is said to be beyond any."""
+LARGEST_DETECTABLE = 10.0  # times the level; a larger detectable change is no information
+TWO_DIGITS = 99.5  # larger numbers of per cent are written with all their digits
+MOST_NAMES = 3  # sessions that a sentence names
 
 
-TWO_DIGITS = 99.5
-"""Larger numbers of per cent are written with all their digits."""
-
-MOST_NAMES = 3
-"""So many sessions are named in a sentence."""
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Circumstances:
-    """What a sentence says beside the drift itself.
-
-    Attributes:
-        warmer_k: Rise of the temperature from the reference to the last sessions, NaN where it is not known. [K]
-        by_temperature: Whether there is a change that the temperature explains.
-        speed_ratio: Speed of motion in the last sessions over the reference's, where it changed with the drift, or NaN.
-    """
-
-    warmer_k: float = float("nan")
-    by_temperature: bool = False
-    speed_ratio: float = float("nan")
-
-
-def describe(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> str:
+def describe(drift: CoefficientDrift, sessions: Sequence[Session]) -> str:
     """Return one sentence on a coefficient, without a full stop."""
-    return "; ".join([_main(drift, sessions, beside), *_beside(drift, sessions, beside)])
-
-
-def _beside(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> list[str]:
-    parts = []
-    if isfinite(beside.speed_ratio):
-        parts.append(f"the speed of motion changed with it ({beside.speed_ratio:.2g} times), compare at like speed")
+    parts = [_main(drift, sessions)]
+    if isfinite(drift.speed_ratio):
+        parts.append(f"the speed of motion changed with it ({drift.speed_ratio:.2g} times), compare at like speed")
     if drift.within.low > 0 or drift.within.high < 0:
         parts.append(
             f"within a session it {_verb(drift.within, 'rises', 'falls')} by {_sized(drift.within)}, which is no drift"
         )
-    return parts + _odd_ones(drift, sessions)
+    return "; ".join(parts + _isolated(drift, sessions))
 
 
-def _main(drift: CoefficientDrift, sessions: Sequence[Session], beside: Circumstances) -> str:
+def _main(drift: CoefficientDrift, sessions: Sequence[Session]) -> str:
     name, unit = NAMES[drift.coefficient], UNITS[drift.coefficient]
     total = how_much(drift.total, drift.change, unit)
     went = _verb(drift.change, "rose", "fell")
     if drift.shape == "temperature":
         return (
-            f"{name} {went} by {total} while it became {abs(beside.warmer_k):.1f} K "
-            f"{'warmer' if beside.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
+            f"{name} {went} by {total} while it became {abs(drift.warmer_k):.1f} K "
+            f"{'warmer' if drift.warmer_k >= 0 else 'colder'}: drift and temperature cannot be separated; "
             "sessions at like temperature would separate them"
         )
     if drift.shape == "none":
-        like = " at like temperature" if beside.by_temperature else ""
-        return f"no drift of {name}{like}: {_seen(drift)}"
+        like = " at like temperature" if drift.by_temperature else ""
+        return f"no drift of {name}{like}: {_detectable(drift)}"
     if drift.change_points and drift.shape != "step_or_ramp":
         steps = ", ".join(step_words(point, unit, sessions) for point in drift.change_points)
         return f"{name} {f'changed in {len(drift.change_points)} steps: ' * (drift.shape == 'steps')}{steps}"
@@ -129,8 +103,8 @@ def percent(share: float) -> str:
     return f"{100 * share:.2g}" if abs(100 * share) < TWO_DIGITS else f"{100 * share:.0f}"
 
 
-def _seen(drift: CoefficientDrift) -> str:
-    if isfinite(drift.smallest_drift) and drift.smallest_drift <= LARGEST_PERCENT:
+def _detectable(drift: CoefficientDrift) -> str:
+    if isfinite(drift.smallest_drift) and drift.smallest_drift <= LARGEST_DETECTABLE:
         return f"a change of {percent(drift.smallest_drift)} % is detectable"
     if isfinite(drift.smallest_drift) or not isfinite(drift.smallest_change):
         return "but the sessions are too few or too scattered to show any"
@@ -146,8 +120,8 @@ def _verb(change: Coefficient, rising: str, falling: str) -> str:
     return rising if change.value >= 0 else falling
 
 
-def _odd_ones(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
-    """Name the isolated sessions and how far each is off; of the last one what will tell more."""
+def _isolated(drift: CoefficientDrift, sessions: Sequence[Session]) -> list[str]:
+    """Name the isolated sessions and how far each is off."""
     parts = [
         f"session {index + 1} ({_name(sessions[index])}) does not fit: {_off(drift, index)}; left out of the change"
         for index in drift.isolated[:MOST_NAMES]
@@ -177,14 +151,9 @@ def _off(drift: CoefficientDrift, index: int) -> str:
     return f"{size} {'above' if off >= 0 else 'below'} the sessions around it"
 
 
-def describe_too_few(drift: CoefficientDrift, reasons: Sequence[str]) -> str:
-    """Return one sentence on a coefficient with too few estimates.
-
-    Args:
-        drift: The coefficient.
-        reasons: Why sessions have no estimate; what most of them share is told.
-    """
-    clauses = Counter(re.split("[:;]", reason)[0] for reason in reasons)
+def describe_too_few(drift: CoefficientDrift) -> str:
+    """Return one sentence on a coefficient with too few estimates, with the reason that most sessions share."""
+    clauses = Counter(re.split("[:;]", reason)[0] for reason in drift.reasons)
     most = [f"{why} ({count} session{'' if count == 1 else 's'})" for why, count in clauses.most_common(1)]
     return "; ".join([f"{NAMES[drift.coefficient]}: {too_few_words(len(drift.sessions) - len(drift.isolated))}", *most])
 
@@ -197,13 +166,13 @@ def too_few_words(count: int) -> str:
 
 def describe_joint(joint: int, coefficients: Sequence[CoefficientDrift]) -> str:
     """Return one sentence on a joint."""
-    told = [drift.message for drift in coefficients if drift.drift or drift.shape == "temperature"]
-    if told:
-        rest = "; nothing else changed" if len(told) < len(coefficients) else ""
-        return f"joint {joint}: {'; '.join(told)}{rest}"
-    said = {drift.message.removeprefix(f"{NAMES[drift.coefficient]}: ") for drift in coefficients}
-    if len(said) == 1 and all(drift.shape == "too_few" for drift in coefficients):
-        return f"joint {joint}: {said.pop()}"
+    changed = [drift.message for drift in coefficients if drift.drift or drift.shape == "temperature"]
+    if changed:
+        rest = "; nothing else changed" if len(changed) < len(coefficients) else ""
+        return f"joint {joint}: {'; '.join(changed)}{rest}"
+    messages = {drift.message.removeprefix(f"{NAMES[drift.coefficient]}: ") for drift in coefficients}
+    if len(messages) == 1 and all(drift.shape == "too_few" for drift in coefficients):
+        return f"joint {joint}: {messages.pop()}"
     return f"joint {joint}: {'; '.join(drift.message for drift in coefficients)}"
 
 
@@ -219,15 +188,14 @@ def describe_arm(robot: str, compared: int, joints: Sequence[JointDrift]) -> str
     together = [joint for joint in joints for drift in joint.coefficients if drift.shape == "temperature"]
     if together:
         return f"{robot}: {together[0].message}"
-    return f"{robot}: no drift in {compared} sessions{_arm_seen(joints)}"
+    return f"{robot}: no drift in {compared} sessions{_detectable_on(joints)}"
 
 
-def _arm_seen(joints: Sequence[JointDrift]) -> str:
-    """Tell the smallest drift of the joint that shows it least well."""
+def _detectable_on(joints: Sequence[JointDrift]) -> str:
     parts = []
     for name, word in NAMES.items():
         sizes = [d.smallest_drift for joint in joints for d in joint.coefficients if d.coefficient == name]
-        known = [size for size in sizes if isfinite(size) and size <= LARGEST_PERCENT]
+        known = [size for size in sizes if isfinite(size) and size <= LARGEST_DETECTABLE]
         if known:
             ends = dict.fromkeys(percent(size) for size in (min(known), max(known)))
             parts.append(f"{' to '.join(ends)} % of {word}")
