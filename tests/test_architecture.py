@@ -60,11 +60,11 @@ def test_the_package_declares_what_it_imports() -> None:
 
 # Of src/ and tests/. A number goes up only with its reason in the same commit; it goes down with what is saved.
 SIZE = {
-    "lines": 0,
-    "files": 0,
-    "code lines of the longest function": 0,
-    "per cent of functions of at most 3 code lines": 0,
-    "lines of tests": 0,
+    "lines": 57_069,
+    "files": 395,
+    "code lines of the longest function": 60,
+    "per cent of functions of at most 3 code lines": 31,
+    "lines of tests": 38_071,
 }
 BLANK = {tokenize.COMMENT, tokenize.NL, tokenize.NEWLINE, tokenize.INDENT, tokenize.DEDENT, tokenize.ENDMARKER}
 
