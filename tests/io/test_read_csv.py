@@ -288,7 +288,7 @@ def test_a_last_line_is_kept_where_its_end_is_not_read(tmp_path: Path) -> None:
 
 
 def test_files_of_many_blocks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("friction_audit.io.readers.csv._BLOCK_BYTES", 1000)
+    monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 1000)
     path = write_tidy_csv(tmp_path / "run.csv")
     np.testing.assert_array_equal(read_log(path).tau_J, motion(300)["tau_J"])
     lines = path.read_text().splitlines()

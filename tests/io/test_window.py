@@ -18,7 +18,7 @@ WINDOWS = [(0.5, 1.5), (None, 1.0), (1.0, None), (-3.0, 1.0)]
 def test_a_part_is_the_part_of_the_whole(path: Path, is_large: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     if is_large:  # so that readers leave out what lies outside the part
         monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
-        monkeypatch.setattr("friction_audit.io.readers.csv._BLOCK_BYTES", 20_000)
+        monkeypatch.setattr("friction_audit.io.readers.csv_lines._BLOCK_BYTES", 20_000)
     whole = read_log(path)
     for start_s, stop_s in WINDOWS:
         part, expected = (

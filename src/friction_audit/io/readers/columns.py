@@ -2,37 +2,30 @@
 
 import difflib
 import re
-from collections import defaultdict
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import ALIASES, ForeignName, parse_name
 from friction_audit.io.readers.joint_names import UNNAMED_ARM, arms_in, choose_arm, robot_of, several_arms
-from friction_audit.io.readers.time_column import UNITS, TimeColumn, find_time
+from friction_audit.io.readers.stated_columns import (
+    Group,
+    JointKey,
+    refuse_absent,
+    shorten,
+    stated_group,
+    stated_time,
+)
+from friction_audit.io.readers.time_column import TimeColumn, find_time
 from friction_audit.joint_log import JOINT_CHANNELS, TORQUE_CHANNELS, Finding
 
 MOST_JOINTS = 1000  # no robot has as many; with more, a table is transposed or a column is not what its name says
 _REQUIRED = ("q", "dq")
-_SHOWN_GROUPS, _SHOWN_JOINTS = 14, 60
+_SHOWN_JOINTS = 60
 _COMPARED = 1000  # columns among which near misses are looked for: each comparison takes a fraction of a millisecond
 _JOINT_COLUMNS = ("joint", "joint_name", "joint_id", "joint_index", "name")
 _MELTED = (("signal", "variable", "channel", "quantity", "field", "metric", "measurement"), ("value", "values", "val"))
 _AMBIGUOUS = ("torque", "tau", "effort")
-_POSITION = re.compile(r"#(\d+)(?:-#?(\d+))?")
-
-JointKey = int | str  # a joint's number (0-based), or its name where it has no number
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class Group:
-    """The columns of one channel."""
-
-    template: str  # name with {i} or {joint} for the joint
-    cells: Mapping[JointKey, int]  # joint -> position of the column
-    names: Mapping[JointKey, str] = field(default_factory=dict)  # joint -> the joint's name, where the columns have it
-    degrees: bool = False  # true if the name says degrees
-    in_order: bool = False  # true if the user gave the columns one by one, in the order of the joints
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -75,10 +68,10 @@ def map_columns(
         SeveralArmsError: If the names are of several arms and the user named none.
     """
     bare = [name.strip() for name in names]
-    _refuse_absent(mapping, bare, path)
+    refuse_absent(mapping, bare, path)
     labels = labels or {}
     outside = _outside_the_arm(bare, labels, arm, path)
-    stated = {c: _stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
+    stated = {c: stated_group(mapping[c], bare, labels, outside) for c in JOINT_CHANNELS if c in mapping}
     taken = {bare[cell] for group in stated.values() for cell in group.cells.values()}
     parsed = {cell: parse_name(name) for cell, name in enumerate(bare) if cell not in outside and name not in taken}
     groups = {**_guessed_groups(parsed, labels, stated, path), **stated}
@@ -86,7 +79,7 @@ def map_columns(
     if most > MOST_JOINTS:
         raise InputError(f"{path}: columns for {most} joints; expected at most {MOST_JOINTS}: is the table transposed?")
     # A column that stands still is second choice; where there is no better one, the checks report a stopped clock.
-    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
+    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare, constant) or find_time(bare)
     if time is None or not groups.keys() >= {*_REQUIRED} or not groups.keys() & {*TORQUE_CHANNELS}:
         _refuse_melted(bare, path)
         raise InputError(_missing_message(bare, groups, found_time=time is not None, path=path))
@@ -102,8 +95,8 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
     joint = next((cell for cell, name in enumerate(bare) if name.lower() in _JOINT_COLUMNS), None)
     if joint is None or any(_is_several(value, bare) for channel, value in mapping.items() if channel != "t"):
         return None
-    _refuse_absent(mapping, bare, path)
-    stated = {channel: _stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
+    refuse_absent(mapping, bare, path)
+    stated = {channel: stated_group(value, bare) for channel, value in mapping.items() if channel != "t"}
     cells = {channel: group.cells[0] for channel, group in stated.items()}
     parsed = [(cell, name) for cell, text in enumerate(bare) if (name := parse_name(text))]
     free = [(c, name) for c, name in parsed if c not in cells.values() and name.index is None and name.joint is None]
@@ -113,7 +106,7 @@ def map_long_columns(names: Sequence[str], *, path: str, mapping: Mapping[str, s
     degrees -= {channel for channel, group in stated.items() if group.template.endswith(":rad")}
     if not {*_REQUIRED} <= best.keys():
         return None
-    time = _stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
+    time = stated_time(mapping["t"], bare) if "t" in mapping else find_time(bare)
     if time is None or not set(TORQUE_CHANNELS) & best.keys():
         raise InputError(
             f"{path}: a table with a column {bare[joint]!r} needs columns for time, q, dq and a torque "
@@ -172,28 +165,6 @@ def _refuse_melted(names: Sequence[str], path: str) -> None:
     )
 
 
-def _refuse_absent(mapping: Mapping[str, str], names: Sequence[str], path: str) -> None:
-    absent = []
-    for channel, value in mapping.items():
-        try:
-            _stated_time(value, names) if channel == "t" else _stated_group(value, names)
-        except KeyError as error:
-            near = difflib.get_close_matches(str(error.args[0]), names, n=3, cutoff=0.5)
-            absent.append(f"--map {channel}={value}" + (f" (did you mean {' or '.join(near)}?)" if near else ""))
-    if absent:
-        raise InputError(f"{path}: no column for {' and no column for '.join(absent)}; found {_shorten(names)}")
-
-
-def _shorten(names: Sequence[str]) -> str:
-    """Return a list of column names with numbered runs drawn together: ``time, q_1...q_7``."""
-    runs: dict[str, list[str]] = defaultdict(list)
-    for name in names:
-        runs[re.sub(r"\d+(?!.*\d)", "#", name)].append(name)
-    shown = [run[0] if len(run) == 1 else f"{run[0]}...{run[-1]}" for run in runs.values()]
-    more = len(shown) - _SHOWN_GROUPS
-    return ", ".join(shown[:_SHOWN_GROUPS]) + (f" and {more} more" if more > 0 else "")
-
-
 def _guessed_groups(
     names: Mapping[int, ForeignName | None], labels: Mapping[int, str], stated: Collection[str], path: str
 ) -> dict[str, Group]:
@@ -235,69 +206,13 @@ def _group(template: str, cells: Mapping[int, ForeignName], labels: Mapping[int,
     return Group(template=template, cells=kept, names=names, degrees=next(iter(cells.values())).degrees)
 
 
-def _stated_group(
-    value: str, names: Sequence[str], labels: Mapping[int, str] | None = None, outside: Collection[int] = ()
-) -> Group:
-    """Read one --map entry: a template with {i}, names with commas, one name, or the name of a list column.
-
-    ``:deg`` or ``:rad`` after it says the unit. KeyError if there is no such column.
-    """
-    bare, _, unit = value.rpartition(":")
-    if unit in ("deg", "rad") and value not in names:
-        group = _stated_group(bare, names, labels, outside)
-        return replace(group, template=value, degrees=unit == "deg")
-    template = value.strip() if "{i}" in value else value + "[{i}]"
-    pattern = re.compile(re.escape(template).replace(re.escape("{i}"), r"(\d+)"))
-    places = reversed(list(enumerate(names)))  # of repeated names the first counts
-    numbered = {int(match[1]): cell for cell, name in places if (match := pattern.fullmatch(name))}
-    if numbered:
-        kept = {number: numbered[number] for number in sorted(numbered) if numbered[number] not in outside}
-        base = 0 if 0 in kept else 1
-        cells: dict[JointKey, int] = {number - base: cell for number, cell in kept.items()}
-        parsed = {key: parse_name(names[cell]) for key, cell in cells.items()}
-        joints = {key: (name.joint if name else None) or (labels or {}).get(cells[key]) for key, name in parsed.items()}
-        return Group(template=value, cells=cells, names={key: name for key, name in joints.items() if name})
-    if "{i}" in value:
-        raise KeyError(value)
-    listed = [cell for part in value.split(",") for cell in _stated_cells(part.strip(), names)]
-    return Group(template=value, cells=dict(enumerate(listed)), in_order=True)
-
-
-def _stated_cells(part: str, names: Sequence[str]) -> list[int]:
-    match = _POSITION.fullmatch(part)
-    if match is None or match[2] is None:
-        return [_column_position(part, names)]
-    return [_column_position(f"#{number}", names) for number in range(int(match[1]), int(match[2]) + 1)]
-
-
-def _column_position(name: str, names: Sequence[str]) -> int:
-    """Return the position of a column given by name or as ``#3`` (counted from 1); KeyError if there is none."""
-    if name in names:
-        return list(names).index(name)
-    match = _POSITION.fullmatch(name)
-    if match is not None and 1 <= int(match[1]) <= len(names):
-        return int(match[1]) - 1
-    raise KeyError(name)
-
-
-def _stated_time(value: str, names: Sequence[str]) -> TimeColumn:
-    """Return the clock that a --map entry names, if need be with its unit: ``clock:ms``."""
-    name, _, unit = value.rpartition(":")
-    if unit not in UNITS or not name:
-        name, unit = value, ""
-    cell = _column_position(name.strip(), names)
-    known = find_time([names[cell]])
-    clock = known.clock if known else "column"
-    return TimeColumn(cells=(cell,), name=name, unit=unit or (known.unit if known else None), clock=clock)
-
-
 def _missing_message(names: Sequence[str], groups: Mapping[str, Group], *, found_time: bool, path: str) -> str:
     wanted = [] if found_time else ["t"]
     wanted += [channel for channel in _REQUIRED if channel not in groups]
     torques = [] if groups.keys() & {*TORQUE_CHANNELS} else list(TORQUE_CHANNELS)
     listed = wanted + ([f"a torque ({', '.join(TORQUE_CHANNELS)})"] if torques else [])
     near = [hint for channel in (*wanted, *torques) for hint in _near_misses(channel, names)]
-    parts = [f"{path}: no column for {' and '.join(listed)}; found {_shorten(names) or 'none'}"]
+    parts = [f"{path}: no column for {' and '.join(listed)}; found {shorten(names) or 'none'}"]
     if near:
         parts.append(f"close to it: {', '.join(dict.fromkeys(near))}")
     examples = [f"--map {c}=<column{'' if c == 't' else ' with {i} for the joint'}>" for c in wanted]
@@ -341,7 +256,7 @@ def _align(groups: Mapping[str, Group], time: TimeColumn, names: Sequence[str], 
     if short or not any(c in channels for c in TORQUE_CHANNELS):
         raise InputError(
             f"{path}: the columns do not cover the same joints: expected {_joints_text(reference.cells)} as in "
-            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {_shorten(names)}; "
+            f"{reference.template}, but {', '.join(short) or 'the torques do not'}; found {shorten(names)}; "
             "name the columns with --map"
         )
     joint_names = tuple(joints.get(key, key if isinstance(key, str) else f"joint{key + 1}") for key in keys)

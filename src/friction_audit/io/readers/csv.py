@@ -14,6 +14,7 @@ from friction_audit.errors import InputError
 from friction_audit.io.readers.channel_names import is_label, labels_of
 from friction_audit.io.readers.columns import ColumnMap
 from friction_audit.io.readers.csv_dialect import Dialect, is_number, looks_like_csv, sniff_csv, split_line
+from friction_audit.io.readers.csv_lines import blocks_of_lines, check_widths, count_lines, fits, without_cut_line
 from friction_audit.io.readers.reader import Reader, ReadOptions, Topic, refuse_too_large
 from friction_audit.io.readers.table import Part, Table, read_table
 from friction_audit.io.readers.time_column import UNITS, Clock, TimeColumn, to_clock
@@ -23,10 +24,8 @@ from friction_audit.joint_log import Finding, find_window
 if TYPE_CHECKING:
     import pandas as pd
 
-_BLOCK_BYTES = 8 << 20
 _SHOWN_TEXT, _SHOWN_CELLS = 40, 3
 _MOST_BAD = 0.01  # of the lines with a cell that is no number; beyond, a column is not what its name says
-_LOOK = 20
 _LONG_INTEGER = 16  # digits from which a stamp no longer fits a float exactly
 _EXCEPTION_LOG_ROWS, _EXCEPTION_LOG_S = 60, 0.1
 _NA = ("-nan(ind)", "nan(ind)")
@@ -68,26 +67,34 @@ class CsvTable(Table):
     def read(self, columns: ColumnMap, options: ReadOptions) -> Part:
         """Read the columns; of a large table the part asked for alone."""
         dialect, cells = self._dialect, [cell for own in columns.channels.values() for cell in own]
-        texts = dict(self._labels) if columns.joint is None else {columns.joint: ""}
         self._time, self._options, self._kind = columns.time, options, _time_kind(dialect, columns.time)
         self._unit = "ns" if len(columns.time.cells) > 1 or self._kind is str else columns.time.unit
-        stamps = dict.fromkeys(columns.time.cells, self._kind)
-        self._kinds: dict[int, Any] = dict.fromkeys(texts, str) | dict.fromkeys(cells, np.float64) | stamps
+        self._stamp_kinds: dict[int, Any] = dict.fromkeys(columns.time.cells, self._kind)
+        texts = [*self._labels] if columns.joint is None else [columns.joint]
+        self._kinds = dict.fromkeys(texts, str) | dict.fromkeys(cells, np.float64) | self._stamp_kinds
         lengths = [sum(map(len, row)) + len(row) for row in dialect.rows]
-        rows = dialect.size / (sum(lengths) / len(lengths))
-        is_part = options.reads_part(8 * rows * len(self._kinds))
-        capacity = 0 if is_part else _count_lines(self.path, dialect)
+        self._is_part = options.reads_part(8 * dialect.size / (sum(lengths) / len(lengths)) * len(self._kinds))
+        capacity = 0 if self._is_part else count_lines(self.path, dialect)
         refuse_too_large(self.path, 8 * capacity * (len(cells) + 1), dialect.size)
+        time, channels, joints = self._gather(columns, capacity)
+        clock, first_s = self._clock(time)
+        joint = None if columns.joint is None else np.concatenate(joints)
+        return Part(clock=clock, channels=channels, joint=joint, first_s=first_s)
+
+    def _gather(
+        self, columns: ColumnMap, capacity: int
+    ) -> tuple[NDArray[Any], dict[str, NDArray[np.float64]], list[NDArray[Any]]]:
+        """Return stamps and channels, and of a long table the joints, block by block."""
         time: NDArray[Any] = np.empty(capacity, dtype=np.int64 if self._kind is str else self._kind)
         channels = {c: np.empty((capacity, len(own)), order="F") for c, own in columns.channels.items()}
         joints: list[NDArray[Any]] = []
         count = 0
-        for line, block, stamps_of_block in self._blocks(stamps, is_part=is_part, in_order=columns.joint is None):
+        for line, block, stamps in self._blocks(in_order=columns.joint is None):
             stop = count + len(block)
             if stop > len(time):  # the length of a part is not known in advance
                 time = np.resize(time, 2 * stop)
                 channels = {c: _longer(array, 2 * stop) for c, array in channels.items()}
-            time[count:stop] = stamps_of_block
+            time[count:stop] = stamps
             for channel, own in columns.channels.items():
                 for joint, cell in enumerate(own):
                     channels[channel][count:stop, joint] = block[cell].to_numpy()
@@ -96,10 +103,7 @@ class CsvTable(Table):
             else:
                 joints.append(block[columns.joint].to_numpy(dtype=object))
             count = stop
-        clock, first_s = self._clock(time[:count], is_part=is_part)
-        joint_column = None if columns.joint is None else np.concatenate(joints)
-        channels = {c: array[:count] for c, array in channels.items()}
-        return Part(clock=clock, channels=channels, joint=joint_column, first_s=first_s)
+        return time[:count], {c: array[:count] for c, array in channels.items()}, joints
 
     def findings(self) -> tuple[Finding, ...]:
         """Return what is damaged."""
@@ -109,18 +113,16 @@ class CsvTable(Table):
         message = f"{self._bad_lines} lines hold what is no number ({'; '.join(self._bad)}); these are missing values"
         return (*found, Finding(code="no_numbers", message=message, amount=float(self._bad_lines), damaged=True))
 
-    def _blocks(
-        self, stamp_kinds: Mapping[int, Any], *, is_part: bool, in_order: bool
-    ) -> Iterator[tuple[int, "pd.DataFrame", NDArray[Any]]]:
+    def _blocks(self, *, in_order: bool) -> Iterator[tuple[int, "pd.DataFrame", NDArray[Any]]]:
         """Yield the number of a block's first line, the block as a frame, and its stamps."""
-        for line, block, is_last in _blocks_of_lines(self.path, self._dialect):
+        for line, block, is_last in blocks_of_lines(self.path, self._dialect):
             kept = block
             if is_last:
-                kept, self._cut = _without_cut_line(self._dialect, block, line, self._kinds)
-            _check_widths(self.path, self._dialect, kept, line)
+                kept, self._cut = without_cut_line(self._dialect, block, line, self._kinds)
+            check_widths(self.path, self._dialect, kept, line)
             if not kept.strip():
                 continue
-            rows = self._rows_in_part(kept, line, stamp_kinds) if is_part else None
+            rows = self._rows_in_part(kept, line) if self._is_part else None
             if rows is not None and in_order and self._block_lowest > self._stop:
                 return
             if rows is None or rows.any():
@@ -128,8 +130,8 @@ class CsvTable(Table):
                 frame = frame if rows is None or len(rows) != len(frame) else frame[rows]
                 yield line, *self._with_stamps(frame)
 
-    def _rows_in_part(self, block: bytes, line: int, stamp_kinds: Mapping[int, Any]) -> NDArray[np.bool_]:
-        _, stamps = self._with_stamps(self._frame(block, line, stamp_kinds))
+    def _rows_in_part(self, block: bytes, line: int) -> NDArray[np.bool_]:
+        _, stamps = self._with_stamps(self._frame(block, line, self._stamp_kinds))
         if self._origin is None:
             self._unit = to_clock(stamps.copy(), self._unit, path=str(self.path)).unit
             self._origin = stamps[np.isfinite(stamps).argmax()]
@@ -140,9 +142,9 @@ class CsvTable(Table):
         rows: NDArray[np.bool_] = (stamps >= start) & (stamps < self._stop)
         return rows
 
-    def _clock(self, stamps: NDArray[Any], *, is_part: bool) -> tuple[Clock, float | None]:
+    def _clock(self, stamps: NDArray[Any]) -> tuple[Clock, float | None]:
         """Return the clock of the rows that were read, and the log's first stamp on it where they are a part."""
-        if not is_part:
+        if not self._is_part:
             return to_clock(stamps, self._unit, path=str(self.path)), None
         assert self._origin is not None
         unit = UNITS[self._unit or "s"]
@@ -215,7 +217,7 @@ def _mend(dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]) -
     lines, bad = [], []
     for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
         fields = list(split_line(raw.strip("\r"), dialect.separator)) if raw.strip() else []
-        wrong = [c for c in kinds if c < len(fields) and not _fits(fields[c], kinds[c], dialect.decimal)]
+        wrong = [c for c in kinds if c < len(fields) and not fits(fields[c], kinds[c], dialect.decimal)]
         if wrong:
             name, text = dialect.names[wrong[0]].strip(), fields[wrong[0]].strip()[:_SHOWN_TEXT]
             bad.append(f"line {number}, column {name}: {text!r} is not a number")
@@ -227,13 +229,6 @@ def _mend(dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]) -
             csv.writer(stream, delimiter=dialect.separator, lineterminator="").writerow(fields)
         lines.append(stream.getvalue() if wrong else raw)
     return "\n".join(lines).encode(), bad
-
-
-def _fits(field: str, kind: Any, decimal: str) -> bool:  # noqa: ANN401
-    """Return True if a field is what its column holds; a stamp that is kept as an integer cannot be missing."""
-    if kind is np.int64:
-        return field.strip().lstrip("+-").isdigit()
-    return kind is str or is_number(field, decimal)
 
 
 def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.DataFrame":
@@ -257,85 +252,6 @@ def _frame(dialect: Dialect, block: bytes, kinds: Mapping[int, Any]) -> "pd.Data
         **exact,
     )
     return frame
-
-
-def _blocks_of_lines(path: Path, dialect: Dialect) -> Iterator[tuple[int, bytes, bool]]:
-    """Yield (number of the first line, whole lines, is it the end of the file)."""
-    line, rest = dialect.line, b""
-    chunks = _chunks(path, dialect)
-    chunk = next(chunks, b"")
-    while chunk:
-        following = next(chunks, b"")
-        block, newline, tail = (rest + chunk).rpartition(b"\n") if following else (rest + chunk, b"", b"")
-        yield line, block + newline, not following
-        line, rest, chunk = line + block.count(b"\n") + len(newline), tail, following
-
-
-def _chunks(path: Path, dialect: Dialect) -> Iterator[bytes]:
-    """Yield the bytes of the values, up to the size that the file had when it was first looked at."""
-    with path.open("rb") as stream:
-        stream.seek(dialect.offset)
-        while chunk := stream.read(min(_BLOCK_BYTES, dialect.size - stream.tell())):
-            yield chunk
-
-
-def _without_cut_line(
-    dialect: Dialect, block: bytes, line: int, kinds: Mapping[int, Any]
-) -> tuple[bytes, Finding | None]:
-    """Leave out a last line that a killed logger did not finish; NUL bytes are what a power cut leaves.
-
-    A last line without a line feed may lack digits even where its fields are complete.
-    """
-    text = block.rstrip(b"\0")
-    body = text.rstrip(b"\r\n")
-    before, newline, last = body.rpartition(b"\n")
-    fields = split_line(last.decode(errors="replace"), dialect.separator)
-    is_short, found = True, f"{len(fields)} of {dialect.width} fields"
-    if len(fields) == dialect.width:
-        wrong = next((fields[c] for c in kinds if not _fits(fields[c], kinds[c], dialect.decimal)), None)
-        found = "" if wrong is None else f"{wrong!r} where a number belongs"
-        if not found and body == text and newline and dialect.width - 1 in kinds:
-            lines = before.decode(errors="replace").splitlines()[-_LOOK:]
-            ends = [len(text.strip().rpartition(dialect.separator)[2]) for text in lines]
-            is_short = len(fields[-1]) < min(ends, default=0)
-            found = f"it has no line feed, and {fields[-1].strip()} may lack digits"
-    if not found or not last.strip():
-        return body + b"\n", None
-    number = line + before.count(b"\n") + len(newline)
-    message = f"line {number}, the last one, {'is' if is_short else 'may be'} cut short ({found}); it is left out"
-    return before + newline, Finding(code="truncated", message=message, amount=1.0, damaged=is_short)
-
-
-def _check_widths(path: Path, dialect: Dialect, block: bytes, line: int) -> None:
-    """Every line has the same number of fields; a count of separators proves it, lines are looked at if it fails.
-
-    A carriage return within a line would end it for the parser, and leave the count of separators as it is.
-    """
-    codes = np.frombuffer(block, dtype=np.uint8)
-    if dialect.separator != " " and block.count(b"\r") == block.count(b"\r\n"):
-        separators = np.count_nonzero(codes == ord(dialect.separator))
-        if separators == (dialect.width - 1) * np.count_nonzero(codes == ord("\n")):
-            return
-    for number, raw in enumerate(block.decode(errors="replace").split("\n"), start=line):
-        if "\r" in raw.strip("\r"):
-            raise InputError(
-                f"{path}: line {number} has a carriage return within it; expected one at its end or none; "
-                "repair or remove the line"
-            )
-        fields = split_line(raw.strip("\r"), dialect.separator) if raw.strip() else ()
-        if fields and len(fields) != dialect.width:
-            raise InputError(
-                f"{path}: line {number} has {len(fields)} fields; expected {dialect.width} as in the lines before; "
-                "repair or remove the line"
-            )
-
-
-def _count_lines(path: Path, dialect: Dialect) -> int:
-    """Return the number of rows, blank lines included."""
-    count, chunk = 0, b""
-    for chunk in _chunks(path, dialect):
-        count += int(np.count_nonzero(np.frombuffer(chunk, dtype=np.uint8) == ord("\n")))
-    return count + (chunk[-1:] != b"\n")
 
 
 def _time_kind(dialect: Dialect, time: TimeColumn) -> type:
@@ -382,7 +298,7 @@ def _check_libfranka(recording: Recording, path: Path, options: ReadOptions) -> 
 
 def _tables(path: Path) -> tuple[Topic, ...]:
     dialect = sniff_csv(path)
-    rows = _count_lines(path, dialect)
+    rows = count_lines(path, dialect)
     return (Topic(name=path.name, type=f"table of {dialect.width} columns", messages=rows, readable=True),)
 
 
