@@ -1,10 +1,133 @@
+"""The filtered velocity, and a velocity that a driver's filter delays."""
+
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.signal import butter, sosfiltfilt
+from numpy.testing import assert_allclose
+from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.preprocessing.velocity import filter_velocity
+from friction_audit.joint_log import Float, JointLog, Source, median_step
+from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.preprocessing.sign import coarse_log
+from friction_audit.preprocessing.velocity import filter_velocity, find_lag, on_time, read_on_time
+
+STEP_S = 0.001
+T: Float = np.arange(30_000, dtype=np.float64) * STEP_S
+
+
+def motion() -> tuple[Float, Float]:
+    """Position and velocity of three sinusoids."""
+    parts = [(0.6, 2.0, 0.0), (0.2, 5.0, 1.0), (0.05, 11.0, 2.0)]
+    q = sum(a * np.sin(w * T + p) for a, w, p in parts)
+    dq = sum(a * w * np.cos(w * T + p) for a, w, p in parts)
+    return np.asarray(q), np.asarray(dq)
+
+
+def log_with(dq: Float, q: Float | None = None) -> JointLog:
+    position = (motion()[0] if q is None else q)[:, None]
+    torque = 0.3 * np.sign(motion()[1])[:, None]
+    source = Source(path="made.csv", sha256="", format="csv", robot="rig")
+    return JointLog(t=T, q=position, dq=dq[:, None], tau_interaction=torque, joint_names=("hinge",), source=source)
+
+
+def lag_ms(log: JointLog) -> float:
+    return 1e3 * float(find_lag(coarse_log(log), median_step(log.t))[0])
+
+
+@pytest.mark.parametrize("lag_s", [0.002, 0.006, 0.02])
+def test_a_pure_delay_is_found_and_undone(lag_s: float) -> None:
+    dq = motion()[1]
+    late = log_with(np.interp(T - lag_s, T, dq))
+    assert lag_ms(late) == pytest.approx(1e3 * lag_s, rel=0.05)
+    mended = on_time(late, coarse_log(late))[0].dq[100:-100, 0]
+    assert np.abs(mended - dq[100:-100]).max() < 0.03 * np.abs(dq).max()
+
+
+def test_a_filtered_difference_is_replaced_by_a_centred_one() -> None:
+    q, dq = motion()
+    pole = np.exp(-2 * np.pi * 30.0 * STEP_S)
+    filtered = lfilter([1 - pole], [1, -pole], np.diff(q, prepend=q[0]) / STEP_S)
+    mended = on_time(log_with(filtered), coarse_log(log_with(filtered)))[0].dq[100:-100, 0]
+    assert np.sqrt(np.mean((mended - dq[100:-100]) ** 2)) < 0.1 * np.sqrt(np.mean((filtered - dq)[100:-100] ** 2))
+
+
+def test_a_steady_motion_has_its_velocity_to_both_ends() -> None:
+    mended = read_on_time(log_with(np.full(len(T), 0.4), 0.4 * T), np.array([0.006]))
+    np.testing.assert_allclose(mended.dq, 0.4, rtol=1e-9)
+
+
+def test_a_coarse_position_makes_no_velocity() -> None:
+    q, dq = motion()
+    log = log_with(np.interp(T - 0.005, T, dq), np.round(q / 0.02) * 0.02)
+    mended = read_on_time(log, np.array([0.005])).dq[100:-100, 0]
+    assert_allclose(mended, dq[100:-100], rtol=0.0, atol=1e-3)
+
+
+@pytest.mark.parametrize("lag_s", [0.0, -0.006, 0.0004])
+def test_a_velocity_that_is_not_late_stays_as_it_is(lag_s: float) -> None:
+    log = log_with(np.interp(T - lag_s, T, motion()[1]))
+    same, cautions = on_time(log, coarse_log(log))
+    assert same is log
+    assert cautions == ()
+
+
+def test_noise_of_the_position_does_not_make_the_lag_smaller() -> None:
+    q, dq = motion()
+    noisy = q + 3e-3 * np.random.default_rng(2).standard_normal(len(T))
+    assert lag_ms(log_with(np.interp(T - 0.006, T, dq), noisy)) == pytest.approx(6.0, rel=0.1)
+
+
+def test_noise_alone_is_not_late() -> None:
+    rng = np.random.default_rng(1)
+    log = log_with(motion()[1] + 0.02 * rng.standard_normal(len(T)))
+    assert lag_ms(log) == 0.0
+
+
+def test_the_interaction_says_that_it_put_a_velocity_on_time() -> None:
+    dq = motion()[1]
+    late = log_with(np.interp(T - 0.006, T, dq))
+    interaction = extract_interaction(late, TorqueSettings())
+    message = next(caution.message for caution in interaction.warnings if caution.code == "dq_late")
+    assert message == "joint 1: dq comes 6.0 ms after the change of q, as after a filter; the lag is corrected"
+    assert_allclose(interaction.dq[100:-100, 0], dq[100:-100], rtol=0.0, atol=0.02)
+
+
+def test_each_joint_is_put_on_time_by_its_own_lag() -> None:
+    """Of three joints the first is 2 ms late, the third 6 ms; the second is left as it is."""
+    q, dq = motion()
+    lags = (0.002, 0.0, 0.006)
+    alone = log_with(dq)
+    columns: dict[str, Any] = {
+        "dq": np.stack([np.interp(T - lag, T, dq) for lag in lags], axis=1),
+        "q": np.stack([q] * 3, axis=1),
+    }
+    columns["tau_interaction"] = np.repeat(alone.channels()["tau_interaction"], 3, axis=1)
+    log = replace(alone, joint_names=("hip", "knee", "ankle"), **columns)
+    mended, (caution,) = on_time(log, coarse_log(log))
+    assert caution.message.startswith("joints 1, 3: dq comes 2.0 to 6.0 ms after the change of q")
+    assert (mended.dq[:, 1] == log.dq[:, 1]).all()
+    assert np.abs(mended.dq[100:-100] - dq[100:-100, None]).max() < 0.03 * np.abs(dq).max()
+
+
+def test_a_velocity_of_another_clock_is_said_and_left_as_it_is() -> None:
+    slow = 0.6 * np.sin(0.8 * T)
+    late = log_with(0.48 * np.cos(0.8 * (T - 0.195)), slow)
+    found = extract_interaction(late, TorqueSettings())
+    (caution,) = [one for one in found.warnings if one.code.startswith("dq_")]
+    assert caution.code == "dq_other_clock"
+    assert caution.message.startswith("joint 1: dq comes 1")
+    assert (found.dq == late.dq).all()
+
+
+def test_a_joint_that_stands_still_is_not_accused_of_its_vibration() -> None:
+    q, dq = 0.01 * motion()[0], 0.01 * motion()[1]
+    log = log_with(np.interp(T - 0.006, T, dq), q)
+    assert on_time(log, coarse_log(log)) == (log, ())
 
 
 def test_a_constant_stays_what_it_is() -> None:

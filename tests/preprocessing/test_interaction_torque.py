@@ -1,0 +1,430 @@
+"""The interaction torque: source, gravity, inertia, drive and sign, one row of the balance at a time."""
+
+import re
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from friction_audit.errors import UsageError
+from friction_audit.joint_log import Finding, Float, JointLog, Source
+from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.preprocessing.interaction_torque import extract_interaction
+from friction_audit.preprocessing.settings import TorqueSettings
+from friction_audit.preprocessing.torque_source import known_arm
+from friction_audit.robot import load_arm
+from tests.synthetic_interaction import choice
+
+COULOMB = np.array([0.3, 0.25, 0.3, 0.4, 0.3, 0.2, 0.25])
+HAND = (0.73, -0.01, 0.0, 0.03)
+PANDA = load_arm()
+FORGOTTEN = load_arm(payload=(2.0, 0.05, 0.0, 0.1))
+LEFT = {"gravity_error", "torque_offset"}
+PENDULUM = """<robot name="pendulum"><link name="base"/>
+  <joint name="hinge" type="continuous"><parent link="base"/><child link="bob"/><axis xyz="0 1 0"/></joint>
+  <link name="bob"><inertial><origin xyz="0 0 -0.5"/><mass value="2"/>
+    <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link></robot>"""
+
+
+def motion(joints: int, seconds: float = 12.0) -> tuple[Float, Float, Float, Float]:
+    t = np.arange(0.0, seconds, 0.001)
+    omega = 2 * np.pi * np.linspace(0.4, 0.9, joints)
+    phase = t[:, None] * omega
+    centre = np.array([0.0, -0.8, 0.0, -2.3, 0.0, 1.5, 0.8])[:joints]
+    return t, centre - 1.2 / omega * np.cos(phase), 1.2 * np.sin(phase), 1.2 * omega * np.cos(phase)
+
+
+T, Q, DQ, DDQ = motion(7)
+GRAVITY = PANDA.gravity(Q)
+
+
+def log_of(robot: str = "panda", joints: int = 7, **channels: Any) -> JointLog:
+    t, q, dq, _ = motion(joints)
+    source = Source(path="made.csv", sha256="", format="csv", robot=robot)
+    names = tuple(f"panda_joint{number}" for number in range(1, joints + 1))
+    return JointLog(t=t, q=q, dq=dq, joint_names=names, source=source, **channels)
+
+
+def friction(joints: int = 7) -> Float:
+    dq = motion(joints)[2]
+    return np.asarray(COULOMB[:joints] * np.sign(dq) + np.random.default_rng(2).normal(0, 0.05, dq.shape))
+
+
+def hand_log(robot: str = "panda", **channels: Any) -> JointLog:
+    """A person moves the arm: tau_J = gravity - F_m."""
+    return log_of(robot, tau_J=GRAVITY - friction(), **channels)
+
+
+def robot_log(robot: str = "panda", **channels: Any) -> JointLog:
+    """The arm moves by itself: tau_J = M ddq + c + g + F_m."""
+    return log_of(robot, tau_J=PANDA.inverse_dynamics(Q, DQ, DDQ) + friction(), **channels)
+
+
+def extract(log: JointLog, joints: tuple[int, ...] | None = None, *, hand: bool = False, **choices: Any) -> Interaction:
+    return extract_interaction(log, TorqueSettings(**choices), joints=joints, hand=hand)
+
+
+def codes(interaction: Interaction) -> list[str]:
+    return [caution.code for caution in interaction.warnings]
+
+
+def rms(torque: Float) -> float:
+    return float(np.sqrt((torque[500:-500] ** 2).mean(axis=0)).max())
+
+
+@pytest.mark.parametrize(
+    ("log", "choices", "expected", "cautions"),
+    [
+        (hand_log(), {}, "tau_J model none hand - panda", []),
+        (robot_log(), {}, "tau_J model model robot + panda", ["sign_turned"]),
+        (robot_log(), {"drive": "hand"}, "tau_J model none hand - panda", ["sign_contradicts_drive"]),
+        (hand_log(), {"inertia": "model"}, "tau_J model model robot + panda", ["sign_contradicts_drive"]),
+        (hand_log(gravity=GRAVITY), {}, "tau_J logged none hand - none", []),
+        (robot_log(gravity=GRAVITY), {"drive": "robot"}, "tau_J logged model robot + panda", []),
+        (robot_log(), {"drive": "robot", "inertia": "none"}, "tau_J model none robot + panda", ["inertia_in_torque"]),
+        (
+            log_of("unknown", tau_ext_hat_filtered=-friction()),
+            {},
+            "tau_ext absent none hand - none",
+            ["tau_ext_filtered"],
+        ),
+        (
+            log_of("unknown", tau_ext_hat_filtered=friction()),
+            {},
+            "tau_ext absent none robot + none",
+            ["tau_ext_filtered", "sign_turned"],
+        ),
+        (log_of("unknown", tau_interaction=friction()), {}, "interaction absent none hand + none", []),
+        (log_of("unknown", tau_interaction=-friction()), {}, "interaction absent none hand - none", ["sign_turned"]),
+        (hand_log(tau_ext_hat_filtered=-friction()), {}, "tau_J model none hand - panda", []),
+    ],
+)
+def test_the_row_of_the_balance(log: JointLog, choices: dict[str, Any], expected: str, cautions: list[str]) -> None:
+    found = extract(log, **choices)
+    made = found.choice
+    sign = {1: "+", -1: "-"}[made.sign]
+    assert f"{made.source} {made.gravity} {made.inertia} {made.drive} {sign} {made.robot}" == expected
+    assert codes(found) == cautions
+    assert made.sign_turned == ("sign_turned" in cautions)
+    assert made.sign_proved == ("sign_contradicts_drive" not in cautions)
+    if made.sign_proved and "inertia_in_torque" not in cautions:
+        assert [one.verdict for one in made.sign_evidence] == ["rises"] * 7
+        assert rms(found.torque - friction()) < 0.02
+
+
+def test_the_balance_is_written_out() -> None:
+    assert extract(hand_log()).choice.formula == "F_m = g - tau_J"
+    assert extract(robot_log()).choice.formula == "F_m = tau_J - (M ddq + c + g)"
+    assert extract(robot_log(), drive="robot", inertia="none").choice.formula == "F_m = tau_J - g"
+    assert extract(hand_log("unknown")).choice.formula == "F_m = -tau_J, gravity still inside"
+    assert extract(log_of("unknown", tau_interaction=-friction())).choice.formula == "F_m = -tau_interaction"
+
+
+def test_a_compensator_of_the_wrong_sign_is_suspected_where_no_row_and_no_sign_rises() -> None:
+    compensation = 1.5 * COULOMB * np.sign(DQ)
+    wrong = log_of("unknown", tau_interaction=friction() - compensation, tau_compensation=-compensation)
+    (caution,) = extract(wrong, drive="hand").warnings
+    assert caution.code == "sign_contradicts_drive"
+    assert "tau_compensation has the wrong sign" in caution.message
+
+
+def test_auto_trusts_the_vendor_s_estimate_if_a_payload_is_missing_from_the_model() -> None:
+    gravity = load_arm(payload=HAND).gravity(Q)
+    log = log_of("panda", tau_J=gravity - friction(), tau_ext_hat_filtered=-friction())
+    found = extract(log)
+    assert found.choice.source == "tau_ext"
+    assert codes(found) == ["tau_ext_filtered", "payload_missing"]
+    with_hand = extract(log, payload=HAND)
+    assert (with_hand.choice.source, with_hand.choice.payload) == ("tau_J", HAND)
+    assert_allclose(with_hand.torque, friction(), atol=0.01)
+
+
+def test_no_robot_is_assumed_that_neither_log_nor_user_names() -> None:
+    found = extract(robot_log("unknown"), drive="robot")
+    assert (found.choice.robot, found.choice.gravity, found.choice.inertia) == ("none", "none", "none")
+    assert found.choice.gravity_in_torque
+    (caution,) = [one for one in found.warnings if one.code == "gravity_in_torque"]
+    assert "`friction-audit estimate made.csv --drive robot --robot panda`" in caution.message
+    assert "`friction-audit estimate made.csv --drive robot --map tau_interaction=COLUMN`" in caution.message
+    named = extract(robot_log("unknown"), drive="robot", robot="panda")
+    assert (named.choice.robot, named.choice.gravity, named.choice.inertia) == ("panda", "model", "model")
+
+
+def test_an_fr3_does_not_get_a_panda_s_inertias_unasked() -> None:
+    assert codes(extract(hand_log("fr3")))[:2] == ["fr3_no_model", "gravity_in_torque"]
+    with pytest.raises(UsageError, match="FR3"):
+        extract(hand_log("fr3"), gravity="model")
+    assert extract(hand_log("fr3"), gravity="model", robot="panda").choice.robot == "panda"
+
+
+@pytest.mark.parametrize("option", ["gravity", "inertia"])
+def test_a_model_of_an_arm_without_a_name_is_refused_with_the_commands(option: str) -> None:
+    with pytest.raises(UsageError) as refused:
+        extract(robot_log("unknown"), **{option: "model"})
+    assert f"`friction-audit estimate made.csv --{option} model --robot panda`" in str(refused.value)
+    assert "without a model: `friction-audit estimate made.csv --robot none`" in str(refused.value)
+    with pytest.raises(UsageError, match=r"joints: 2\).*`friction-audit estimate made\.csv .*--urdf FILE`"):
+        extract(log_of("unknown", 2, tau_J=friction(2)), **{option: "model"})
+
+
+@pytest.mark.parametrize("drive", ["hand", "robot"])
+def test_a_model_further_from_the_torque_than_none_is_refused_with_the_numbers(drive: str) -> None:
+    """Torques of another arm, a few newton metres, and a torque from which gravity is removed already."""
+    other = log_of("unknown", tau_J=2.0 * np.cos(Q) + friction())
+    with pytest.raises(UsageError) as refused:
+        extract(other, robot="panda", drive=drive)
+    assert f"friction-audit estimate made.csv --drive {drive} --robot none" in str(refused.value)
+    assert len(re.findall(r"\d+\.\d\d", str(refused.value))) == 14
+    with pytest.raises(UsageError, match=r"already removed from tau_J: .*--map tau_interaction=COLUMN"):
+        extract(log_of("panda", tau_J=friction()), drive=drive)
+    log = robot_log()
+    assert log.tau_J is not None
+    dead = replace(log.source, findings=(Finding(code="torque_dead", message="", joint=2),))
+    torque = np.where(np.arange(7) == 1, 0.0, log.tau_J)
+    assert extract(replace(log, source=dead, tau_J=torque), drive=drive).choice.robot == "panda"
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"payload": (3.0, 0.0, 0.0, 0.1)}, {"gravity_vector": (2.5, 0.0, -9.5)}, {"gravity_vector": (0.0, 2.5, -9.5)}],
+)
+@pytest.mark.parametrize("log", [hand_log(), robot_log()], ids=["hand", "robot"])
+def test_a_wrong_payload_or_a_base_that_leans_is_no_other_arm(log: JointLog, wrong: dict[str, Any]) -> None:
+    assert extract(log, **wrong).choice.robot == "panda"
+
+
+def test_a_current_gets_no_gravity_of_a_model() -> None:
+    log = robot_log()
+    current = replace(log, source=replace(log.source, torque_unit="A"))
+    found = extract(current, drive="robot")
+    assert (found.choice.gravity, found.choice.robot) == ("none", "none")
+    with pytest.raises(UsageError, match="is a motor current"):
+        extract(current, gravity="model")
+
+
+@pytest.mark.parametrize(("robot", "joints"), [("unknown", 1), ("panda", 1), ("panda", 6)])
+def test_logged_gravity_needs_no_model_where_the_log_has_other_joints(robot: str, joints: int) -> None:
+    log = log_of(robot, joints, tau_J=5.0 + friction(joints), gravity=np.full((12_000, joints), 5.0))
+    found = extract(log, drive="robot")
+    assert_allclose(found.torque, friction(joints), atol=1e-12)
+    assert (found.choice.gravity, found.choice.inertia) == ("logged", "none")
+    # A joint alone has its kinetic energy back at the end of every cycle.
+    assert codes(found) == (["inertia_in_torque"] if joints > 1 else [])
+
+
+def test_options_that_are_not_used_are_named_and_those_that_are_used_are_not(tmp_path: Path) -> None:
+    urdf = tmp_path / "panda.urdf"
+    urdf.write_bytes(resources.files("friction_audit.robot").joinpath("panda.urdf").read_bytes())
+    log = log_of("unknown", tau_interaction=friction())
+    (caution,) = extract(log, payload=HAND, urdf=urdf, gravity_vector=(9.81, 0.0, 0.0)).warnings
+    assert caution.code == "model_not_used"
+    assert caution.message.startswith("--payload, --urdf, --gravity-vector: not used")
+    (caution,) = extract(log, urdf=urdf, payload=HAND, hand=True).warnings
+    assert caution.message.startswith("--payload: not used")  # the speed of the hand comes from the URDF
+    assert "model_not_used" not in codes(extract(hand_log(), payload=HAND, gravity_vector=(1.0, 0.0, -9.76)))
+    assert "model_not_used" not in codes(extract(hand_log("unknown"), urdf=urdf))
+    logged = hand_log(gravity=GRAVITY)
+    assert codes(extract(logged, urdf=urdf)) == []  # the direction of gravity is the model's
+    assert codes(extract(logged, payload=HAND)) == ["model_not_used"]
+
+
+def test_a_file_that_is_no_arm_is_refused_even_where_none_is_needed(tmp_path: Path) -> None:
+    path = tmp_path / "arm.urdf"
+    log = log_of("unknown", tau_interaction=friction())
+    with pytest.raises(UsageError, match="No such file"):
+        extract(log, urdf=path)
+    path.write_text("<robot/>")
+    with pytest.raises(UsageError, match="no revolute joint"):
+        extract(log, urdf=path)
+
+
+def test_any_arm_by_its_urdf(tmp_path: Path) -> None:
+    path = tmp_path / "pendulum.urdf"
+    path.write_text(PENDULUM)
+    _, q, _, ddq = motion(1)
+    log = log_of("unknown", 1, tau_J=0.5 * ddq + 9.81 * np.sin(q) + friction(1))
+    found = extract(log, urdf=path, drive="robot")
+    assert (found.choice.robot, found.choice.inertia) == ("pendulum", "model")
+    assert rms(found.torque - friction(1)) < 0.01
+
+
+def test_a_compensator_s_torque_is_added_up_and_counts_in_the_proof() -> None:
+    compensation, passivity = 1.5 * COULOMB * np.sign(DQ), -0.1 * np.sign(DQ)
+    log = hand_log(tau_compensation=compensation, tau_passivity=passivity)
+    assert log.tau_J is not None
+    # Overcompensated: the hand's torque is against the motion, and only the sum of both is what friction takes.
+    found = extract(replace(log, tau_J=log.tau_J + compensation + passivity))
+    assert found.compensation is not None
+    assert_allclose(found.compensation, compensation + passivity)
+    assert (found.choice.drive, found.choice.sign_proved) == ("hand", True)
+    assert extract(replace(log, tau_compensation=None)).compensation is not None
+    assert extract(hand_log()).compensation is None
+
+
+def test_selected_joints_are_the_same_as_among_all_and_the_log_is_untouched() -> None:
+    log = hand_log()
+    whole, some = extract(log), extract(log, joints=(5, 2))
+    assert (some.joint_numbers, some.joint_names) == ((2, 5), ("panda_joint2", "panda_joint5"))
+    assert_allclose(some.torque, whole.torque[:, [1, 4]], atol=1e-12)
+    assert_array_equal(some.q, log.q[:, [1, 4]])
+    assert some.choice == whole.choice
+    assert whole.torque.flags.f_contiguous
+    assert (whole.q is log.q, whole.dq is log.dq) == (True, True)
+    with pytest.raises(UsageError, match=r"--joints 0,9: not in made\.csv; its joints are 1 \(panda_joint1\), 2"):
+        extract(log, joints=(0, 3, 9))
+
+
+def test_a_joint_that_disagrees_is_named() -> None:
+    log = hand_log()
+    assert log.tau_J is not None
+    found = extract(replace(log, tau_J=log.tau_J + np.where(np.arange(7) == 2, 2 * friction(), 0.0)))
+    assert found.choice.sign_proved
+    assert [(one.code, one.joint) for one in found.warnings] == [("sign_disagrees", 3)]
+
+
+@pytest.mark.parametrize("dead", [frozenset({1, 2, 3, 4}), frozenset()])
+def test_joints_without_a_torque_cast_no_vote(dead: frozenset[int]) -> None:
+    """Four joints whose torque is a few counts that go with the motion, three that are right."""
+    counts = 0.001 * np.round(2.0 * np.tanh(DQ))
+    log = log_of(tau_interaction=np.where(np.arange(7) < 4, -counts, friction()))
+    findings = tuple(Finding(code="torque_dead", message="", joint=joint) for joint in dead)
+    found = extract(replace(log, source=replace(log.source, findings=findings)))
+    assert (found.choice.sign, found.choice.sign_proved) == (1, bool(dead))
+    assert codes(found) == ([] if dead else ["sign_unproved"])
+
+
+def test_a_bus_that_updates_a_joint_every_seventh_row_has_its_sign_proved() -> None:
+    """Rows at rest are kept, rows that repeat in motion were left out: the steps in motion are 70 ms of a 10 ms log."""
+    t = np.arange(0.0, 60.0, 0.01)
+    dq = np.where(t % 5.0 < 2.5, 0.8 * np.sin(2 * np.pi * t / 2.5) * np.sign(np.sin(np.pi * t / 5.0 + 0.1)), 0.0)
+    fresh = (dq == 0.0) | (np.arange(len(t)) % 7 == 0)
+    torque = 0.116 * np.sign(dq) + 0.04 * dq + 0.01 * np.random.default_rng(3).normal(size=len(t))
+    signals = {"q": np.cumsum(dq) * 0.01, "dq": dq, "tau_J": torque}
+    channels = {name: values[fresh][:, None] for name, values in signals.items()}
+    source = Source(path="made.csv", sha256="", format="csv")
+    made = extract(JointLog(t=t[fresh] - t[fresh][0], joint_names=("joint5",), source=source, **channels)).choice
+    assert (made.drive, made.sign_proved, made.sign_turned) == ("robot", True, True)
+
+
+@pytest.mark.parametrize(
+    ("forgotten", "short", "said"), [(True, False, "payload"), (False, False, ""), (True, True, "no payload")]
+)
+def test_gravity_that_is_left_is_said_as_rms_where_it_can_be_told(forgotten: bool, short: bool, said: str) -> None:
+    swing, centre = 0.02 if short else 1.0, Q.mean(axis=0)
+    q, arm = centre + swing * (Q - centre), FORGOTTEN if forgotten else PANDA
+    log = replace(log_of("panda", tau_J=arm.gravity(q) - friction()), q=q, dq=swing * DQ)
+    found = {one.joint or 0: one for one in extract(log, drive="hand").warnings if one.code in LEFT}
+    if not said:
+        assert not found
+        return
+    truth = np.sqrt(np.mean((arm.gravity(q) - PANDA.gravity(q)) ** 2, axis=0))
+    assert 4 in found
+    assert 1 not in found  # its axis is vertical
+    for joint, caution in found.items():
+        size = float(re.findall(r"(-?\d+\.\d) N m", caution.message)[0])
+        # Where other joints move too, only a part goes with the joint's own posture: a lower bound.
+        if caution.code == "gravity_error" or short:
+            assert (0.9 if short else 0.3) * truth[joint - 1] < abs(size) < 1.15 * truth[joint - 1]
+        assert ("a payload is probably missing" in caution.message) == (caution.code == "gravity_error")
+    assert any(one.code == "gravity_error" for one in found.values()) == (said == "payload")
+
+
+def test_gravity_that_is_declared_to_be_inside_is_no_error_nor_is_a_current() -> None:
+    log = log_of("unknown", tau_J=FORGOTTEN.inverse_dynamics(Q, DQ, DDQ) + friction())
+    assert not LEFT & set(codes(extract(log, drive="robot")))
+    pulled = log_of("unknown", tau_interaction=friction() + 4.0 * np.sin(Q))
+    assert "gravity_error" in codes(extract(pulled))
+    assert not LEFT & set(codes(extract(replace(pulled, source=replace(pulled.source, torque_unit="A")))))
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        (lambda log: replace(log, dq=np.zeros_like(log.dq), q=np.zeros_like(log.q)), []),
+        (lambda log: log.take_window(0.0, 0.5), ["sign_unproved"]),
+    ],
+)
+def test_without_strokes_back_and_forth_nothing_is_proved(
+    changed: Callable[[JointLog], JointLog], expected: list[str]
+) -> None:
+    found = extract(changed(hand_log()))
+    assert (found.choice.sign_proved, codes(found)) == (False, expected)
+
+
+def test_joints_that_only_give_way_do_not_vote() -> None:
+    log, still = hand_log(), np.array([True] * 6 + [False])
+    wobble = 0.03 * np.sin(2 * np.pi * 5 * log.t)[:, None]
+    dq, noise = np.where(still, wobble, log.dq), np.random.default_rng(4).normal(0, 0.3, log.dq.shape)
+    found = extract(replace(log, dq=dq, tau_J=None, tau_interaction=np.where(still, noise, friction())))
+    assert [one.verdict for one in found.choice.sign_evidence].count("rises") < 4
+    assert found.choice.sign_proved
+
+
+def test_hand_speed_comes_from_the_kinematics() -> None:
+    found = extract(hand_log("fr3"), hand=True)
+    assert found.hand_speed is not None
+    assert np.abs(found.hand_speed - PANDA.hand_speed(Q, DQ))[500:-500].max() < 0.02
+    assert extract(hand_log()).hand_speed is None
+    for log in (log_of("unknown", 2, tau_interaction=friction(2)), hand_log("unknown")):
+        with pytest.raises(UsageError, match="--cycles-from hand"):
+            extract(log, hand=True)
+
+
+@pytest.mark.parametrize(
+    ("choices", "message"),
+    [
+        ({"torque": "tau_ext"}, "no tau_ext_hat_filtered; has: tau_J"),
+        ({"torque": "interaction"}, "no tau_interaction"),
+        ({"gravity": "logged"}, "no gravity"),
+        ({"drive": "hand", "inertia": "model"}, "link side"),
+        ({"gravity": "model", "robot": "none"}, "--robot none"),
+    ],
+)
+def test_contradicting_choices_are_refused(choices: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        extract(hand_log(), **choices)
+
+
+def test_gravity_of_a_torque_without_gravity_is_refused() -> None:
+    with pytest.raises(UsageError, match="neither gravity nor inertia"):
+        extract(log_of(tau_ext_hat_filtered=friction()), torque="tau_ext", gravity="model")
+    with pytest.raises(UsageError, match="about tau_J"):
+        extract(log_of(tau_ext_hat_filtered=friction()), gravity="model")
+
+
+@pytest.mark.parametrize(
+    ("robot", "asked", "used", "joints", "known"),
+    [
+        ("panda", "auto", "none", 7, True),
+        ("unknown", "panda", "none", 7, True),
+        ("unknown", "auto", "panda", 7, True),
+        ("unknown", "auto", "none", 7, False),
+        ("fr3", "auto", "none", 7, False),
+        ("panda", "none", "none", 7, False),
+        ("panda", "auto", "none", 1, False),
+    ],
+)
+def test_whose_model_is_known(robot: str, asked: str, used: str, joints: int, known: bool) -> None:
+    log = log_of(robot, joints, tau_J=friction(joints))
+    assert (known_arm(log, TorqueSettings(robot=asked), replace(choice(), robot=used)) is not None) == known
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"torque": "tau"}, "--torque tau: expected one of auto, interaction, tau_ext, tau_J"),
+        ({"drive": "foot"}, "--drive foot"),
+        ({"model_rate_hz": 0.0}, "--model-rate 0"),
+        ({"payload": (0.0, 0.0, 0.0, 0.1)}, "--payload 0,0,0,0.1: expected mass,x,y,z"),
+        ({"payload": (1.0, float("nan"), 0.0, 0.1)}, "--payload 1,nan,0,0.1"),
+        ({"gravity_vector": (0.0, 0.0, float("nan"))}, "--gravity-vector"),
+    ],
+)
+def test_a_wrong_choice_is_refused_with_the_right_ones(wrong: dict[str, Any], message: str) -> None:
+    with pytest.raises(UsageError, match=message):
+        TorqueSettings(**wrong)
