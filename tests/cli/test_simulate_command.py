@@ -17,7 +17,7 @@ from friction_audit.io.files import sha256_of
 from friction_audit.io.readers import read_log
 from friction_audit.io.writers import WRITERS, Writer
 from friction_audit.reporting.schemas import load_schema
-from friction_audit.simulation import Simulation, dispatch, simulate
+from friction_audit.simulation import Simulation, scenarios, simulate
 from friction_audit.simulation.assign import paths
 from friction_audit.simulation.bench import Progress
 from friction_audit.simulation.effects import EFFECTS
@@ -82,7 +82,7 @@ def simulated_once(monkeypatch: pytest.MonkeyPatch) -> None:
         found = simulated(settings, seed)
         return replace(found, log=replace(found.log, source=replace(found.log.source, path=path)))
 
-    monkeypatch.setattr(dispatch, "simulate", once)
+    monkeypatch.setattr(scenarios, "simulate", once)
 
 
 @pytest.mark.usefixtures("simulated_once")

@@ -84,15 +84,6 @@ def test_the_same_torque_moves_a_compensated_joint_farther() -> None:
     np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[3:], 0.07, rtol=0.1)
 
 
-def test_a_recorded_compensator_does_not_disturb_the_same_operator() -> None:
-    compensated = log_of(replace(BENCH, compensator=COMPENSATOR))
-    nothing = EnergyCompensator(factor=0.0)
-    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=nothing)
-    joint = replay(compensated, settings).replay.joints[0]
-    assert joint.replayed is not None
-    np.testing.assert_allclose(joint.replayed.dq, log_of(BENCH).dq[:, 0], atol=0.02)
-
-
 def test_over_compensation_is_taken_back_in_closed_loop() -> None:
     too_much = EnergyCompensator(window=4, factor=1.5)
     settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, compensator=too_much)

@@ -171,18 +171,6 @@ def test_the_true_model_buys_more_than_the_energy_compensator() -> None:
     assert better.numbers.dissipation_removed > energy.dissipation_removed_updated > energy.dissipation_removed
 
 
-def test_the_sensor_feels_a_constant_torque_that_is_no_friction() -> None:
-    log = log_of(with_term("torque_bias"))
-    for name in ("torque_bias", "offset"):
-        model = replace(SIMPLE, terms=(*SIMPLE.terms, FittedTerm(name, VALUES["torque_bias"])))
-        joint = run(log, "same-torque", model, applied=True)
-        assert joint.numbers is not None
-        np.testing.assert_allclose(
-            joint.without.interaction_nm[50:], np.asarray(log.tau_interaction)[50:, 0], atol=1e-9
-        )
-        assert joint.numbers.dissipation_removed > 0.999
-
-
 def test_nothing_later_than_the_tick_is_applied() -> None:
     model = replace(SIMPLE, terms=(*SIMPLE.terms, *(FittedTerm(n, VALUES[n]) for n in ("presliding", "friction_step"))))
     log = log_of(SIMPLE)

@@ -119,15 +119,6 @@ def test_the_coefficients_after_the_last_cycle_are_told() -> None:
     np.testing.assert_array_equal(t[1:-1], joint.history.stop_s)
 
 
-def test_a_compensator_that_gives_nothing_changes_nothing() -> None:
-    joint = joint_of(log_of(BENCH), FixedCompensation(coulomb_nm=0.0, viscous_nms_per_rad=0.0))
-    assert joint.replayed is not None
-    assert joint.numbers is not None
-    np.testing.assert_array_equal(joint.replayed.interaction_nm, joint.without.interaction_nm)
-    assert joint.numbers.dissipation_removed == 0.0
-    assert joint.numbers.cycles_to_converge is None
-
-
 @pytest.mark.parametrize(
     "compensator",
     [
@@ -209,13 +200,6 @@ def test_the_reserve_of_the_first_cycle_is_said_to_hide_over_compensation() -> N
     assert quiet.replay.warnings == ()
 
 
-def test_without_the_controller_the_ledger_falls() -> None:
-    joint = joint_of(log_of(VISCOUS_BENCH), EnergyCompensator(model="viscous", factor=1.5, passivity=False))
-    assert joint.passivity is not None
-    assert joint.passivity.violations > 1000
-    assert joint.passivity.injected_j == 0.0
-
-
 OVERCOME = (("viscous", 1), ("viscous", 2), ("coulomb", 1), ("coulomb", 2), ("combined", 2), ("combined", 4))
 """Model and window k."""
 
@@ -251,22 +235,6 @@ def test_a_step_of_friction_is_overcome_after_a_window_and_a_cycle(
         np.testing.assert_allclose(estimated_friction(found)[right:], truth[right:], rtol=0.05)
 
 
-@pytest.mark.parametrize("model", ["viscous", "coulomb", "combined"])
-def test_each_coefficient_follows_a_step_where_the_window_tells_them_apart(model: str) -> None:
-    joint = ONE_BY_ONE[model]
-    step = Hidden(friction_step=FrictionStep(change=1.0))
-    stepped = replace(BENCH, joints=(joint,), operator=Operator(), hidden=(step,), duration_s=60.0)
-    k = 4 if model == "combined" else 1
-    history = joint_of(log_of(stepped), EnergyCompensator(model=model, window=k)).history
-    assert history is not None
-    right = int(np.argmax(history.stop_s > 30.0)) + k
-    if model != "viscous":
-        np.testing.assert_allclose(history.coulomb_estimated_nm[right:], 2.0 * joint.coulomb_nm, rtol=0.05)
-    if model != "coulomb":
-        truth = 2.0 * joint.viscous_nms_per_rad
-        np.testing.assert_allclose(history.viscous_estimated_nms_per_rad[right:], truth, rtol=0.05)
-
-
 def test_limits_of_an_arm_hold_and_are_reported() -> None:
     panda = log_of(BENCH)
     named = replace(panda, source=replace(panda.source, robot="panda"))
@@ -294,15 +262,6 @@ def test_too_few_cycles_say_so() -> None:
     joint = joint_of(log_of(BENCH).take_window(0.0, 5.0), EnergyCompensator(window=4))
     assert joint.reason.startswith("only ")
     assert joint.history is None
-
-
-def test_an_unnamed_compensator_is_suspected() -> None:
-    too_much = FixedCompensation(coulomb_nm=0.5, viscous_nms_per_rad=0.1)
-    log = log_of(replace(BENCH, compensator=too_much))
-    assert replay(log, energy_compensator()).replay.warnings == ()
-    silent = replace(log, tau_compensation=None, tau_passivity=None)
-    codes = {caution.code for caution in replay(silent, energy_compensator()).replay.warnings}
-    assert "seems_compensated" in codes
 
 
 @pytest.mark.parametrize(

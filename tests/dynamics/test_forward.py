@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 
 from friction_audit.dynamics.forward import simulate_along
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
+from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import Invented, Law, bare_joint, joint_with, make_recording, recording_of, simulate
@@ -62,14 +62,6 @@ def test_a_pendulum_without_friction_swings_by_its_own_time() -> None:
     found = free(bare_joint(term), t, np.zeros(len(t)), q=0.01, span=0.02)
     rate = np.sqrt(3.0 / B)
     assert found == pytest.approx(-0.01 * rate * np.sin(rate * t), abs=1e-4)
-
-
-def test_a_drift_of_the_torque_by_hand() -> None:
-    """B dv/dt = -0.2 t from 2 rad/s."""
-    term = invent(lambda motion: motion.t, 0.2)
-    t = clock(1.0)
-    found = free(bare_joint(term), t, np.zeros(len(t)), dq=2.0)
-    assert found == pytest.approx(2.0 - 0.1 * t**2 / B, abs=1e-6)
 
 
 def test_bristles_hold_a_joint_as_a_spring_does() -> None:
@@ -270,16 +262,3 @@ def test_a_spring_without_its_number_is_refused() -> None:
     t = clock(1.0)
     with pytest.raises(AnalysisError, match="term invented: 0 parameters end on _rad_per_nm; expected one"):
         simulate_along(joint_with(term), recording_of(t, t, np.sin(t)), np.sin(t), whole(t))
-
-
-def test_a_simple_joint_is_what_its_exponential_says() -> None:
-    t = clock(2.0)
-    model = simple_model(inertia_kg_m2=B, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
-    top = (0.5 - COULOMB) / VISCOUS
-    assert free(model, t, np.full(len(t), 0.5)) == pytest.approx(top * (1.0 - np.exp(-t * VISCOUS / B)), abs=1e-5)
-
-
-def test_what_runs_away_is_not_simulated() -> None:
-    term = invent(lambda motion: -np.cbrt(motion.dq) - 50.0 * motion.dq, 1.0)
-    t = clock(2.0)
-    assert simulate_along(joint_with(term), recording_of(t, 1.0 - np.cos(t), np.sin(t)), np.sin(t), whole(t)) is None

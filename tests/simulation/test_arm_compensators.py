@@ -80,13 +80,6 @@ def test_learning_compensators_take_friction_off_the_hand(alone: Simulation, tol
     assert_array_equal(told_by_the_hand.log.channels()["tau_passivity"].shape, after.q.shape)
 
 
-def test_motors_obey_their_equation_with_the_passivity_controller_in_it(told_by_the_hand: Simulation) -> None:
-    motion = told_by_the_hand.truth.motion
-    net = motion.interaction_nm + motion.compensation_nm + motion.passivity_nm - motion.friction_nm
-    assert_allclose(0.2 * motion.inner_ddq, net, atol=1e-12)
-    assert np.diff(motion.dissipated_j, axis=0).min() >= 0.0
-
-
 def test_driven_arm_takes_no_compensator() -> None:
     with pytest.raises(UsageError, match="a friction compensator takes a hand that guides the arm"):
         replace(ALONE, driven=True, compensator=TRUE_VALUES)

@@ -211,15 +211,6 @@ def test_nested_settings_tell_what_kind_was_chosen() -> None:
     assert nested["joints"] == ({"coulomb_nm": 0.3, "viscous_nms_per_rad": 0.07},) * 3
 
 
-def test_joints_may_be_given_apart() -> None:
-    assert assign(TREE, "joints.coulomb_nm", "1", (2,)).joints[1].coulomb_nm == 1.0
-
-
-def test_no_values_at_all_are_written_as_they_are_read() -> None:
-    changed = assign_text(TREE, "pose_rad=none")
-    assert write_value(paths(changed)["hand.pose_rad"]) == "none"
-
-
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_what_is_written_reads_back(value: float) -> None:
     assert assign(TREE, "duration_s", write_value(value)).duration_s == value

@@ -1,28 +1,23 @@
 from collections.abc import Callable
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
-from friction_audit.compensation.compensators import EnergyCompensator, FixedCompensation
+from friction_audit.compensation.compensators import FixedCompensation
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import (
     IDEAL_SENSORS,
-    PANDA_SENSORS,
     BenchSettings,
-    Hidden,
     JointParameters,
     Operator,
     Sensors,
     Simulation,
     simulate,
 )
-from friction_audit.simulation.effects.gravity_error import GravityError
-from friction_audit.simulation.effects.torque_bias import TorqueBias
-from friction_audit.simulation.motion import Sinusoid, StopAndGo
+from friction_audit.simulation.motion import StopAndGo
 
 SHORT = BenchSettings(duration_s=20.0)
 IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,))
@@ -52,57 +47,12 @@ def test_work_of_the_ideal_log_is_what_friction_took(settings: BenchSettings, se
     assert_allclose(work(simulation), taken, rtol=1e-6)
 
 
-def test_energy_balance_holds_at_every_sample() -> None:
-    simulation = simulate(IDEAL, 3)
-    motion, inertia = simulation.truth.motion, IDEAL.joints[0].inertia_kg_m2
-    power = only(motion.interaction_nm * motion.dq)
-    net = np.concatenate(([0.0], np.cumsum((power[1:] + power[:-1]) / 2 * np.diff(motion.t))))
-    assert_allclose(net, only(motion.dissipated_j + inertia * motion.dq**2 / 2), atol=1e-5 * net[-1])
-
-
-def test_every_stroke_of_the_ideal_log_gives_the_coefficients() -> None:
-    log = simulate(IDEAL, 4).log
-    assert log.tau_interaction is not None
-    dq, power = only(log.dq), only(log.tau_interaction * log.dq)
-    starts = np.flatnonzero(np.diff((dq != 0).astype(int)) == 1)
-    rows = []
-    for start, stop in pairwise([*starts, len(dq) - 1]):
-        part = slice(start, stop + 1)
-        rows.append([np.trapezoid(y[part], log.t[part]) for y in (np.abs(dq), dq**2, power)])
-    table = np.array(rows)
-    coefficients = np.linalg.lstsq(table[:, :2], table[:, 2])[0]
-    assert_allclose(coefficients, [0.30, 0.07], rtol=2e-4)
-
-
-def test_equation_of_motion_holds_at_every_tick() -> None:
-    motion = simulate(HELPED, 5).truth.motion
-    net = motion.interaction_nm + motion.compensation_nm - motion.friction_nm
-    assert_allclose(HELPED.joints[0].inertia_kg_m2 * motion.inner_ddq, net, atol=1e-12)
-    moving = motion.dq != 0
-    sliding = 0.30 * np.sign(motion.dq) + 0.07 * motion.dq
-    assert_allclose(motion.friction_nm[moving], sliding[moving], atol=1e-12)
-
-
 def test_friction_holds_the_joint_still_within_the_coulomb_level() -> None:
     motion = simulate(IDEAL, 6).truth.motion
     still = only(motion.dq) == 0
     assert 0.05 < still.mean() < 0.5
     assert np.abs(motion.friction_nm[still]).max() <= 0.30 + 1e-12
     assert_array_equal(np.diff(only(motion.q))[still[1:] & still[:-1]], 0.0)
-
-
-def test_position_is_the_integral_of_velocity() -> None:
-    motion = simulate(IDEAL, 7).truth.motion
-    dq = only(motion.dq)
-    path = np.concatenate(([0.0], np.cumsum((dq[1:] + dq[:-1]) / 2 * np.diff(motion.t))))
-    assert_allclose(only(motion.q), path, atol=1e-5)
-
-
-def test_frictionless_joint_dissipates_nothing() -> None:
-    free = JointParameters(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)
-    simulation = simulate(replace(IDEAL, joints=(free,)), 8)
-    assert simulation.truth.motion.dissipated_j[-1, 0] == 0.0
-    assert_allclose(work(simulation), 0.2 * simulation.log.dq[-1, 0] ** 2 / 2, atol=3e-5)
 
 
 def test_same_seed_same_log_to_the_bit() -> None:
@@ -145,55 +95,6 @@ def test_panda_sensors_have_the_measured_statistics() -> None:
     assert_allclose((only(log.dq) - np.interp(log.t, motion.t, only(motion.dq))).std(), 0.0027, rtol=0.1)
 
 
-def test_torque_noise_is_correlated() -> None:
-    sensors = Sensors(torque_noise_nm=0.05, torque_correlation_s=0.01)
-    simulation = simulate(replace(SHORT, sensors=(sensors,)), 14)
-    assert simulation.log.tau_interaction is not None
-    noise = only(simulation.log.tau_interaction - simulation.truth.motion.interaction_nm)
-    assert_allclose(np.corrcoef(noise[10:], noise[:-10])[0, 1], np.exp(-1), atol=0.08)
-
-
-def test_log_at_a_lower_rate_is_the_same_recording_thinned() -> None:
-    sensors = (Sensors(torque_noise_nm=0.05, torque_correlation_s=0.01, velocity_noise_rad_s=0.003),)
-    full = simulate(replace(SHORT, sensors=sensors), 15).log
-    thin = simulate(replace(SHORT, sensors=sensors, rate_hz=250.0), 15).log
-    assert_allclose(thin.t, full.t[::4], atol=1e-12)
-    for name, channel in thin.channels().items():
-        assert_array_equal(channel, full.channels()[name][::4])
-
-
-def test_hidden_errors_are_added_to_the_measured_torque() -> None:
-    wrong = Hidden(torque_bias=TorqueBias(torque_nm=0.1), gravity_error=GravityError(torque_nm=0.2))
-    hidden = simulate(replace(IDEAL, hidden=(wrong,)), 15).log
-    clean = simulate(IDEAL, 15).log
-    assert hidden.tau_interaction is not None
-    assert clean.tau_interaction is not None
-    assert_allclose(hidden.tau_interaction - clean.tau_interaction, 0.1 + 0.2 * np.sin(clean.q), atol=1e-12)
-
-
-def test_fixed_compensator_is_silent_in_its_dead_band_and_eases_the_hand() -> None:
-    helped, alone = simulate(HELPED, 16), simulate(IDEAL, 16)
-    log = helped.log
-    assert log.tau_compensation is not None
-    # It was set at the tick before, from what was read there, and has been in force since.
-    slow, torque = np.abs(log.dq[:-1]) <= 0.02, log.tau_compensation[1:]
-    assert_array_equal(torque[slow], 0.0)
-    assert_allclose(torque[~slow], (0.2 * np.sign(log.dq) + 0.05 * log.dq)[:-1][~slow], atol=1e-12)
-    assert alone.log.tau_compensation is None
-    by_hand = np.trapezoid(only(log.channels()["tau_interaction"] * log.dq), log.t)
-    assert by_hand < 0.6 * work(alone)
-
-
-def test_learning_compensator_logs_its_passivity_controller_and_tells_what_it_knew() -> None:
-    simulation = simulate(replace(IDEAL, compensator=EnergyCompensator()), 16)
-    log, known = simulation.log, simulation.truth.compensators
-    assert log.tau_compensation is not None
-    assert log.tau_passivity is not None
-    assert np.abs(log.tau_compensation).max() > 0.2
-    assert {trace.shape for trace in known.values()} == {log.dq.shape}
-    assert not simulate(IDEAL, 16).truth.compensators
-
-
 @pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
 def test_sensor_reads_gravity_and_the_load_does_not_change_a_rigid_joint(driven: bool) -> None:
     loaded = replace(IDEAL, driven=driven, gravity_nm=5.0, gravity_phase_rad=0.3, logs_sensor=True)
@@ -213,12 +114,6 @@ def test_progress_rises_to_the_end() -> None:
     assert len(told) > 1
     assert told == sorted(told)
     assert told[-1] == 1.0
-
-
-def test_time_too_short_for_a_stroke_is_a_log_at_rest() -> None:
-    log = simulate(BenchSettings(duration_s=1.0, sensors=(IDEAL_SENSORS,)), 17).log
-    assert len(log.t) == 1001
-    assert_array_equal(log.dq, 0.0)
 
 
 @pytest.mark.parametrize(
@@ -243,13 +138,3 @@ def test_time_too_short_for_a_stroke_is_a_log_at_rest() -> None:
 def test_settings_out_of_range_are_refused(make: Callable[[], object], words: str) -> None:
     with pytest.raises(UsageError, match=words):
         make()
-
-
-def test_any_motion_can_be_intended() -> None:
-    swing = replace(IDEAL, operator=Operator(motion=Sinusoid()))
-    assert np.ptp(simulate(swing, 19).log.q) > 0.2
-
-
-def test_distal_joints_are_quieter() -> None:
-    assert len(PANDA_SENSORS) == 7
-    assert PANDA_SENSORS[6].torque_step_nm < PANDA_SENSORS[0].torque_step_nm

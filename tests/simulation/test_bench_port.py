@@ -59,15 +59,6 @@ def test_interaction_torque_is_what_the_hand_exerts_less_its_own_inertia(name: s
     assert_allclose(sensor, hand, atol=5e-3 if ringing else 5e-4)
 
 
-@pytest.mark.parametrize("name", ["rigid", "presliding", "stiction"])
-def test_interaction_torque_of_a_rigid_joint_is_that_of_the_hand_at_every_tick(name: str) -> None:
-    settings = replace(IDEAL, hidden=(HIDDEN[name],))
-    motion = simulate_bench(settings, SEED).truth.motion
-    hand = drive_torque(settings, motion.q[:, 0], motion.dq[:, 0])
-    hand -= settings.operator.inertia_kg_m2 * motion.inner_ddq[:, 0]
-    assert_allclose(motion.interaction_nm[:, 0], hand, atol=1e-10)
-
-
 @pytest.mark.parametrize("name", HIDDEN)
 def test_sensor_under_a_load_reads_gravity_less_the_interaction(name: str) -> None:
     """tau_J = g(q) - F_m, F_m the hand's torque less the hand's inertia; the motor bears g(q)."""

@@ -15,13 +15,6 @@ ONE = FixedCompensation(coulomb_nm=0.2, viscous_nms_per_rad=0.03)
 SHORT = ArmSettings(duration_s=2.0)
 
 
-def test_seven_alike_are_as_one_for_all() -> None:
-    same = simulate(replace(SHORT, compensator=ONE), 0)
-    each = simulate(replace(SHORT, compensator=JointByJoint(compensators=(ONE,) * 7)), 0)
-    assert np.array_equal(same.truth.motion.q, each.truth.motion.q)
-    assert each.log.tau_compensation is not None
-
-
 def test_every_joint_has_its_own() -> None:
     own = tuple(replace(ONE, coulomb_nm=0.0, viscous_nms_per_rad=0.01 * joint) for joint in range(7))
     motion = simulate(replace(SHORT, compensator=JointByJoint(compensators=own)), 0).truth.motion

@@ -1,7 +1,5 @@
 """Presliding while the joint moves: LuGre against SciPy, loops, steady motion."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -107,26 +105,3 @@ def test_closed_loops_take_energy_and_run_clockwise_about_the_spring(form: int, 
         assert_allclose(area, 4.0 * 0.3 / BRISTLE_COUNT * slipped.sum(), rtol=1e-3, atol=1e-9)
     elif reach == 0.05:
         assert area > 0.85 * 0.3 * np.abs(moved).sum()
-
-
-@pytest.mark.parametrize("form", FORMS)
-def test_torque_climbs_over_the_displacement_since_the_reversal(form: int) -> None:
-    """Right after a reversal the slope of torque over position is once, twice or 2^1.5 times that at rest."""
-    pace, reach = 0.2 * np.pi, 0.1
-    t = np.arange(10001) * TICK_S
-    motion = guided(form, reach * (1.0 - np.cos(pace * t)), reach * pace * np.sin(pace * t))
-    turn = int(np.argmax(motion.q[:, 0]))
-    back = motion.q[turn, 0] - motion.q[turn:, 0]
-    dry = (motion.friction_nm - 0.07 * motion.dq)[turn:, 0]
-    early = (back > 1e-5) & (back < 1e-4)
-    slope = -np.polyfit(back[early], dry[early], 1)[0]
-    at_rest = 0.3 / 0.005
-    assert_allclose(slope, {LUGRE: 2.0, DAHL: 2.0**1.5, MAXWELL_SLIP: 1.0}[form] * at_rest, rtol=0.1)
-    gone = back > 0.06
-    assert_allclose(dry[gone], -0.3, rtol=0.03)
-
-
-def test_bristles_without_coulomb_friction_hold_nothing() -> None:
-    free = replace(JOINT, coulomb_nm=0.0)
-    motion = release(bench(free, Hidden(presliding=Presliding(displacement_rad=0.005))), 1.0, dq=(0.5, 0.5))
-    assert_allclose(motion.dq[:, 0], 0.5 * np.exp(-0.07 / 0.6 * motion.t), rtol=1e-7)

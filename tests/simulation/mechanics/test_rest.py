@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, BenchSettings, Hidden, simulate
+from friction_audit.simulation import IDEAL_SENSORS, BenchSettings, Hidden, simulate
 from friction_audit.simulation.effects.backlash import Backlash
 from friction_audit.simulation.effects.joint_elasticity import HARDENING, JointElasticity
 
@@ -41,14 +41,3 @@ def test_hardening_gear_twists_more_than_its_compliance_says() -> None:
     knee = 2e-3
     twist = float(motion.inner_q[0, 0] - motion.q[0, 0])
     assert_allclose(twist - knee * np.tanh(0.5 * twist / knee), 2e-3 * LOAD_NM, rtol=1e-9)
-
-
-@pytest.mark.parametrize("driven", [False, True], ids=["guided", "driven"])
-def test_elastic_arm_does_not_ring_before_it_is_moved(driven: bool) -> None:
-    elastic = ArmSettings(
-        sensors=(IDEAL_SENSORS,) * 7, hidden=(Hidden(joint_elasticity=SOFT),) * 7, driven=driven, duration_s=3.0
-    )
-    # Joint 4 carries 18.6 N m, on which it would ring.
-    quiet = simulate(elastic, 2).truth.motion.interaction_nm[:20]
-    assert np.abs(quiet).max() < 0.3
-    assert np.ptp(quiet, axis=0).max() < 0.1

@@ -74,17 +74,6 @@ def test_rest_bears_what_pulls_and_no_more() -> None:
     assert_allclose((motion.friction_nm - viscous)[~rest], 0.3 * np.sign(motion.dq[~rest]), atol=1e-12)
 
 
-def test_a_push_beyond_the_level_turns_the_joint_without_a_rest() -> None:
-    """From 0.5 rad/s under -1.2 N m: stop at M/Fv ln(1 + Fv v/(1.2 + Fc)), then the other way with 1.2 - Fc."""
-    motion = pushed(np.full(1001, -1.2), speed=0.5)
-    stop = 0.6 / 0.07 * np.log1p(0.07 * 0.5 / 1.5)
-    after = motion.t > stop
-    back = -0.9 / 0.07 * -np.expm1(-0.07 / 0.6 * (motion.t[after] - stop))
-    assert_allclose(motion.dq[after, 0], back, rtol=1e-5, atol=1e-9)
-    assert (motion.dq[~after] > 0.0).all()
-    assert (motion.dq[after] < 0.0).all()
-
-
 def test_a_push_within_the_level_but_beyond_sliding_does_not_turn_a_joint_with_stiction() -> None:
     """A joint that comes to rest under 0.4 N m stays there with a break-away level of 0.5 N m."""
     held = Hidden(stiction=Stiction(excess_nm=0.2, form=IMMEDIATE))

@@ -32,11 +32,6 @@ def test_spectrum_has_the_sines_and_nothing_else() -> None:
     assert_allclose(found / (ticks * DT), frequencies_hz(Commanded(sines=3), 1)[0], atol=0.002)
 
 
-def test_one_joint_is_the_first_of_one() -> None:
-    one = intend(Commanded(), 1000, DT, np.random.default_rng(2))
-    assert_array_equal(one.position, intend_joints(Commanded(), 1, 1000, DT, np.random.default_rng(2)).position[:, 0])
-
-
 def test_joints_start_and_end_at_rest_and_are_independent() -> None:
     joints = intend_joints(Commanded(), 7, 60_000, DT, np.random.default_rng(3))
     assert joints.position.shape == joints.velocity.shape == (60_001, 7)

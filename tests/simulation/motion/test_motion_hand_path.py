@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.motion.hand_path import HandPath, angular_velocity, plan_hand
+from friction_audit.simulation.motion.hand_path import HandPath, plan_hand
 
 DT = 1e-3
 TICKS = 20_000
@@ -26,18 +26,6 @@ def test_velocities_are_the_derivatives(rotation_rad: float) -> None:
     orientation = Rotation.from_rotvec(hand.rotation)
     turned = (orientation[2:] * orientation[:-2].inv()).as_rotvec() / (2 * DT)
     assert_allclose(turned, hand.angular[1:-1], atol=2e-5 * rotation_rad)
-
-
-def test_turn_about_a_fixed_axis_is_its_own_derivative() -> None:
-    rotation = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 2.0]])
-    derivative = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, -0.5]])
-    assert_allclose(angular_velocity(rotation, derivative), derivative)
-
-
-def test_angular_velocity_is_smooth_where_its_series_ends() -> None:
-    axis, derivative = np.array([0.6, 0.0, 0.8]), np.array([[0.3, -1.0, 0.2]] * 2)
-    below, above = angular_velocity(np.outer([0.999_999_9e-3, 1.000_000_1e-3], axis), derivative)
-    assert_allclose(below, above, atol=1e-9)
 
 
 def test_starts_and_ends_at_rest() -> None:
