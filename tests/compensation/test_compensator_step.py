@@ -182,9 +182,7 @@ def test_the_ledger_is_never_further_below_zero_than_one_tick_takes_it(
 
 @settings(max_examples=50, deadline=None)
 @given(
-    force=st.lists(st.floats(-5.0, 5.0), min_size=3, max_size=60),
-    cap=st.floats(0.01, 5.0),
-    torque=st.floats(0.05, 2.0),
+    force=st.lists(st.floats(-5.0, 5.0), min_size=3, max_size=60), cap=st.floats(0.01, 5.0), torque=st.floats(0.05, 2.0)
 )
 def test_what_the_caps_leave_is_carried_and_reported(force: list[float], cap: float, torque: float) -> None:
     compensator = EnergyCompensator(

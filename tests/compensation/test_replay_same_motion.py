@@ -47,11 +47,7 @@ def joint_of(log: JointLog, compensator: EnergyCompensator | FixedCompensation) 
     return replay(log, compensator).replay.joints[0]
 
 
-ONE_BY_ONE = {
-    "viscous": VISCOUS_JOINT,
-    "coulomb": replace(JOINT, viscous_nms_per_rad=0.0),
-    "combined": JOINT,
-}
+ONE_BY_ONE = {"viscous": VISCOUS_JOINT, "coulomb": replace(JOINT, viscous_nms_per_rad=0.0), "combined": JOINT}
 """A joint for each friction model."""
 
 

@@ -32,10 +32,7 @@ RUBBING = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
 def sine(amplitude: float, hertz: float, duration_s: float = 20.0) -> Motion:
     t, w = np.arange(0.0, duration_s, STEP_S), 2 * np.pi * hertz
     return Motion(
-        t=t,
-        q=amplitude * np.sin(w * t),
-        dq=amplitude * w * np.cos(w * t),
-        ddq=-amplitude * w**2 * np.sin(w * t),
+        t=t, q=amplitude * np.sin(w * t), dq=amplitude * w * np.cos(w * t), ddq=-amplitude * w**2 * np.sin(w * t)
     )
 
 

@@ -11,18 +11,8 @@ from numpy.testing import assert_allclose
 
 from friction_audit.joint_log import Float
 from friction_audit.robot import Arm, load_arm
-from friction_audit.simulation import (
-    IDEAL_SENSORS,
-    ArmSettings,
-    Hand,
-    Simulation,
-    TrueMotion,
-    mechanism,
-    simulate,
-)
-from friction_audit.simulation import (
-    settings as settings_module,
-)
+from friction_audit.simulation import IDEAL_SENSORS, ArmSettings, Hand, Simulation, TrueMotion, mechanism, simulate
+from friction_audit.simulation import settings as settings_module
 from friction_audit.simulation.arm import move
 from friction_audit.simulation.bench import make_motion
 from friction_audit.simulation.panda_joint import PANDA_JOINTS

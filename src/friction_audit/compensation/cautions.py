@@ -22,32 +22,35 @@ FEWEST_CYCLES = 4
 
 def cautions_of(joint: JointReplay) -> Iterator[Caution]:
     """Yield the cautions about the replay of one joint."""
-    where = f"joint {joint.joint} ({joint.name})"
+
+    def caution(code: str, message: str) -> Caution:
+        return Caution(code=code, joint=joint.joint, message=f"joint {joint.joint} ({joint.name}): {message}")
+
     if joint.reason:
-        yield Caution(code="not_replayed", joint=joint.joint, message=f"{where}: {joint.reason}")
+        yield caution("not_replayed", joint.reason)
         return
     numbers, passivity = joint.numbers, joint.passivity
     assert numbers is not None
     assert passivity is not None
     if not isnan(numbers.diverged_s):
-        message = (
-            f"{where}: the compensated loop diverges at {numbers.diverged_s:.4g} s; everything is given up to there; "
-            "lower its gain, its factor, or its desired inertia's distance from the true one"
+        yield caution(
+            "diverged",
+            f"the compensated loop diverges at {numbers.diverged_s:.4g} s; everything is given up to there; "
+            "lower its gain, its factor, or its desired inertia's distance from the true one",
         )
-        yield Caution(code="diverged", joint=joint.joint, message=message)
     if passivity.hidden:
-        message = (
-            f"{where}: at times over-compensated, and the passivity controller does not notice: the first cycles left "
+        yield caution(
+            "over_compensation_hidden",
+            f"at times over-compensated, and the passivity controller does not notice: the first cycles left "
             f"{passivity.reserve_j:.3g} J in its ledger, which hides the {-passivity.lowest_since_activation_j:.3g} J "
-            "that the joint has given out since the compensator acts"
+            "that the joint has given out since the compensator acts",
         )
-        yield Caution(code="over_compensation_hidden", joint=joint.joint, message=message)
     if numbers.limited_fraction > 0:
-        message = (
-            f"{where}: the compensator is at a limit ({joint.limits.torque_nm:g} N m, {joint.limits.rate_nm_s:g} "
-            f"N m/s) in {100 * numbers.limited_fraction:.2g} % of the samples; what is beyond is left out"
+        yield caution(
+            "torque_limited",
+            f"the compensator is at a limit ({joint.limits.torque_nm:g} N m, {joint.limits.rate_nm_s:g} N m/s) in "
+            f"{100 * numbers.limited_fraction:.2g} % of the samples; what is beyond is left out",
         )
-        yield Caution(code="torque_limited", joint=joint.joint, message=message)
 
 
 def seems_compensated(

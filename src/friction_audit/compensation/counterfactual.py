@@ -180,13 +180,7 @@ def other_motion(
         if moving[piece].any():
             lacking[piece] = left[piece][moving[piece]].mean()
     return Scene(
-        recorded=recorded,
-        cuts=cuts,
-        motion=motion,
-        joint=joint,
-        operator=operator,
-        lacking=lacking,
-        restart=restart,
+        recorded=recorded, cuts=cuts, motion=motion, joint=joint, operator=operator, lacking=lacking, restart=restart
     )
 
 

@@ -275,14 +275,7 @@ def advance(q: float, v: float, sign: float, step: Step, bent: Float, tables: Ta
 
 @compiled()
 def run_pieces(
-    step_s: float,
-    steps: int,
-    drive: Float,
-    q: Float,
-    dq: Float,
-    pieces: NDArray[np.int64],
-    bent: Float,
-    tables: Tables,
+    step_s: float, steps: int, drive: Float, q: Float, dq: Float, pieces: NDArray[np.int64], bent: Float, tables: Tables
 ) -> Float:
     """Move a joint with tables through pieces of a recording, each from the recorded start.
 

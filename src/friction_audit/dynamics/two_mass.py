@@ -151,14 +151,7 @@ def _follow(q: Float, dq: Float, load: Float, step_s: float, between: Float, lin
 
 @compiled()
 def _release(
-    torques: Float,
-    step_s: float,
-    steps: int,
-    piece: tuple[int, int],
-    state: Float,
-    link: Link,
-    far: Tables,
-    out: Float,
+    torques: Float, step_s: float, steps: int, piece: tuple[int, int], state: Float, link: Link, far: Tables, out: Float
 ) -> None:
     """Let both sides go from the first sample of a piece to its last; changes ``out`` after the first."""
     h = step_s / steps

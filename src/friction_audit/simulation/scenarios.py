@@ -16,7 +16,7 @@ from friction_audit.simulation.simulation import Simulation
 AnySettings = BenchSettings | HandGuidedPanda | ArmSettings
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Scenario:
     """A situation that can be simulated by its name.
 
@@ -88,11 +88,7 @@ def _experiment(compensator: EnergyCompensator | None) -> BenchSettings:
     """Return the experiment with a single joint of the robot."""
     joint = JointParameters(inertia_kg_m2=0.15, coulomb_nm=0.311, viscous_nms_per_rad=0.6)
     return BenchSettings(
-        joints=(joint,),
-        sensors=(PANDA_SENSORS[0],),
-        operator=_PERSON,
-        compensator=compensator,
-        duration_s=40.0,
+        joints=(joint,), sensors=(PANDA_SENSORS[0],), operator=_PERSON, compensator=compensator, duration_s=40.0
     )
 
 
@@ -104,118 +100,106 @@ _TRUE_VALUES = FixedCompensation(coulomb_nm=_COULOMB_NM, viscous_nms_per_rad=_TE
 # The figures of the paper, in their order.
 PAPER_SCENARIOS: tuple[Scenario, ...] = (
     Scenario(
-        name="fig3",
-        summary="viscous friction, without compensation: the energy that a person puts in",
-        settings=_sinusoidal(_TEN, 8.0),
-        figure="Fig. 3",
+        "fig3",
+        "viscous friction, without compensation: the energy that a person puts in",
+        _sinusoidal(_TEN, 8.0),
+        "Fig. 3",
     ),
     Scenario(
-        name="fig6",
-        summary="viscous friction that doubles at 6 s, compensated by its estimate",
-        settings=_sinusoidal(
-            _TEN, 10.0, EnergyCompensator(model="viscous", zero_crossings=True), hidden=_DOUBLES_AT_6_S
-        ),
-        figure="Fig. 6",
+        "fig6",
+        "viscous friction that doubles at 6 s, compensated by its estimate",
+        _sinusoidal(_TEN, 10.0, EnergyCompensator(model="viscous", zero_crossings=True), hidden=_DOUBLES_AT_6_S),
+        "Fig. 6",
     ),
     Scenario(
-        name="fig7-unprotected",
-        summary="viscous friction compensated by half as much again, without passivity controller",
-        settings=_sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=False)),
-        figure="Fig. 7",
+        "fig7-unprotected",
+        "viscous friction compensated by half as much again, without passivity controller",
+        _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=False)),
+        "Fig. 7",
     ),
     Scenario(
-        name="fig7",
-        summary="viscous friction compensated by half as much again, until the passivity controller acts",
-        settings=_sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=True)),
-        figure="Fig. 7",
+        "fig7",
+        "viscous friction compensated by half as much again, until the passivity controller acts",
+        _sinusoidal(_TWENTY, 10.0, _over_compensated(passivity=True)),
+        "Fig. 7",
     ),
     Scenario(
-        name="fig8",
-        summary="a joint as in the paper's experiment, moved by a person, without compensation",
-        settings=_experiment(None),
-        figure="Fig. 8",
+        "fig8",
+        "a joint as in the paper's experiment, moved by a person, without compensation",
+        _experiment(None),
+        "Fig. 8",
     ),
     Scenario(
-        name="fig9-friction",
-        summary="Coulomb and viscous friction, without compensation: plateaus over the velocity",
-        settings=_sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
-        figure="Fig. 9",
+        "fig9-friction",
+        "Coulomb and viscous friction, without compensation: plateaus over the velocity",
+        _sinusoidal(_TEN, 8.0, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        "Fig. 9",
     ),
     Scenario(
-        name="fig9-compensated",
-        summary="Coulomb and viscous friction compensated by their true values: an ellipse over the velocity",
-        settings=_sinusoidal(_TEN, 8.0, _TRUE_VALUES, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
-        figure="Fig. 9",
+        "fig9-compensated",
+        "Coulomb and viscous friction compensated by their true values: an ellipse over the velocity",
+        _sinusoidal(_TEN, 8.0, _TRUE_VALUES, coulomb_nm=_COULOMB_NM, operator=_DAMPED_HAND),
+        "Fig. 9",
     ),
     Scenario(
-        name="fig10",
-        summary="the same, combined friction compensated from the last two cycles",
-        settings=_experiment(_COMBINED_OF_TWO),
-        figure="Fig. 10",
+        "fig10",
+        "the same, combined friction compensated from the last two cycles",
+        _experiment(_COMBINED_OF_TWO),
+        "Fig. 10",
     ),
     Scenario(
-        name="fig10-unguarded",
-        summary="the same, even from two cycles that are too alike to separate the coefficients",
-        settings=_experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
-        figure="Fig. 10",
+        "fig10-unguarded",
+        "the same, even from two cycles that are too alike to tell the coefficients apart",
+        _experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
+        "Fig. 10",
     ),
     Scenario(
-        name="fig12",
-        summary="a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
-        settings=ArmSettings(compensator=_COMBINED_OF_TWO, duration_s=30.0),
-        figure="Fig. 12",
+        "fig12",
+        "a Panda guided by a hand, all joints compensated from the last two cycles of the hand",
+        ArmSettings(compensator=_COMBINED_OF_TWO, duration_s=30.0),
+        "Fig. 12",
     ),
     Scenario(
-        name="fig13",
-        summary="a Panda guided by the same hand, without compensation: what methods are compared with",
-        settings=ArmSettings(duration_s=30.0),
-        figure="Fig. 13",
+        "fig13",
+        "a Panda guided by the same hand, without compensation: what methods are compared with",
+        ArmSettings(duration_s=30.0),
+        "Fig. 13",
     ),
 )
 
 _SERVO = Operator(stiffness_nm_per_rad=2000.0, damping_nms_per_rad=60.0, motion=Commanded())
 
 _ONE_JOINT = (
+    Scenario("joint", "one joint moved by hand, stop and go; a rig logs the interaction torque", BenchSettings()),
     Scenario(
-        name="joint",
-        summary="one joint moved by hand, stop and go; a rig logs the interaction torque",
-        settings=BenchSettings(),
+        "joint-sine",
+        "one joint moved by hand along a sinusoid of varying width",
+        BenchSettings(operator=Operator(motion=Sinusoid(spread=0.3)), duration_s=60.0),
     ),
     Scenario(
-        name="joint-sine",
-        summary="one joint moved by hand along a sinusoid of varying width",
-        settings=BenchSettings(operator=Operator(motion=Sinusoid(spread=0.3)), duration_s=60.0),
+        "joint-slow",
+        "one joint moved by hand at slow, steady speeds, with small reversals",
+        BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
     ),
     Scenario(
-        name="joint-slow",
-        summary="one joint moved by hand at slow, steady speeds, with small reversals",
-        settings=BenchSettings(operator=Operator(motion=SlowSweep(reversals=12)), duration_s=180.0),
+        "joint-loaded",
+        "one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
+        BenchSettings(gravity_nm=10.0, logs_sensor=True),
     ),
     Scenario(
-        name="joint-loaded",
-        summary="one joint moved by hand that carries a lever of 10 N m; logs the sensor's torque and gravity",
-        settings=BenchSettings(gravity_nm=10.0, logs_sensor=True),
-    ),
-    Scenario(
-        name="joint-driven",
-        summary="one joint moved by its motor along a sum of sines, a lever of 10 N m on it; without contact",
-        settings=BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
+        "joint-driven",
+        "one joint moved by its motor along a sum of sines, a lever of 10 N m on it; nobody touches it",
+        BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
     ),
 )
 
 _PANDA = (
+    Scenario("panda-joint", "a Panda whose joint 1 is moved by hand while the others stand still", HandGuidedPanda()),
+    Scenario("panda", "a Panda guided by the hand at its flange, all joints moving", ArmSettings()),
     Scenario(
-        name="panda-joint",
-        summary="a Panda whose joint 1 is moved by hand while the others stand still",
-        settings=HandGuidedPanda(),
-    ),
-    Scenario(
-        name="panda", summary="a Panda guided by the hand at its flange, all joints moving", settings=ArmSettings()
-    ),
-    Scenario(
-        name="panda-driven",
-        summary="a Panda that moves by itself, every joint along a sum of sines; without contact",
-        settings=ArmSettings(driven=True),
+        "panda-driven",
+        "a Panda that moves by itself, every joint along a sum of sines; nobody touches it",
+        ArmSettings(driven=True),
     ),
 )
 

@@ -4,8 +4,6 @@ from types import NoneType
 
 from friction_audit.compensation.compensators import (
     disturbance_observer,
-    energy,
-    fixed,
     joint_model,
     lugre,
     sigmoid,
@@ -15,7 +13,7 @@ from friction_audit.compensation.compensators.disturbance_observer import Distur
 from friction_audit.compensation.compensators.energy import Coefficients, EnergyCompensator
 from friction_audit.compensation.compensators.fixed import FixedCompensation
 from friction_audit.compensation.compensators.joint_model import JointModelCompensation
-from friction_audit.compensation.compensators.law import NONE, CompensatorKind, Guard
+from friction_audit.compensation.compensators.law import CompensatorKind, Guard
 from friction_audit.compensation.compensators.lugre import LugreCompensation
 from friction_audit.compensation.compensators.sigmoid import SigmoidCompensation
 from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation
@@ -36,16 +34,46 @@ __all__ = [
     "kind_of",
 ]
 
-# In the order of the documentation.
-COMPENSATORS: tuple[CompensatorKind, ...] = (
-    CompensatorKind(name="none", summary="no compensation", settings=NoneType, code=NONE),
-    fixed.COMPENSATOR,
-    energy.COMPENSATOR,
-    sigmoid.COMPENSATOR,
-    lugre.COMPENSATOR,
-    disturbance_observer.COMPENSATOR,
-    torque_regulation.COMPENSATOR,
-    joint_model.COMPENSATOR,
+# In the order of the documentation, which is that of the codes in ``law``.
+COMPENSATORS: tuple[CompensatorKind, ...] = tuple(
+    CompensatorKind(name=name, summary=summary, settings=settings, code=code, group=group)
+    for code, (name, summary, settings, group) in enumerate(
+        (
+            ("none", "no compensation", NoneType, None),
+            ("fixed", "given Coulomb and viscous friction; the true ones make it an oracle", FixedCompensation, None),
+            (
+                "energy",
+                "the paper's: Coulomb and viscous friction from the energy of past cycles",
+                EnergyCompensator,
+                None,
+            ),
+            (
+                "sigmoid",
+                "model-based, Gaz sigmoidal (static): a sigmoid of the velocity",
+                SigmoidCompensation,
+                sigmoid.GROUP,
+            ),
+            ("lugre", "model-based, LuGre: bristles that bend and slip", LugreCompensation, lugre.GROUP),
+            (
+                "disturbance_observer",
+                "friction observed as what the motor's dynamics do not explain",
+                DisturbanceObserver,
+                disturbance_observer.GROUP,
+            ),
+            (
+                "torque_regulation",
+                "torque feedback that makes motor inertia and friction smaller",
+                TorqueRegulation,
+                torque_regulation.GROUP,
+            ),
+            (
+                "joint_model",
+                "model-based: the terms of friction of a joint's model",
+                JointModelCompensation,
+                joint_model.GROUP,
+            ),
+        )
+    )
 )
 
 # What runs on one joint; None where nothing does.

@@ -10,8 +10,6 @@ from math import inf
 from typing import Any
 
 from friction_audit.compensation.compensators.law import (
-    DISTURBANCE_OBSERVER,
-    CompensatorKind,
     Guard,
     numbers_of,
     require_finite,
@@ -106,12 +104,3 @@ def torque_nm(group: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - re
     if group.dead_band_rad_s + group.ramp_rad_s > 0.0:
         share = abs(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s))
     return float(share * group.compensation_gain * memory.observed_friction_nm)
-
-
-COMPENSATOR = CompensatorKind(
-    name="disturbance_observer",
-    summary="friction observed as what the motor's dynamics do not explain",
-    settings=DisturbanceObserver,
-    code=DISTURBANCE_OBSERVER,
-    group=GROUP,
-)

@@ -4,14 +4,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import Any
 
-from friction_audit.compensation.compensators.law import (
-    ENERGY,
-    CompensatorKind,
-    Guard,
-    require_not_negative,
-    require_positive,
-    soft_sign,
-)
+from friction_audit.compensation.compensators.law import Guard, require_not_negative, require_positive, soft_sign
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
@@ -118,11 +111,3 @@ def torque_nm(settings: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 -
     """Return the torque that aids the motion, (9) with the sign that Figs 6 and 10 need. [N m]"""
     sign = soft_sign(dq, settings.dead_band_rad_s, settings.ramp_rad_s)
     return float(memory.coulomb_nm * sign + memory.viscous_nms_per_rad * dq)
-
-
-COMPENSATOR = CompensatorKind(
-    name="energy",
-    summary="the paper's: Coulomb and viscous friction from the energy of past cycles",
-    settings=EnergyCompensator,
-    code=ENERGY,
-)

@@ -4,7 +4,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any, Self
 
-from friction_audit.compensation.compensators.law import FIXED, CompensatorKind
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
 
@@ -37,11 +36,3 @@ def torque_nm(settings: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 -
     """Return the torque that aids the motion. [N m]"""
     share = 1.0 if abs(dq) > settings.dead_band_rad_s else 0.0
     return float(share * (memory.coulomb_nm * math.copysign(1.0, dq) + memory.viscous_nms_per_rad * dq))
-
-
-COMPENSATOR = CompensatorKind(
-    name="fixed",
-    summary="given Coulomb and viscous friction; the true ones make it an oracle",
-    settings=FixedCompensation,
-    code=FIXED,
-)

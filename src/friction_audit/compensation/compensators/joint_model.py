@@ -4,8 +4,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from friction_audit.compensation.compensators.law import (
-    JOINT_MODEL,
-    CompensatorKind,
     Guard,
     numbers_of,
     require_finite,
@@ -54,12 +52,3 @@ GROUP = numbers_of(JointModelCompensation)
 def torque_nm(group: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - records
     """Return the torque that aids the motion. [N m]"""
     return float(soft_sign(dq, group.dead_band_rad_s, group.ramp_rad_s) * memory.modelled_nm + memory.bristle_nm)
-
-
-COMPENSATOR = CompensatorKind(
-    name="joint_model",
-    summary="model-based: the terms of friction of a joint's model",
-    settings=JointModelCompensation,
-    code=JOINT_MODEL,
-    group=GROUP,
-)

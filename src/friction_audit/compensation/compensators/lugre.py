@@ -10,8 +10,6 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Self
 
 from friction_audit.compensation.compensators.law import (
-    LUGRE,
-    CompensatorKind,
     Guard,
     numbers_of,
     require_finite,
@@ -101,12 +99,3 @@ def torque_nm(group: Any, memory: Any, dq: float) -> float:  # noqa: ANN401 - re
     rate = dq - group.stiffness_nm_per_rad * abs(dq) * memory.bristle_rad / level_nm(group, dq)
     elastic = group.stiffness_nm_per_rad * memory.bristle_rad
     return float(elastic + group.damping_nms_per_rad * rate + group.viscous_nms_per_rad * dq)
-
-
-COMPENSATOR = CompensatorKind(
-    name="lugre",
-    summary="model-based, LuGre: bristles that bend and slip",
-    settings=LugreCompensation,
-    code=LUGRE,
-    group=GROUP,
-)

@@ -11,18 +11,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import (
-    SIGMOID,
-    CompensatorKind,
-    Guard,
-    numbers_of,
-    require_finite,
-    require_positive,
-)
+from friction_audit.compensation.compensators.law import Guard, numbers_of, require_finite, require_positive
 from friction_audit.compiled import compiled
 from friction_audit.errors import UsageError
-
-NAME = "Gaz sigmoidal (static)"
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -67,6 +58,8 @@ class SigmoidCompensation:
         """Return it with every torque times a factor."""
         return replace(self, height_nm=factor * self.height_nm)
 
+
+GROUP = numbers_of(SigmoidCompensation)
 
 # Of the seven joints, as published.
 PUBLISHED = (
@@ -126,12 +119,3 @@ def torque_nm(group: Any, dq: float) -> float:  # noqa: ANN401 - a record
     at_rest = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * group.shift_rad_s))
     moving = 1.0 / (1.0 + math.exp(-group.steepness_s_per_rad * (dq + group.shift_rad_s)))
     return float(group.height_nm * (moving - at_rest))
-
-
-COMPENSATOR = CompensatorKind(
-    name="sigmoid",
-    summary=f"model-based, {NAME}: a sigmoid of the velocity",
-    settings=SigmoidCompensation,
-    code=SIGMOID,
-    group=numbers_of(SigmoidCompensation),
-)

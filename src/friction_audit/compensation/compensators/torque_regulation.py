@@ -10,14 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from friction_audit.compensation.compensators.law import (
-    TORQUE_REGULATION,
-    CompensatorKind,
-    Guard,
-    numbers_of,
-    require_finite,
-    require_positive,
-)
+from friction_audit.compensation.compensators.law import Guard, numbers_of, require_finite, require_positive
 from friction_audit.compiled import compiled
 from friction_audit.joint_log import Float
 
@@ -157,12 +150,3 @@ def advance(group: Any, memory: Any, interaction_nm: float, dt: float) -> None: 
 def torque_nm(group: Any, memory: Any) -> float:  # noqa: ANN401 - records
     """Return the torque that shapes the inertia. [N m]"""
     return float((group.inertia_kg_m2 / group.desired_inertia_kg_m2 - 1.0) * memory.filtered_interaction_nm)
-
-
-COMPENSATOR = CompensatorKind(
-    name="torque_regulation",
-    summary="torque feedback that makes motor inertia and friction smaller",
-    settings=TorqueRegulation,
-    code=TORQUE_REGULATION,
-    group=GROUP,
-)

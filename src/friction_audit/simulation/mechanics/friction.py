@@ -52,13 +52,7 @@ def coulomb_factor(joint: Record, state: Record, q: float, t: float, duration: f
 
 @compiled()
 def sliding_level(
-    joint: Record,
-    state: Record,
-    q: float,
-    speed: float,
-    sign: float,
-    t: float,
-    duration: float,
+    joint: Record, state: Record, q: float, speed: float, sign: float, t: float, duration: float
 ) -> float:
     """Return the friction while the joint slides in a direction, without its linear viscous part. [N m]
 
@@ -86,14 +80,7 @@ def sliding_level(
 
 
 @compiled()
-def holding_level(
-    joint: Record,
-    state: Record,
-    q: float,
-    sign: float,
-    t: float,
-    duration: float,
-) -> float:
+def holding_level(joint: Record, state: Record, q: float, sign: float, t: float, duration: float) -> float:
     """Return the torque that friction can hold against at rest before the joint breaks away. [N m]"""
     level = sliding_level(joint, state, q, 0.0, sign, t, duration)
     extra = stiction.excess_nm(joint.hidden.stiction, state.rest_s)
@@ -140,14 +127,7 @@ def load_drive(body: Record, since: float, ahead: float) -> None:
 
 @compiled()
 def load_joint(
-    joint: Record,
-    state: Record,
-    events: Float,
-    body: Record,
-    j: int,
-    ahead: float,
-    t: float,
-    duration: float,
+    joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float, duration: float
 ) -> None:
     """Add what acts inside one joint: transmission, friction, the other torques behind the sensor."""
     c = body.inner[j]
@@ -167,15 +147,7 @@ def load_joint(
 
 
 @compiled()
-def load_friction(
-    joint: Record,
-    state: Record,
-    body: Record,
-    j: int,
-    ahead: float,
-    t: float,
-    duration: float,
-) -> None:
+def load_friction(joint: Record, state: Record, body: Record, j: int, ahead: float, t: float, duration: float) -> None:
     """Set what friction does to one joint, sliding, stuck or free."""
     c = body.inner[j]
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]

@@ -170,14 +170,7 @@ def _remember(joint: Record, state: Record, body: Record, j: int, t: float, h: f
 
 @compiled()
 def slide(
-    joints: Record,
-    states: Record,
-    events: Float,
-    body: Record,
-    since: float,
-    t: float,
-    h: float,
-    duration: float,
+    joints: Record, states: Record, events: Float, body: Record, since: float, t: float, h: float, duration: float
 ) -> None:
     """Move on by h, stopping and turning every coordinate exactly where its velocity is zero.
 

@@ -76,15 +76,7 @@ def quantised(value: float, step: float) -> float:
 
 
 @compiled()
-def advance(
-    joints: Record,
-    states: Record,
-    events: Float,
-    body: Record,
-    clock: Record,
-    t: float,
-    since: float,
-) -> None:
+def advance(joints: Record, states: Record, events: Float, body: Record, clock: Record, t: float, since: float) -> None:
     """Move on by half a tick."""
     h = 0.5 * clock.dt / clock.substeps
     for i in range(clock.substeps):
