@@ -8,12 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
-from friction_audit.compensation.compensators.disturbance_observer import DisturbanceObserver, stability_limit
+from friction_audit.compensation.compensators.disturbance_observer import DisturbanceObserver
 from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import JointParameters
 from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, fresh, guided, runs_away, work_j
+from tests.compensation.stability import observer_limit
 
 OBSERVER = DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0, dead_band_rad_s=0.0, ramp_rad_s=0.0)
 TOO_HEAVY = replace(OBSERVER, inertia_kg_m2=0.5)
@@ -54,7 +55,7 @@ def test_the_torque_is_the_gain_times_what_is_observed_outside_the_dead_band() -
 
 @pytest.mark.parametrize("hand", [0.05, 0.08])
 def test_the_loop_runs_away_just_beyond_the_limit(hand: float) -> None:
-    limit = stability_limit(TOO_HEAVY, inertia_kg_m2=0.1, outer_inertia_kg_m2=hand, period_s=TICK_S)
+    limit = observer_limit(TOO_HEAVY, inertia_kg_m2=0.1, outer_inertia_kg_m2=hand, period_s=TICK_S)
     below, above = (
         guided(replace(TOO_HEAVY, observer_gain_per_s=share * limit), joint=LIGHT, hand=hand, duration_s=6.0)
         for share in (0.95, 1.05)

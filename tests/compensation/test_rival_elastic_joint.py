@@ -6,18 +6,14 @@ from math import inf, sqrt
 import numpy as np
 import pytest
 
-from friction_audit.compensation.compensators.torque_regulation import (
-    ElasticJoint,
-    TorqueRegulation,
-    largest_torque_gain,
-    stability_limit,
-)
+from friction_audit.compensation.compensators import TorqueRegulation
 from friction_audit.simulation import IDEAL_SENSORS, JointParameters, Operator
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
 from tests.compensation.rival_bench import TICK_S
+from tests.compensation.stability import ElasticJoint, largest_torque_gain, regulation_limit
 
 INERTIA, HAND = 0.3, 0.3
 REDUCED = 0.15
@@ -47,7 +43,7 @@ def rings(regulation: TorqueRegulation, compliance: float, damping_ratio: float)
 @pytest.mark.parametrize(("compliance", "damping_ratio"), [(1e-4, 0.03), (2e-4, 0.03), (1e-5, 0.03)])
 def test_the_loop_rings_just_below_the_limit(compliance: float, damping_ratio: float, cutoff_hz: float) -> None:
     settings = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA, cutoff_hz=cutoff_hz)
-    limit = stability_limit(
+    limit = regulation_limit(
         settings,
         inertia_kg_m2=INERTIA,
         outer_inertia_kg_m2=HAND,

@@ -47,23 +47,6 @@ def test_before_it_slides_it_is_a_spring_that_holds() -> None:
     assert_allclose(torque[-499:], 300 * memory["bristle_rad"], rtol=1e-12)
 
 
-@pytest.mark.parametrize(
-    ("breakaway", "viscous", "damping", "passive"),
-    [
-        (0.5, 0.14, 0.2, True),
-        (0.5, 0.13, 0.2, False),  # 0.2 (0.5 - 0.3) / 0.3 = 0.1333
-        (0.5, 0.0, 0.0, True),
-        (0.3, 0.0, 5.0, True),
-    ],
-)
-def test_passivity_of_the_parameters(breakaway: float, viscous: float, damping: float, passive: bool) -> None:
-    one = LugreCompensation(
-        coulomb_nm=0.3, breakaway_nm=breakaway, viscous_nms_per_rad=viscous, damping_nms_per_rad=damping
-    )
-    assert one.is_passive == passive
-    assert one.scaled(1.2).is_passive == passive
-
-
 def test_it_does_not_stick_less_than_it_slides() -> None:
     with pytest.raises(UsageError, match="breakaway_nm"):
         LugreCompensation(coulomb_nm=0.3, breakaway_nm=0.2, viscous_nms_per_rad=0.0)

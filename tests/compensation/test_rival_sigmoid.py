@@ -17,7 +17,6 @@ BACKWARD = (0.30, 0.49, 0.25, 0.70, 0.47, 0.12, 0.29)
 def test_plateaus_are_the_published_ones() -> None:
     assert_allclose([one.plateaus_nm[0] for one in PUBLISHED], FORWARD, atol=6e-3)
     assert_allclose([one.plateaus_nm[1] for one in PUBLISHED], BACKWARD, atol=6e-3)
-    assert 0.6 < min(one.slope_nms_per_rad for one in PUBLISHED) < max(one.slope_nms_per_rad for one in PUBLISHED) < 2.0
 
 
 @pytest.mark.parametrize("joint", range(7))

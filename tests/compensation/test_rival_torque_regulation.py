@@ -8,9 +8,10 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.compensation.compensators.law import Guard
-from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation, loop_gain, stability_limit
+from friction_audit.compensation.compensators.torque_regulation import TorqueRegulation
 from friction_audit.simulation import JointParameters
 from tests.compensation.rival_bench import COULOMB, HAND, INERTIA, TICK_S, VISCOUS, feed, guided, runs_away, work_j
+from tests.compensation.stability import loop_gain, regulation_limit
 
 HALVED = TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=INERTIA / 2)
 
@@ -38,7 +39,7 @@ def test_friction_shrinks_like_the_inertia(desired: float) -> None:
 @pytest.mark.parametrize(("inertia", "hand"), [(0.3, 0.3), (0.2, 0.6)])
 def test_the_loop_runs_away_just_below_the_limit(inertia: float, hand: float, cutoff_hz: float) -> None:
     settings = TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=inertia, cutoff_hz=cutoff_hz)
-    limit = stability_limit(settings, inertia_kg_m2=inertia, outer_inertia_kg_m2=hand, period_s=TICK_S)
+    limit = regulation_limit(settings, inertia_kg_m2=inertia, outer_inertia_kg_m2=hand, period_s=TICK_S)
     joint = JointParameters(inertia_kg_m2=inertia, coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
     stable, unstable = (
         guided(replace(settings, desired_inertia_kg_m2=share * limit), joint=joint, hand=hand, duration_s=4.0)
@@ -50,7 +51,7 @@ def test_the_loop_runs_away_just_below_the_limit(inertia: float, hand: float, cu
 
 def test_the_limit_is_a_loop_gain_of_one() -> None:
     joint = {"inertia_kg_m2": 0.25, "outer_inertia_kg_m2": HAND}
-    limit = stability_limit(HALVED, period_s=TICK_S, **joint)
+    limit = regulation_limit(HALVED, period_s=TICK_S, **joint)
     assert loop_gain(replace(HALVED, desired_inertia_kg_m2=limit), **joint) == pytest.approx(1.0)
 
 

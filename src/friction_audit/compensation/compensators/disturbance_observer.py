@@ -6,7 +6,6 @@ joint torque measurement, IEEE/RSJ International Conference on Intelligent Robot
 
 import math
 from dataclasses import dataclass, field
-from math import inf
 from typing import Any
 
 from friction_audit.compensation.compensators.law import (
@@ -59,27 +58,6 @@ class DisturbanceObserver:
 
 
 GROUP = numbers_of(DisturbanceObserver)
-
-
-def stability_limit(
-    settings: DisturbanceObserver, *, inertia_kg_m2: float, outer_inertia_kg_m2: float, period_s: float
-) -> float:
-    """Return the largest observer gain L in a rigid joint, inf if there is none. [1/s]
-
-    Motor B and outer inertia m turn as one; u acts a tick after the sensors were read. The observed friction then
-    follows r[k+1] = (1 - a (1 - g e)) r[k] + ..., with a = 1 - exp(-L dt), compensation gain g and
-    e = (B - B_assumed) / (m + B). With the right inertia or too small a one any L is stable; with one too large it
-    takes a (1 - g e) < 2.
-
-    Args:
-        settings: The observer; its own L does not matter.
-        inertia_kg_m2: True motor inertia B. [kg m^2]
-        outer_inertia_kg_m2: Inertia m on the other side of the sensor: link and hand. [kg m^2]
-        period_s: Tick of the controller. [s]
-    """
-    error = (inertia_kg_m2 - settings.inertia_kg_m2) / (outer_inertia_kg_m2 + inertia_kg_m2)
-    largest = 2.0 / (1.0 - settings.compensation_gain * error)
-    return inf if largest >= 1.0 else -math.log1p(-largest) / period_s
 
 
 @compiled()

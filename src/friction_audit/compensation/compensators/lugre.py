@@ -58,12 +58,6 @@ class LugreCompensation:
                 f"or more"
             )
 
-    @property
-    def is_passive(self) -> bool:
-        """True if friction with these parameters only ever takes energy: sigma2 > sigma1 (Fs - Fc) / Fc."""
-        lost = self.damping_nms_per_rad * (self.breakaway_nm - self.coulomb_nm) / self.coulomb_nm
-        return self.viscous_nms_per_rad > lost or lost == 0.0
-
     def scaled(self, factor: float) -> Self:
         """Return it with every torque times a factor."""
         torques = ("coulomb_nm", "breakaway_nm", "viscous_nms_per_rad", "stiffness_nm_per_rad", "damping_nms_per_rad")

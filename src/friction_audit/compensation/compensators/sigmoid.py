@@ -48,12 +48,6 @@ class SigmoidCompensation:
         backward = self.height_nm / (1.0 + math.exp(-self.steepness_s_per_rad * self.shift_rad_s))
         return self.height_nm - backward, backward
 
-    @property
-    def slope_nms_per_rad(self) -> float:
-        """Slope at standstill. [N m s/rad]"""
-        forward, backward = self.plateaus_nm
-        return self.steepness_s_per_rad * forward * backward / self.height_nm
-
     def scaled(self, factor: float) -> Self:
         """Return it with every torque times a factor."""
         return replace(self, height_nm=factor * self.height_nm)
