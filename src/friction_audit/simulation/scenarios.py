@@ -149,7 +149,7 @@ PAPER_SCENARIOS: tuple[Scenario, ...] = (
     ),
     Scenario(
         "fig10-unguarded",
-        "the same, even from two cycles that are too alike to tell the coefficients apart",
+        "the same, even from two cycles that are too alike to separate the coefficients",
         _experiment(replace(_COMBINED_OF_TWO, condition_limit=inf)),
         "Fig. 10",
     ),
@@ -188,7 +188,7 @@ _ONE_JOINT = (
     ),
     Scenario(
         "joint-driven",
-        "one joint moved by its motor along a sum of sines, a lever of 10 N m on it; nobody touches it",
+        "one joint moved by its motor along a sum of sines, a lever of 10 N m on it; without contact",
         BenchSettings(operator=_SERVO, driven=True, gravity_nm=10.0, logs_sensor=True),
     ),
 )
@@ -198,7 +198,7 @@ _PANDA = (
     Scenario("panda", "a Panda guided by the hand at its flange, all joints moving", ArmSettings()),
     Scenario(
         "panda-driven",
-        "a Panda that moves by itself, every joint along a sum of sines; nobody touches it",
+        "a Panda that moves by itself, every joint along a sum of sines; without contact",
         ArmSettings(driven=True),
     ),
 )
