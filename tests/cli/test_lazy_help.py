@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -72,3 +73,28 @@ def test_names_of_options_are_those_of_the_steps() -> None:
     assert tuple(scenario.name for scenario in SCENARIOS) == choices.SCENARIOS
     assert {effect.name for effect in EFFECTS} == set(choices.EFFECTS)
     assert tuple(writer.name for writer in WRITERS) == choices.DIALECTS
+
+
+LOADED = """
+import sys
+from friction_audit.cli import main
+try:
+    main(sys.argv[1:])
+except SystemExit:
+    pass
+print(*(name for name in sys.modules if name.startswith("friction_audit.")), file=sys.stderr)
+"""
+MOST_LOADED = 120
+"""Of the modules of the package; 90 once a command loads itself alone and a log its own reader."""
+
+
+def test_an_estimate_with_figures_loads_no_other_analysis(tmp_path: Path) -> None:
+    log = Path(__file__).parents[2] / "sample_logs" / "bench_rig.csv"
+    words = ("estimate", str(log), "-q", "-o", str(tmp_path / "out"))
+    done = subprocess.run([sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=True)
+    loaded = done.stderr.splitlines()[-1].split()
+    assert (tmp_path / "out" / "coefficients.png").exists()
+    assert "friction_audit.reporting.figures.over_time" in loaded
+    others = ("diagnosis", "compensation", "simulation", "drift", "dynamics", "batch", "reproduce")
+    assert [name for name in loaded if name.split(".")[1] in others] == []
+    assert len(loaded) <= MOST_LOADED

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.fig10 import BAND, leaves_by
-from friction_audit.reproduce.fig11 import compensated
+from friction_audit.reproduce.one_joint import BAND, compensated, leaves_by
 from tests.reproduce.conftest import SEEDS, Check, simulated
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.reproduce.fig12 import SLOPE_BOUND, arm_leaves_by, cyclic_energies, negative_share, slope_ratios
+from friction_audit.reproduce.arm import SLOPE_BOUND, arm_leaves_by, cyclic_energies, negative_share, slope_ratios
 from tests.reproduce.conftest import Check, simulated
 
 

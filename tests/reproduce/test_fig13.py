@@ -5,10 +5,8 @@ from dataclasses import replace
 import pytest
 
 from friction_audit.compensation.comparison import METHODS, SCENES, Comparison, compare
-from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction
-from friction_audit.reproduce import course as compared
-from friction_audit.reproduce.course import ORDER, is_ranked, rows_of, steps_down
-from friction_audit.reproduce.fig13 import KEPT
+from friction_audit.reproduce import REPRODUCTIONS, Claim, Reproduction, compared
+from friction_audit.reproduce.compared import KEPT, ORDER, is_ranked, rows_of, steps_down
 
 SEEDS = 2
 COMPARED = [one for one in REPRODUCTIONS if one.figure in ("13", "14")]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from friction_audit.reproduce.fig3 import CLOSURE_BOUND, MINIMA_BOUND, minima
+from friction_audit.reproduce.viscous import CLOSURE_BOUND, MINIMA_BOUND, minima
 from tests.reproduce.conftest import Check
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.reproduce.fig7 import tolerance_j
+from friction_audit.reproduce.viscous import tolerance_j
 from tests.reproduce.conftest import Check, simulated
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.reporting.figures.paper import Course
-from friction_audit.reproduce.fig9 import last_period, off_ellipse, plateau_nm
+from friction_audit.reproduce.one_joint import last_period, off_ellipse, plateau_nm
 from friction_audit.simulation import simulate
 from friction_audit.simulation.scenarios import PAPER_SCENARIOS
 from tests.reproduce.conftest import Check

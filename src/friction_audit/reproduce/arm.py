@@ -6,21 +6,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from friction_audit.joint_log import Float
+from friction_audit.reporting.figures import paper
 from friction_audit.reproduce.course import make_course
-from friction_audit.reproduce.fig10 import BAND
+from friction_audit.reproduce.one_joint import BAND, SECOND
 from friction_audit.reproduce.reproduction import Claim, Reproduction, Simulations, each, share, spread
-from friction_audit.simulation import Simulation
+from friction_audit.simulation.simulation import Simulation
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-SECOND = 1
-"""Row of the second cycle."""
+# Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising.
 SLOPE_BOUND = 0.1
-"""Slope of the cyclic energies, over that of the first two cycles, up to which they count as no longer rising."""
 
 
-def check(simulations: Simulations) -> tuple[Claim, ...]:
+def check_12(simulations: Simulations) -> tuple[Claim, ...]:
     """Check that the cycles of all joints end at once, and what the energies do after the second."""
     arms = simulations["fig12"]
     return (_updated_at_once(arms), _arm_stops(arms), _joints_stop(arms), _keeps(arms))
@@ -122,12 +121,9 @@ def slope_ratios(cyclic: tuple[Float, Float]) -> Float:
     return np.asarray(after / before)
 
 
-def draw(simulations: Simulations) -> "Figure":
-    """Draw signals, energies and coefficients, a row for every joint."""
-    from friction_audit.reporting.figures.paper import draw_whole_arm
-
+def _draw_12(simulations: Simulations) -> "Figure":
     arm = simulations["fig12"][0]
-    return draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])
+    return paper.draw_whole_arm([make_course(arm, joint) for joint in range(len(arm.log.joint_names))])
 
 
 FIGURE_12 = Reproduction(
@@ -135,6 +131,6 @@ FIGURE_12 = Reproduction(
     title="A Panda guided by a hand, combined friction of all joints compensated from two cycles of the hand",
     scenarios=("fig12",),
     most_seeds=5,
-    check=check,
-    draw=draw,
+    check=check_12,
+    draw=_draw_12,
 )
