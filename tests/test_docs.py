@@ -22,7 +22,6 @@ from friction_audit.joint_log import JOINT_CHANNELS
 from friction_audit.pipeline import AuditSettings, estimate_log
 from friction_audit.reporting.estimate import estimate_document
 from friction_audit.reporting.figures.registry import FIGURES
-from friction_audit.reporting.schemas import KINDS, load_schema
 from tests.diagnosed_once import diagnosed_once
 from tests.documented_commands import PAGES, ROOT, Terminal, blocks, commands, examples, same
 from tests.source_tree import nodes
@@ -206,21 +205,6 @@ def test_names_of_clocks_are_the_program_s() -> None:
 def test_every_channel_has_a_meaning() -> None:
     named = {name for row in cells(DOCS / "nomenclature.md") for name in re.findall(r"`(\w+)`", row[0])}
     assert set(JOINT_CHANNELS) <= named
-
-
-def keys(schema: dict[str, Any]) -> Iterator[str]:
-    for name, inner in schema.get("properties", {}).items():
-        yield name
-        yield from keys(inner)
-        yield from keys(inner.get("items", {}))
-    for inner in (*schema.get("$defs", {}).values(), *schema.get("anyOf", ()), *schema.get("oneOf", ())):
-        yield from keys(inner)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_keys_of_documents_are_documented(kind: str) -> None:
-    named = set(re.findall(r"`(\w+)`", (DOCS / "json.md").read_text()))
-    assert set(keys(load_schema(kind))) <= named
 
 
 def assert_shown(shown: Any, real: Any, where: str = "") -> None:

@@ -144,7 +144,8 @@ CONTROL = Record(
         Column("outside", bool, "whether it is outside the limits"),
     )
 )
-VALUE = Record((Column("session", int), Column("value"), Column("ci95", INTERVAL)))
+PLACE = Column("session", int, "number of the session")
+VALUE = Record((PLACE, Column("value", float, "as compared"), Column("ci95", INTERVAL, "95 % interval")))
 FOUND = Record(
     (
         Column("drift", bool, "whether it drifts", on="j"),
@@ -218,7 +219,7 @@ ARM = Record(
         _numbers("reference", "sessions of the reference", "reference"),
         Column(
             "left_out",
-            [Record((Column("session", int), Column("reason", str)))],
+            [Record((PLACE, Column("reason", str, "why")))],
             "sessions not compared, with the reason",
             lambda arm: [{"session": index + 1, "reason": reason} for index, reason in arm.left_out],
         ),
@@ -259,7 +260,7 @@ JOINT_DRIFT = Record(
         Column("coulomb_trend_nm_per_session", Coefficient, "robust slope", _trend("coulomb_nm")),
         Column("viscous_trend_nms_per_rad_per_session", Coefficient, "robust slope", _trend("viscous_nms_per_rad")),
         Column("change_points", [int], "first sessions after a step", _change_points),
-        Column("coefficients", {"*": FOUND}, "by name", _by_name),
+        Column("coefficients", {"*": FOUND}, "by name of the coefficient", _by_name),
     )
 )
 CURVE = Record(

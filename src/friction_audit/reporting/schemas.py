@@ -1,6 +1,8 @@
-"""JSON Schemas of the documents; later versions of a kind rename keys, the same version only adds some."""
+"""JSON Schemas of the documents."""
 
 from typing import Any
+
+from friction_audit.reporting.table import Document
 
 KINDS = (
     "estimate", "info", "plot", "replay", "diagnose", "convert", "simulate", "truth", "reproduce", "compare", "batch",
@@ -8,12 +10,17 @@ KINDS = (
 )  # fmt: skip
 
 
-def load_schema(kind: str) -> dict[str, Any]:
-    """Return the JSON Schema of a kind of document, one of KINDS."""
+def document_of(kind: str) -> Document:
+    """Return the specification of a kind of document, one of KINDS."""
     from friction_audit.reporting import compare, diagnosis, documents, drift, estimate, info, replay, report
 
     every = (
         estimate.ESTIMATE, info.INFO, documents.PLOT, replay.REPLAY, diagnosis.DIAGNOSE, documents.CONVERT,
         documents.SIMULATE, documents.TRUTH, compare.REPRODUCE, compare.COMPARE, drift.BATCH, report.REPORT,
     )  # fmt: skip
-    return next(document.schema() for document in every if document.kind == kind)
+    return next(document for document in every if document.kind == kind)
+
+
+def load_schema(kind: str) -> dict[str, Any]:
+    """Return the JSON Schema of a kind of document, one of KINDS."""
+    return document_of(kind).schema()
