@@ -34,9 +34,9 @@ def test_the_table_has_a_row_and_a_sentence_per_joint(run: Run, logs: Path) -> N
     answer = run("diagnose", logs / "moved2.csv", *FEW)
     assert answer.code == 0
     rows = [line.split() for line in answer.out.splitlines() if line[:2] in ("1 ", "2 ")]
-    assert [row[:2] for row in rows] == [["1", "none"], ["2", "none"]]
+    assert [row[:2] for row in rows] == [["1", "adequate"], ["2", "adequate"]]
     assert re.search(r"^joints? 1.*: nothing is missing: an effect of", answer.out, re.MULTILINE)
-    assert answer.out.count("cycles that no choice was made on") == 1
+    assert answer.out.count("residual RMS on held-out cycles") == 1
 
 
 @pytest.mark.usefixtures("sketched")
@@ -64,10 +64,10 @@ def test_json_is_one_document_and_nothing_else(run: Run, logs: Path) -> None:
     asked = document["settings"]["diagnosis"]
     assert (asked["seed"], asked["alpha"], asked["candidates"]) == (3, 0.01, ["stribeck", "torque_ripple"])
     (joint,) = document["joints"]
-    assert (joint["joint"], joint["verdict"]) == (2, "none")
+    assert (joint["joint"], joint["verdict"]) == (2, "adequate")
     assert joint["gap"]["baseline_rms_nm"] == pytest.approx(joint["gap"]["noise_floor_rms_nm"], rel=0.05)
     assert joint["gap"]["held_out_cycles"] >= 0.3 * 24 - 1
-    assert joint["declared"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
+    assert joint["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.152, abs=0.01)
 
 
 def test_a_process_of_its_own_which_works_in_copies_says_the_same(run: Run, logs: Path) -> None:
@@ -93,7 +93,7 @@ def test_a_folder_gets_the_document_and_the_model_that_is_taken_again(run: Run, 
     assert joint.values("coulomb") == pytest.approx([0.245], abs=0.01)
     assert joint.provenance.method == "diagnose"
     again = run("diagnose", logs / "moved1.csv", "--joint-model", folder / "model.toml", "--json", *FEW).document()
-    assert "inertia_kg_m2" not in again["joints"][0]["declared"]
+    assert "inertia_kg_m2" not in again["joints"][0]["nominal"]
     assert again["settings"]["diagnosis"]["model"]["joints"][0]["provenance"]["cycles"] > 10
 
 

@@ -22,4 +22,4 @@ def test_a_grown_model_is_simulated_and_misses_nothing(run: Run, tmp_path: Path)
     model = ("--joint-model", "first/model.toml")
     assert run("simulate", "joint", "-o", "second.parquet", "--seed", "6", *model, *words).code == 0
     second = run("diagnose", "second.parquet", *model, *few).document()
-    assert second["joints"][0]["verdict"] == "none"
+    assert second["joints"][0]["verdict"] == "adequate"

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.errors import AnalysisError
-from friction_audit.reporting import log_report
+from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
 
 NAMES = ("moved1.report.html", "moved1.report.json", "moved1.report.md")
@@ -45,7 +45,7 @@ def test_a_part_without_an_answer_leaves_the_others(
     assert "warning: " in answer.err
     text = (tmp_path / "damaged.report.md").read_text(encoding="utf-8")
     assert WHY in text
-    assert "what friction took" in text
+    assert "that friction dissipated" in text
 
 
 def test_json_alone_writes_no_file(run: Run, logs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

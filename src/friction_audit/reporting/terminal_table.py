@@ -1,5 +1,7 @@
 """Table specification -> lines of a terminal."""
 
+import io
+
 from friction_audit.joint_log import JointLog
 from friction_audit.reporting.table import Table
 
@@ -24,15 +26,15 @@ def table_lines(table: Table) -> list[str]:
         drawn.add_column(head, justify="right" if column.number else "left", no_wrap=not column.words)
     for row in table.rows:
         drawn.add_row(*(Text(column.text(row)) for column in table.columns))
-    console = Console(highlight=False, markup=False, color_system=None)
+    stream = io.StringIO()
+    console = Console(file=stream, highlight=False, markup=False, color_system=None)
     roomy = console.options.update(max_width=WIDEST)
     for part in drawn.columns:
         if part.no_wrap:
             part.min_width = max(console.measure(cell, options=roomy).maximum for cell in (part.header, *part.cells))
     console.width = max(console.width, console.measure(drawn, options=roomy).minimum)
-    with console.capture() as captured:
-        console.print(drawn)
-    return [line.rstrip() for line in captured.get().splitlines()]
+    console.print(drawn)
+    return [line.rstrip() for line in stream.getvalue().splitlines()]
 
 
 def log_line(log: JointLog) -> str:

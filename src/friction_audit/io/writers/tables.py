@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,8 @@ from friction_audit.joint_log import Float, JointLog
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
+    from pyarrow.csv import CSVWriter
+    from pyarrow.parquet import ParquetWriter
 
 
 NANOSECONDS = 1_000_000_000
@@ -91,18 +93,19 @@ def to_frame(table: TidyTable) -> "pd.DataFrame":
 
 def _write(batches: "Iterable[pa.RecordBatch]", types: Mapping[str, type], path: Path, kind: str) -> None:
     schema = _schema(types)
-    if kind == "csv":
-        from pyarrow.csv import CSVWriter
-
-        with CSVWriter(path, schema) as file:
-            for batch in batches:
-                file.write_batch(batch)
-        return
-    from pyarrow.parquet import ParquetWriter
-
-    with ParquetWriter(path, schema, compression="zstd", write_page_checksum=True) as writer:
+    # Opened here: Arrow takes no name of a file that is not UTF-8.
+    with path.open("wb") as file, _writer(file, schema, kind) as writer:
         for batch in batches:
             writer.write_batch(batch)
+
+
+def _writer(file: BinaryIO, schema: "pa.Schema", kind: str) -> "CSVWriter | ParquetWriter":
+    from pyarrow.csv import CSVWriter
+    from pyarrow.parquet import ParquetWriter
+
+    if kind == "csv":
+        return CSVWriter(file, schema)
+    return ParquetWriter(file, schema, compression="zstd", write_page_checksum=True)
 
 
 def _schema(types: Mapping[str, type]) -> "pa.Schema":
