@@ -1,0 +1,160 @@
+"""The simulator's formula of every effect against the detector's columns, at random states of a joint."""
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from friction_audit.dynamics.motion import Motion, Others
+from friction_audit.effects.registry import NAMES, term_of
+from friction_audit.joint_log import Float
+from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects.effect import Setting
+from friction_audit.simulation.mechanics.records import pack
+from friction_audit.simulation.settings import JointParameters
+
+JOINT = JointParameters(inertia_kg_m2=0.3, coulomb_nm=0.4, viscous_nms_per_rad=0.1)
+DT, N = 1e-3, 2000
+HIDDEN = {effect.name: effect for effect in EFFECTS}
+
+
+def states() -> Motion:
+    """Random smooth states of a joint among three."""
+    rng = np.random.default_rng(7)
+    t = np.arange(N) * DT
+    q, dq, ddq = np.zeros((3, N))
+    for amplitude, rate, phase in rng.uniform([0.1, 1.0, 0.0], [0.4, 9.0, 6.0], (4, 3)):
+        q = q + amplitude * np.sin(rate * t + phase)
+        dq = dq + amplitude * rate * np.cos(rate * t + phase)
+        ddq = ddq - amplitude * rate**2 * np.sin(rate * t + phase)
+    others = Others(
+        joint=1, dq=rng.normal(size=(N, 3)), ddq=rng.normal(size=(N, 3)), sensed=rng.normal(scale=5.0, size=(N, 3))
+    )
+    rest = 0.3 * ddq + 0.4 * np.sign(dq) + 0.1 * dq
+    return Motion(t=t, q=q, dq=dq, ddq=ddq, load=rng.normal(scale=8.0, size=N), rest=rest, others=others)
+
+
+MOTION = states()
+SIGN, LOAD = np.sign(MOTION.dq), MOTION.load + MOTION.rest  # type: ignore[operator]
+
+
+def each(name: str, function: str, *signals: Float) -> Callable[[Any], Float]:
+    """A compiled law of the simulator, sample by sample."""
+    law = getattr(import_module(f"friction_audit.simulation.effects.{name}"), function)
+    return lambda group: np.array([law(pack([group])[0], *args) for args in zip(*signals, strict=True)])
+
+
+def whole(name: str, function: str, *args: Any) -> Callable[[Any], Float]:
+    law = getattr(import_module(f"friction_audit.simulation.effects.{name}"), function)
+    return lambda group: np.asarray(law(group, *args))
+
+
+def bristles(group: Any) -> Float:
+    module = import_module("friction_audit.simulation.effects.presliding")
+    record, z, out = pack([group])[0], np.zeros(module.BRISTLES), []
+    for velocity in np.append(np.diff(MOTION.q) / DT, 0.0):
+        out.append(module.force_nm(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, velocity))
+        module.advance(record, z, JOINT.coulomb_nm, JOINT.coulomb_nm, velocity, DT)
+    return np.array(out) - JOINT.coulomb_nm * SIGN
+
+
+def stepped(group: Any) -> Float:
+    shares = [each("friction_step", f"{kind}_factor", MOTION.t, np.full(N, N * DT))(group) - 1.0 for kind in KINDS]
+    return JOINT.coulomb_nm * SIGN * shares[0] + JOINT.viscous_nms_per_rad * MOTION.dq * shares[1]
+
+
+KINDS = ("coulomb", "viscous")
+SENSED, NEIGHBOURS = MOTION.others.sensed, [0, 2]  # type: ignore[union-attr]
+
+
+def crosstalk(group: Any) -> Float:
+    none = type(group)()
+    return np.asarray(whole("torque_crosstalk", "mixed", SENSED)([none, group, none])[:, 1] - SENSED[:, 1])
+
+
+# Effect, parameters of the term, torque that the simulator's formula takes: F_m with the effect less F_m without it.
+CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
+    ("stribeck", (0.2, 0.3, 1.5), lambda g: SIGN * each("stribeck", "excess_nm", abs(MOTION.dq))(g)),
+    (
+        "nonlinear_viscous",
+        (0.2, 1.7, 1e-6, 0.0),
+        lambda g: SIGN * each("nonlinear_viscous", "extra_nm", abs(MOTION.dq))(g),
+    ),
+    ("asymmetric_coulomb", (0.1,), lambda g: SIGN * each("asymmetric_coulomb", "extra_nm", SIGN)(g)),
+    (
+        "asymmetric_viscous",
+        (0.05,),
+        lambda g: SIGN * each("asymmetric_viscous", "extra_nm", SIGN, abs(MOTION.dq))(g),
+    ),
+    ("presliding", (0.4, 0.02, 1.0, 0.0), bristles),
+    ("presliding", (0.4, 0.02, 1.5, 0.0), bristles),
+    (
+        "load_dependent_friction",
+        (0.06, 0.0, 1.0, 0.0, 0.0),
+        lambda g: SIGN * each("load_dependent_friction", "extra_nm", LOAD, LOAD * MOTION.dq)(g),
+    ),
+    (
+        "load_dependent_friction",
+        (0.006, 0.0, 2.0, 0.0, 0.0),
+        lambda g: SIGN * each("load_dependent_friction", "extra_nm", LOAD, LOAD * MOTION.dq)(g),
+    ),
+    (
+        "position_dependent_friction",
+        (0.1, -0.05, 3.0, 0.2, 1e6),
+        lambda g: 0.4 * SIGN * (each("position_dependent_friction", "factor", MOTION.q)(g) - 1.0),
+    ),
+    ("torque_ripple", (0.0, 0.1, 20.0), lambda g: -each("torque_ripple", "torque_nm", MOTION.q)(g)),
+    ("torque_ripple", (0.1, 0.0, 20.0), whole("torque_ripple", "reading_nm", MOTION.q)),
+    ("gravity_error", (0.2, -0.1, *([0.0] * 14), 0.0), whole("gravity_error", "reading_nm", MOTION.q)),
+    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.0), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
+    ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.2), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
+    ("torque_bias", (-0.1,), whole("torque_bias", "reading_nm", MOTION.t)),
+    ("time_delay", (0.02, 0.02, 0.0), lambda g: whole_delay(g.delay_s) - MOTION.rest),
+    ("torque_crosstalk", (0.08, 0.0, -1.0), crosstalk),
+    ("torque_crosstalk", (0.05, 0.05, 0.0), crosstalk),
+    ("inertia_error", (0.05,), lambda g: g.extra_kg_m2 * MOTION.ddq),
+    ("friction_step", (0.1, 0.02, 1.0, 0.0), stepped),
+    ("friction_step", (0.1, 0.02, 1.0, 0.5), stepped),
+    (
+        "unlogged_compensation",
+        (0.15, 0.05, 0.0, 0.0),
+        lambda g: -each("unlogged_compensation", "torque_nm", MOTION.dq)(g),
+    ),
+    (
+        "unlogged_compensation",
+        (0.15, 0.05, 0.0, 1.0),
+        lambda g: -each("unlogged_compensation", "torque_nm", MOTION.dq)(g),
+    ),
+]
+
+# Without an equal formula, or a torque only in a moving joint: compared in simulated logs (tests/simulation).
+IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "joint_elasticity", "backlash"} | {
+    "inertial_coupling", "warm_up", "contact_event",
+}  # fmt: skip
+
+
+def whole_delay(delay_s: float) -> Float:
+    delayed = import_module("friction_audit.simulation.effects.time_delay").delayed
+    return np.asarray(delayed(MOTION.rest, delay_s, DT))
+
+
+@pytest.mark.parametrize(("name", "values", "simulated"), CASES, ids=[case[0] for case in CASES])
+def test_the_simulator_s_formula_is_the_column(
+    name: str, values: tuple[float, ...], simulated: Callable[[Any], Float]
+) -> None:
+    term = term_of(name)
+    by_name = {parameter.name: value for parameter, value in zip(term.parameters, values, strict=True)}
+    setting = Setting(joint=JOINT, start_rad=0.0, driven=False, duration_s=N * DT)
+    given = HIDDEN[name].from_parameters(by_name, setting)
+    group = HIDDEN[name].make({key: v if isinstance(v, str) else repr(float(v)) for key, v in given.items()})
+    expected = term.torque(MOTION, values)
+    scale = float(np.abs(expected).max())
+    assert scale > 0.0
+    assert_allclose(simulated(group), expected, atol=1e-6 * scale)
+
+
+def test_every_effect_is_compared() -> None:
+    assert {name for name, _, _ in CASES} | IN_LOGS == set(NAMES)
