@@ -1,6 +1,6 @@
 """JointLog: what was recorded, in SI units and libfranka symbols.
 
-Holding a ``JointLog`` is the proof that its invariants hold; nobody checks them again.
+Holding a ``JointLog`` is the proof that its invariants hold; they are checked in its constructor alone.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,10 @@ from numpy.typing import NDArray
 from friction_audit.errors import InputError, UsageError
 
 Float = NDArray[np.float64]
+MINIMUM_SAMPLES = 2
+_MOST_STEPS = 10_000  # of which the median step is taken
 
+# Channels with one column per joint, in the order in which they are written to files.
 JOINT_CHANNELS = (
     "q",
     "dq",
@@ -26,10 +29,9 @@ JOINT_CHANNELS = (
     "tau_passivity",
     "temperature",
 )
-"""Channels with one column per joint, in the order in which they are written to files."""
 
+# Channels from which the interaction torque can be computed; a log has at least one of them.
 TORQUE_CHANNELS = ("tau_interaction", "tau_J", "tau_ext_hat_filtered")
-"""Channels from which the interaction torque can be made; a log has at least one of them."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -59,15 +61,15 @@ class Source:
         path: The path as the user gave it.
         sha256: Content hash of the file (of all files, in sorted order, for a directory).
         format: Name of the reader that read it.
-        robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, from joint names or message types.
+        robot: ``"panda"``, ``"fr3"`` or ``"unknown"``, by joint names or message types.
         serial: Serial number of the arm as the file states it, empty if it does not.
         clock: ``"robot_time"``, ``"header_stamp"``, ``"log_time"`` or ``"column"``.
-        start_s: Unix time of the first sample, or None when the clock does not tell. [s]
+        start_s: Unix time of the first sample, or None when the clock does not say. [s]
         topic: Topic that was read, or None for tables.
         channels: Channel of JointLog -> name in the file, with ``{i}`` for the joint's index.
         torque_unit: ``"N m"``, or ``"A"`` (``"mA"``) where the name of the torque column says motor current.
-        clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were held against each
-            other; 0 if the clock could not be checked.
+        clock_windows: Windows of time, over all moving joints, on which q, dq and the clock were compared; 0 if the
+            clock could not be checked.
         findings: What was noticed about the recording.
         window: Start and end of the part that was taken, as asked for. [s]
         skipped_s: Time from the first sample of the recording to that of this log. [s]
@@ -207,21 +209,17 @@ def find_window(t: Float, start_s: float | None, stop_s: float | None, path: str
     return slice(first, last)
 
 
-MINIMUM_SAMPLES = 2
-MOST_STEPS = 10_000
-
-
 def median_step(t: Float) -> float:
     """Return the median time step of a clock, from steps spread evenly over it where there are very many. [s]"""
-    first = np.linspace(0, len(t) - 2, min(len(t) - 1, MOST_STEPS)).astype(np.int64)
+    first = np.linspace(0, len(t) - 2, min(len(t) - 1, _MOST_STEPS)).astype(np.int64)
     return float(np.median(t[first + 1] - t[first]))
 
 
 def read_only(numbers: Float) -> Float:
-    """Return numbers in one piece that nobody may write to.
+    """Return numbers in one read-only piece.
 
-    Columns of a log are so, and those that were made from them are not: given to a compiled loop as they are, it would
-    be compiled once for each mixture of both.
+    Columns of a log are read-only, and columns computed from them are not: a compiled loop would be compiled once for
+    each mixture of both.
     """
     whole = np.ascontiguousarray(numbers, np.float64).view()
     whole.setflags(write=False)

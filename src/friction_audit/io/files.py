@@ -28,7 +28,7 @@ _STRING = re.compile(rb'"(?:[^"\\\n]|\\.)*"|\'[^\'\n]*\'')
 
 @dataclass(frozen=True, slots=True)
 class Stamp:
-    """What tells a file, or all files of a directory, from a changed one without reading it.
+    """What distinguishes a file, or all files of a directory, from a changed one without reading it.
 
     Attributes:
         size: Bytes, of all files.
@@ -43,7 +43,7 @@ class Stamp:
 
 
 def stamp_of(path: Path) -> Stamp:
-    """Return what tells a file or a directory's files from changed ones."""
+    """Return what distinguishes a file or a directory's files from changed ones."""
     states = [(str(file), file.stat()) for file in _files_of(path)]
     return Stamp(
         size=sum(state.st_size for _, state in states),
@@ -107,7 +107,7 @@ def read_toml(path: Path) -> dict[str, Any]:
 def whole_file(path: Path, *, overwrite: bool = False) -> Iterator[Path]:
     """Yield a path that does not exist yet; what is made there becomes ``path`` if the block succeeds.
 
-    The temporary path has the same suffix and lies in a private folder beside ``path``, so that the rename stays on
+    The temporary path has the same suffix and lies in a private folder next to ``path``, so that the rename stays on
     one file system; a writer may make a file or a directory there. Where ``path`` is a link, all of this concerns the
     file that it points to, and the link stays.
 

@@ -114,7 +114,7 @@ def is_label(name: str) -> bool:
 
 
 def labels_of(names: Sequence[str], joints: Mapping[str, str]) -> dict[int, str]:
-    """Return position of a column -> its joint, where joint names stand beside the numbers as in a JointState.
+    """Return position of a column -> its joint, where joint names stand next to the numbers as in a JointState.
 
     Args:
         names: Names of the columns, ``field.position3`` is of the same message and index as ``field.name3``.
@@ -147,6 +147,6 @@ _SERIAL_KEYS = {f"{whose}serial{what}" for whose in ("", "robot_", "arm_") for w
 
 
 def serial_in(notes: Mapping[str, str]) -> str:
-    """Return the serial number among notes by name, or nothing; names are taken whatever their case and dashes."""
+    """Return the serial number among notes by name, or nothing; case and dashes of names do not matter."""
     found = {key.strip().lower().replace("-", "_").replace(" ", "_"): value.strip() for key, value in notes.items()}
     return next((found[key] for key in sorted(_SERIAL_KEYS & found.keys()) if found[key]), "")

@@ -59,7 +59,7 @@ def map_columns(
         names: Name of every column that holds one number per row; elements of lists as ``name[0]``, ``name[1]``...
         path: The file, for messages.
         mapping: What the user says, channel or ``"t"`` -> name; wins.
-        labels: Position of a column -> its joint, where the table holds joint names beside the numbers.
+        labels: Position of a column -> its joint, where the table holds joint names next to the numbers.
         constant: Positions of columns seen not to change.
         arm: The arm to read, where the table holds several.
 

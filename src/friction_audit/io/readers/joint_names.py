@@ -17,7 +17,7 @@ _ROBOTS = (
     ("fr3", re.compile(r"(?:^|[\W_])fr3(?:[\W_]|v\d|\d|$)", re.IGNORECASE)),
 )
 _MAKE = re.compile(r"panda|fer|fr3(?:v\d(?:_\d)?)?|franka", re.IGNORECASE)
-_FEWEST_BESIDE_AN_ARM = 2  # a single numbered joint beside an arm (a lift, a gripper) is not a second arm
+_FEWEST_OF_A_SECOND_ARM = 2  # a single numbered joint next to an arm (a lift, a gripper) is not a second arm
 
 
 def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
@@ -37,7 +37,7 @@ def arms_in(names: Sequence[str]) -> dict[str, tuple[str, ...]]:
     return {
         arm: tuple(name for _, name in sorted(joints))
         for arm, joints in sorted(numbered.items())
-        if len(joints) >= min(most, _FEWEST_BESIDE_AN_ARM)
+        if len(joints) >= min(most, _FEWEST_OF_A_SECOND_ARM)
     }
 
 

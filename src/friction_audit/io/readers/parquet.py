@@ -59,7 +59,7 @@ def _open(path: Path, metadata: "FileMetaData | None" = None) -> "ParquetFile":
 class ParquetTable(ColumnTable):
     """A Parquet file.
 
-    Column by column is as fast as all at once, and only one row group of one column per thread is in memory beside the
+    Column by column is as fast as all at once, and only one row group of one column per thread is in memory next to the
     arrays that are kept. A row group of a column whose checksum is wrong is left out.
     """
 

@@ -32,7 +32,7 @@ _GIT_LFS = b"version https://git-lfs.github.com/spec/"
 
 
 def read_log(path: str | Path, options: ReadOptions = _DEFAULT) -> JointLog:
-    """Read a recorded joint log, whatever its format, and check it.
+    """Read a recorded joint log of any format, and check it.
 
     Args:
         path: A file, or the directory of a ROS 2 bag.

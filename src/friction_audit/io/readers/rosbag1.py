@@ -109,7 +109,7 @@ class Rosbag1Stream:
                 yield from blocks
 
     def _survey(self, file: BinaryIO) -> None:
-        """Walk over the file's records without reading the chunks' content; index records tell the counts."""
+        """Walk over the file's records without reading the chunks' content; index records hold the counts."""
         while (offset := file.tell()) < self._bytes:
             try:
                 header, size = _read_header(file)

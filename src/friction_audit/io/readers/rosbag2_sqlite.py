@@ -130,7 +130,7 @@ class Sqlite3Stream:
         return block_of_payloads(key, *zip(*sound, strict=True)) if sound else None
 
     def _connect(self) -> sqlite3.Connection:
-        """Open without writing anything beside the file, unless a journal of its own must be taken into account."""
+        """Open without writing any file next to it, unless a journal of its own must be taken into account."""
         journal = self._path.with_name(f"{self._path.name}-wal")
         immutable = "" if journal.exists() and journal.stat().st_size else "&immutable=1"
         database = sqlite3.connect(f"{self._database.resolve().as_uri()}?mode=ro{immutable}", uri=True)

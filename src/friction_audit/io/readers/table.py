@@ -39,10 +39,11 @@ class Table(ABC):
     Attributes:
         path: The file.
         names: Names of the columns that hold one number per row; elements of lists as ``name[0]``, ``name[1]``...
-        labels: Position of a column -> its joint, where joint names stand beside the numbers.
+        labels: Position of a column -> its joint, where joint names stand next to the numbers.
         constant: Positions of columns seen not to change.
         may_be_long: False if a table of this container never has one row per joint and time.
-        joint_names, robot, serial, start_s: What the file states beside its columns; start_s is of the first row. [s]
+        joint_names, robot, serial: What the file states apart from its columns.
+        start_s: Unix time of the first row, as the file states it apart from its columns. [s]
         clock: The clock as the container knows it, for the column of the same name.
     """
 
@@ -142,7 +143,7 @@ def read_table(table: Table, options: ReadOptions) -> Recording:
 
 
 def _with_stated(recording: Recording, table: Table) -> Recording:
-    """Add the start, the joints and the robot that the file states beside its columns."""
+    """Add the start, the joints and the robot that the file states apart from its columns."""
     if recording.start_s is None and table.start_s is not None:
         first_s = float(recording.t[0]) if recording.first_s is None else recording.first_s
         start_s = table.start_s - first_s

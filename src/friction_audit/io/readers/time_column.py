@@ -116,7 +116,7 @@ def to_clock(
 
 
 def _split_stamp(names: Sequence[str]) -> TimeColumn | None:
-    """Find a stamp kept as whole seconds beside nanoseconds, as ROS messages do."""
+    """Find a stamp kept as whole seconds and nanoseconds, as ROS messages do."""
     lower = {name.lower(): cell for cell, name in reversed(list(enumerate(names)))}
     for name, cell in sorted(lower.items(), key=lambda item: item[1]):
         match = _SECONDS.fullmatch(name)

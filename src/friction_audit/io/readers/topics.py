@@ -90,7 +90,7 @@ def namespace(topic: str) -> str:
 
 
 def _best_of_each_arm(candidates: Sequence[Candidate]) -> list[str]:
-    """Return the best topic for each arm, arms told apart by the names of their joints, else by namespace."""
+    """Return the best topic for each arm, arms distinguished by the names of their joints, else by namespace."""
     found: dict[str, str] = {}
     for candidate in sorted(candidates, key=_preference):
         for arm in candidate.arms:

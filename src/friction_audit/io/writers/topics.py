@@ -1,6 +1,6 @@
 """TidyTables -> MCAP with a topic per table and joint: JSON messages with their schema, on the clock of the log.
 
-Foxglove and PlotJuggler show them beside the log that they were made from. What is known at a moment of the log is
+Foxglove and PlotJuggler show them with the log that they were made from. What is known at a moment of the log is
 stamped with that moment, what the whole log says with its last sample.
 """
 
@@ -31,7 +31,7 @@ JSON_TYPES = {str: "string", int: "integer", float: "number", bool: "boolean"}
 class Span:
     """When a log was recorded, on its own clock."""
 
-    start_ns: int  # unix time of its first sample, or one second where its clock does not tell the time. [ns]
+    start_ns: int  # unix time of its first sample, or one second where its clock has no date [ns]
     duration_s: float  # from the first sample to the last. [s]
 
     def stamps(self, time_s: Float) -> list[int]:
@@ -90,8 +90,8 @@ def _messages(table: TidyTable, rows: JointRows, span: Span, place: int) -> Iter
         last = np.full(len(cells[0]), span.duration_s)
         stamps = span.stamps(last if table.time is None else np.asarray(rows.columns[table.time][part]))
         for stamp, row in zip(stamps, zip(*cells, strict=True), strict=True):
-            told = {name: value for name, value in zip(names, row, strict=True) if value is not None}
-            yield stamp, place, json.dumps(told, separators=(",", ":")).encode()
+            row_of_names = {name: value for name, value in zip(names, row, strict=True) if value is not None}
+            yield stamp, place, json.dumps(row_of_names, separators=(",", ":")).encode()
 
 
 def _plain(column: Column, kind: type) -> list[Any]:
