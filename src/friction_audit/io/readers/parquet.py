@@ -134,33 +134,55 @@ class ParquetTable(ColumnTable):
 
     def read_clock(self, time: TimeColumn) -> Clock:
         """Read the stamps, NaN where they are damaged; integers as they are, which floats would round."""
+        parts = self._stamp_arrays(time)
+        self._read_cells(zip(time.cells, parts, strict=True), None)
+        return self._to_clock(parts, time)
+
+    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
+        """Read the channels, in the rows of a mask or in all."""
+        channels, pairs = self._channel_arrays(columns, len(clock.t))
+        self._read_cells(pairs, rows)
+        joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], rows)
+        return Part(clock=clock, channels=channels, joint=joint)
+
+    def read_all(self, columns: ColumnMap) -> Part:
+        """Read the clock and the channels in all rows, at once: the memory of one is used again for the other."""
+        parts = self._stamp_arrays(columns.time)
+        channels, pairs = self._channel_arrays(columns, len(parts[0]))
+        self._read_cells([*zip(columns.time.cells, parts, strict=True), *pairs], None)
+        joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], None)
+        return Part(clock=self._to_clock(parts, columns.time), channels=channels, joint=joint)
+
+    def _channel_arrays(
+        self, columns: ColumnMap, rows: int
+    ) -> tuple[dict[str, NDArray[np.float64]], list[tuple[int, NDArray[Any]]]]:
+        """Return the arrays of the channels, and which cell of the table goes to which column of them."""
+        channels = {c: np.empty((rows, len(cells)), order="F") for c, cells in columns.channels.items()}
+        pairs = [(cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells)]
+        return channels, pairs
+
+    def _stamp_arrays(self, time: TimeColumn) -> list[NDArray[Any]]:
         import pyarrow as pa
 
         kinds = [self._types[self._cells[cell][0]] for cell in time.cells]
-        stamped = [pa.types.is_timestamp(kind) or pa.types.is_duration(kind) for kind in kinds]
-        exact = len(kinds) > 1 or stamped[0] or pa.types.is_integer(kinds[0])
-        parts = [np.zeros(self._file.metadata.num_rows, dtype=np.int64 if exact else np.float64) for _ in kinds]
-        self._read_cells(zip(time.cells, parts, strict=True), None)
+        exact = len(kinds) > 1 or _has_unit(kinds[0]) or pa.types.is_integer(kinds[0])
+        return [np.zeros(self._file.metadata.num_rows, dtype=np.int64 if exact else np.float64) for _ in kinds]
+
+    def _to_clock(self, parts: list[NDArray[Any]], time: TimeColumn) -> Clock:
         stamps = parts[0] if len(parts) == 1 else parts[0] * _NANOSECONDS + parts[1]
+        names = {self._cells[cell][0] for cell in time.cells}
         edges, lost = np.cumsum([0, *self._sizes]), np.zeros(len(stamps), dtype=np.bool_)
-        for _, group in self._damage:
-            lost[edges[group] : edges[group + 1]] = True
+        for name, group in self._damage:
+            lost[edges[group] : edges[group + 1]] |= name in names
         if lost.any():
             if lost.all():
                 damage = "; ".join(finding.message for finding in self.findings())
                 raise InputError(f"{self.path}: a damaged Parquet file: {damage}; copy or record it again")
             stamps[lost] = stamps[~lost][0]
-        clock = to_clock(stamps, str(kinds[0].unit) if stamped[0] else time.unit, path=str(self.path))
+        kind = self._types[self._cells[time.cells[0]][0]]
+        clock = to_clock(stamps, str(kind.unit) if _has_unit(kind) else time.unit, path=str(self.path))
         clock.t[lost] = np.nan
         return clock
-
-    def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
-        """Read the channels, in the rows of a mask or in all."""
-        channels = {c: np.empty((len(clock.t), len(cells)), order="F") for c, cells in columns.channels.items()}
-        pairs = ((cell, channels[c][:, j]) for c, cells in columns.channels.items() for j, cell in enumerate(cells))
-        self._read_cells(pairs, rows)
-        joint = None if columns.joint is None else self._read_texts(self._cells[columns.joint][0], rows)
-        return Part(clock=clock, channels=channels, joint=joint)
 
     def findings(self) -> tuple[Finding, ...]:
         """Return the damaged row groups; their numbers are missing values."""
@@ -214,9 +236,11 @@ class ParquetTable(ColumnTable):
 
     def _values(self, array: "pa.Array", column: str, start: int) -> NDArray[Any]:
         """Return the numbers of one column of a batch: (m,), or (m, width) for lists; NaN where there is none."""
+        import pyarrow as pa
+
         width = self._widths[column]
         if width == 0:
-            if not (_is_number(array.type) or _is_stamp(array.type)):
+            if not (_is_number(array.type) or _has_unit(array.type) or pa.types.is_boolean(array.type)):
                 raise InputError(
                     f"{self.path}: {column} holds {array.type}; expected numbers; name another column with --map"
                 )
@@ -286,13 +310,19 @@ def _integers_or_floats(array: "pa.Array") -> NDArray[Any]:
     """Return Arrow numbers as NumPy: stamps as int64, everything else as it is, NaN for null."""
     import pyarrow as pa
 
-    if pa.types.is_timestamp(array.type) or pa.types.is_duration(array.type):
+    if _has_unit(array.type):
         array = array.cast(pa.int64())
     if pa.types.is_decimal(array.type) or pa.types.is_boolean(array.type):
         array = array.cast(pa.float64())
     # Arrow's own conversion loads pandas, half a second, which only nulls need.
     numbers: NDArray[Any] = array.to_numpy(zero_copy_only=False) if array.null_count else np.from_dlpack(array)
     return numbers
+
+
+def _has_unit(kind: "pa.DataType") -> bool:
+    import pyarrow as pa
+
+    return bool(pa.types.is_timestamp(kind) or pa.types.is_duration(kind))
 
 
 def _is_list(kind: "pa.DataType") -> bool:
@@ -305,12 +335,6 @@ def _is_number(kind: "pa.DataType") -> bool:
     import pyarrow as pa
 
     return bool(pa.types.is_floating(kind) or pa.types.is_integer(kind) or pa.types.is_decimal(kind))
-
-
-def _is_stamp(kind: "pa.DataType") -> bool:
-    import pyarrow as pa
-
-    return bool(pa.types.is_timestamp(kind) or pa.types.is_duration(kind) or pa.types.is_boolean(kind))
 
 
 def _is_text(kind: "pa.DataType") -> bool:

@@ -77,9 +77,9 @@ class ColumnTable(Table):
         row_bytes = np.float64().itemsize * (1 + sum(map(len, columns.channels.values())))
         is_part = options.reads_part(rows * row_bytes)
         refuse_too_large(self.path, rows * (np.float64().itemsize if is_part else row_bytes), packed)
-        clock = self.read_clock(columns.time)
         if not is_part:
-            return self.read_rows(columns, clock, None)
+            return self.read_all(columns)
+        clock = self.read_clock(columns.time)
         clock, kept, first_s = take_part(clock, options, path=str(self.path))
         refuse_too_large(self.path, len(clock.t) * row_bytes, packed)
         return replace(self.read_rows(columns, clock, kept), first_s=first_s)
@@ -95,6 +95,10 @@ class ColumnTable(Table):
     @abstractmethod
     def read_rows(self, columns: ColumnMap, clock: Clock, rows: NDArray[np.bool_] | None) -> Part:
         """Read the channels, in the rows of a mask or in all."""
+
+    def read_all(self, columns: ColumnMap) -> Part:
+        """Read the clock and the channels in all rows."""
+        return self.read_rows(columns, self.read_clock(columns.time), None)
 
 
 def read_table(table: Table, options: ReadOptions) -> Recording:
