@@ -56,7 +56,7 @@ def cautions_of(joint: JointReplay) -> Iterator[Caution]:
 def seems_compensated(
     interaction: Interaction, cycles: EnergyCycles, friction: JointFriction, robot: str
 ) -> Iterator[Caution]:
-    """Yield a caution where friction looks as if a compensator had been active, and no column tells of one."""
+    """Yield a caution where friction looks as if a compensator had been active, and no column has its torque."""
     if interaction.compensation is not None or interaction.choice.drive != "hand" or friction.reason:
         return
     coefficients = {"Coulomb": friction.coulomb, "viscous": friction.viscous}
@@ -109,7 +109,7 @@ def _far_below(friction: JointFriction, robot: str) -> str:
 
 
 def log_cautions(interaction: Interaction) -> Iterator[Caution]:
-    """Yield cautions where nobody moved the arm by hand, or gravity is still in the torque."""
+    """Yield cautions where the arm was not moved by hand, or gravity is still in the torque."""
     if interaction.choice.drive != "hand":
         message = (
             "the arm moved by itself, and the compensator is made for a person who moves it: what is given for the "

@@ -85,7 +85,7 @@ class Joint(NamedTuple):
         tabled: Whether it is tables.
         body: Joint and operator, one element of ``stick_slip.BODY``.
         tables: What both take but for the operator's spring, and the inertia of both.
-        own_kg_m2: Inertia of the joint alone, behind the sensor. [kg m^2]
+        own_kg_m2: Inertia of the joint alone. [kg m^2]
         inertia_kg_m2: Inertia of the operator. [kg m^2]
         damping_nms_per_rad: Damping of the operator, in the tables too. [N m s/rad]
         stiffness_nm_per_rad: Stiffness of the operator, against position zero. [N m/rad]

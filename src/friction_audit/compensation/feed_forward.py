@@ -7,7 +7,7 @@ import numpy as np
 
 from friction_audit.compensation.records import Record
 from friction_audit.compiled import compiled
-from friction_audit.dynamics.motion import Motion
+from friction_audit.dynamics.motion import Motion, Term
 from friction_audit.dynamics.torque_tables import Tables, bend_on, bristle_damping, bristle_nm, tabulate, taken
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.errors import AnalysisError
@@ -119,7 +119,7 @@ def refusal(terms: Iterable[FittedTerm]) -> str:
     return _cannot_run(reasons)
 
 
-def past_refusal(terms: Iterable[FittedTerm]) -> str:
+def past_refusal(terms: Iterable[Term]) -> str:
     """Say that the torque of terms does not follow from tables; empty without terms."""
     return _cannot_run([f"{term.name}: along this recording, {PAST}" for term in terms])
 

@@ -20,7 +20,7 @@ class FittedJoint:
     """Inertia and friction with their 95 % intervals.
 
     Attributes:
-        inertia: Behind the torque sensor. [kg m^2]
+        inertia: Reflected inertia. [kg m^2]
         coulomb: [N m]
         viscous: [N m s/rad]
     """

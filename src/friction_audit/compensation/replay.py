@@ -164,12 +164,12 @@ def _scene(
         joint = modelled_joint(settings.joint_model.joint(friction.joint), motion)
     if isinstance(joint, str):
         return joint
-    operator = None
-    if settings.assume == SAME_OPERATOR.name:
-        given = settings.operator
-        operator = fit_operator(recorded, motion.q) if given is None else given_operator(given)
-        if isinstance(operator, str):
-            return operator
+    if settings.assume != SAME_OPERATOR.name:
+        return other_motion(cycles, column, recorded, cuts, motion, joint, None)
+    given = settings.operator
+    operator = fit_operator(recorded, motion.q) if given is None else given_operator(given)
+    if isinstance(operator, str):
+        return operator
     return other_motion(cycles, column, recorded, cuts, motion, joint, operator)
 
 

@@ -225,7 +225,7 @@ class Replay:
 
 
 ADVICE = {
-    GAP: "holes in the log; record without dropping samples",
+    GAP: "gaps in the log; record without dropping samples",
     NOT_MOVED: "the joint hardly moved; move it farther",
     TOO_ALIKE: "they are too alike to separate Coulomb from viscous friction; vary the speed, raise --window, or "
     "choose --model coulomb or viscous",

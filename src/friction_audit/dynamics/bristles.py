@@ -126,9 +126,9 @@ def bend(held: float, way: float, path: Float, torque: Float) -> float:
     on = path[low] + share * (path[high] - path[low]) + abs(way)
     last = len(path) - 1
     if on <= path[0]:
-        return sign * torque[0]
+        return float(sign * torque[0])
     if on >= path[last]:
-        return sign * torque[last]
+        return float(sign * torque[last])
     low = np.searchsorted(path, on) - 1
     share = (on - path[low]) / (path[low + 1] - path[low])
     return float(sign * (torque[low] + share * (torque[low + 1] - torque[low])))

@@ -15,6 +15,7 @@ recording, and the other side follows it.
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -116,7 +117,11 @@ def _settle(model: Model, tables: Tables, past: Sequence[Term], recording: _Reco
         ddq = recorded.ddq.copy()
         for first, stop in recording.pieces:
             ddq[first : stop + 1] = np.gradient(dq[first : stop + 1], recording.step_s)
-        found = {"q": np.where(inside, q, recorded.q), "dq": np.where(inside, dq, recorded.dq), "ddq": ddq}
+        found: dict[str, Any] = {
+            "q": np.where(inside, q, recorded.q),
+            "dq": np.where(inside, dq, recorded.dq),
+            "ddq": ddq,
+        }
         motion, last = replace(recorded, **found), dq
     return None
 
@@ -163,21 +168,21 @@ def _by_direction(torque: Float, way: Float, t: Float) -> Float:
 
 def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term]) -> Transmission | None:
     """The spring, the gap, or both in a row, the spring in the place of the flanks; None without either."""
-    spring, play = between.get("spring"), between.get("play")
-    share = min(_parameter(term, "far_share", 1.0) for term in (spring, play))
-    gap = 0.0 if play is None else _parameter(play, "_rad")
+    spring, backlash = between.get("spring"), between.get("play")
+    share = min(_parameter(term, "far_share", 1.0) for term in (spring, backlash))
+    gap_rad = 0.0 if backlash is None else _parameter(backlash, "_rad")
     compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")
     if compliance > 0.0:
         stiffness, damping_ratio = 1.0 / compliance, _parameter(spring, "damping_ratio", 0.0)
         soft_nm = _parameter(spring, "soft_nm", 0.0)
-    elif play is not None:
-        contact_hz = _parameter(play, "_hz", HIGHEST_HZ)
-        stiffness = flank_stiffness(share * model.inertia_kg_m2, contact_hz, gap, rms(model.rest(motion)))
-        damping_ratio, soft_nm = _parameter(play, "damping_ratio", 1.0), 0.0
+    elif backlash is not None:
+        contact_hz = _parameter(backlash, "_hz", HIGHEST_HZ)
+        stiffness = flank_stiffness(share * model.inertia_kg_m2, contact_hz, gap_rad, rms(model.rest(motion)))
+        damping_ratio, soft_nm = _parameter(backlash, "damping_ratio", 1.0), 0.0
     else:
         return None
     return Transmission(
-        stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, gap_rad=gap, soft_nm=soft_nm, far_share=share
+        stiffness_nm_per_rad=stiffness, damping_ratio=damping_ratio, gap_rad=gap_rad, soft_nm=soft_nm, far_share=share
     )
 
 

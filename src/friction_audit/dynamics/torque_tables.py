@@ -8,7 +8,7 @@ there, the term follows from more than the instant: it is left to the caller.
 
 from collections.abc import Iterable
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -114,12 +114,12 @@ def _empty(motion: Motion) -> Tables:
     low, high = float(motion.q.min()), float(motion.q.max())
     margin = max(MARGIN * (high - low), LEAST_MARGIN_RAD)
     still = np.zeros((2, n))
-    steps = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
-    torques = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), still)
+    steps: dict[str, Any] = {"speed_step": top / (n - 1), "place_step": (high - low + 2.0 * margin) / (n - 1)}
+    torques: dict[str, Any] = dict.fromkeys(("speed", "place", "place_per_speed", "time", "time_per_speed"), still)
     return Tables(inertia_kg_m2=0.0, place_start=low - margin, **steps, **torques, **_as_fields(NO_BRISTLES))
 
 
-def _as_fields(bristles: Bristles) -> dict[str, Float | float]:
+def _as_fields(bristles: Bristles) -> dict[str, Any]:
     return {
         "bristle_path": bristles.path,
         "bristle_torque": bristles.torque,
@@ -134,8 +134,9 @@ APPENDED = ("bristle_path", "bristle_torque", "spring_stiffness", "spring_reach"
 
 
 def _add(one: Tables, other: Tables) -> Tables:
-    added = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
-    return one._replace(**added, **{name: np.append(getattr(one, name), getattr(other, name)) for name in APPENDED})
+    added: dict[str, Any] = {name: getattr(one, name) + getattr(other, name) for name in ADDED}
+    added |= {name: np.append(getattr(one, name), getattr(other, name)) for name in APPENDED}
+    return one._replace(**added)
 
 
 def _holds(share: Tables, term: Term, motion: Motion) -> bool:
@@ -202,7 +203,9 @@ def _forms(term: Term, motion: Motion, empty: Tables) -> Iterable[Tables]:
     speeds[0] = min(CRAWL_RAD_S, 0.5 * empty.speed_step)
     unmoved = replace(motion, ddq=still)
     yield empty._replace(speed=ask(speeds, replace(unmoved, q=np.full(n, float(np.median(motion.q))))))
-    level, per_speed = affine(replace(unmoved, q=empty.place_start + empty.place_step * np.arange(n)))
+    level, per_speed = affine(
+        replace(unmoved, q=np.asarray(empty.place_start + empty.place_step * np.arange(n), np.float64))
+    )
     yield empty._replace(place=level, place_per_speed=per_speed)
     level, per_speed = affine(unmoved)
     yield empty._replace(time=level, time_per_speed=per_speed)

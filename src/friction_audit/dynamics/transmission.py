@@ -188,7 +188,7 @@ def _all_transmitted(
             places = those[first : first + LANES]
             # One or LANES side by side; the last one stands in for those that are lacking.
             filled = places + places[-1:] * (LANES - len(places) if len(places) > 1 else 0)
-            behind = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in filled]
+            driven = [(far[k].inertia_kg_m2, far[k].coulomb_nm, far[k].viscous_nms_per_rad) for k in filled]
             between = [
                 (
                     links[k].stiffness_nm_per_rad,
@@ -198,7 +198,7 @@ def _all_transmitted(
                 )
                 for k in filled
             ]
-            far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (behind, between))
+            far_sides, flexible = (np.ascontiguousarray(np.array(numbers).T) for numbers in (driven, between))
             lanes = (0.0,) * len(filled)
             torque = _follow(q, dq, load, step, between_samples(step, steps), far_sides, flexible, gap, lanes)
             yield from ((k, torque[lane]) for lane, k in enumerate(places))
@@ -221,7 +221,7 @@ def amid(w: Float, q: float, rise: float, dq: float, next_dq: float) -> tuple[fl
 
 @compiled()
 def _follow(  # noqa: PLR0913
-    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, play: bool, lanes: Lanes
+    q: Float, dq: Float, load: Float, step: float, between: Float, far: Float, links: Float, gap: bool, lanes: Lanes
 ) -> Float:
     """Integrate far sides (3, m) after transmissions (5, m), as many as lanes; return their torques, shape (m, n).
 
@@ -251,13 +251,13 @@ def _follow(  # noqa: PLR0913
             borne = load[k] + (i + 0.5) / steps * more
             felt = last if 2 * i < steps else next_one
             # Damping at the mean of both velocities, then what Coulomb friction takes of the new one.
-            if play:
+            if gap:
                 for j in range(many):
-                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
-                    twist = place - behind
+                    before, middle = omega[j], theta[j] + 0.5 * h * omega[j]
+                    twist = place - middle
                     engaged = twist - min(max(twist, -half[j]), half[j])
                     push, drag = pushed(stiffness[j] * engaged, bend[j], curve[j]), damping[j]
-                    # Neither spring nor damping within the play and where flanks would pull.
+                    # Neither spring nor damping within the gap and where flanks would pull.
                     apart = engaged * (push + drag * (speed - before)) <= 0.0
                     push, drag = 0.0 if apart else push, 0.0 if apart else drag
                     # All are read before one is taken: what is read on a condition, is read one by one.
@@ -267,15 +267,15 @@ def _follow(  # noqa: PLR0913
                     free = (kept_apart if apart else kept) * before
                     free += (given_apart if apart else given) * (push + drag * speed - borne)
                     omega[j] = free - min(max(free, -slip), slip)
-                    theta[j] = behind + 0.5 * h * omega[j]
+                    theta[j] = middle + 0.5 * h * omega[j]
                     table[felt, j] += push + drag * (speed - 0.5 * (before + omega[j])) - borne
             else:
                 for j in range(many):
-                    before, behind = omega[j], theta[j] + 0.5 * h * omega[j]
-                    push = pushed(stiffness[j] * (place - behind), bend[j], curve[j])
+                    before, middle = omega[j], theta[j] + 0.5 * h * omega[j]
+                    push = pushed(stiffness[j] * (place - middle), bend[j], curve[j])
                     free = keep[j] * before + gain[j] * (push + damping[j] * speed - borne)
                     omega[j] = free - min(max(free, -held[j]), held[j])
-                    theta[j] = behind + 0.5 * h * omega[j]
+                    theta[j] = middle + 0.5 * h * omega[j]
                     table[felt, j] += push + damping[j] * (speed - 0.5 * (before + omega[j])) - borne
         for j in range(many):
             torque[j, k] = table[last, j] / steps

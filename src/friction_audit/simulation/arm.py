@@ -93,7 +93,7 @@ class ArmSettings:
         hand: The person's hand at the flange.
         servo: The controller of an arm that moves by itself.
         driven: False: the hand guides the arm and friction is on the motors' side of the sensors. True: the motors move
-            it, nobody touches it, and friction is on the links' side.
+            it without contact, and friction is on the links' side.
         compensator: A friction compensator active in every joint, the same or one for each, or None.
         hand_cycles: True: the speed of the hand ends the cycles of all compensators at once (paper, section V.B).
         pose_rad: Pose at the start. [rad]

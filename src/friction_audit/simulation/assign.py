@@ -151,11 +151,11 @@ def assign(settings: Settings, path: str, text: str, joints: tuple[int, ...] | N
     """
     known = {".".join(leaf.path): leaf for leaf in _leaves(settings)}
     full = _find(path, tuple(known))
-    behind = "" if joints is None else f"@{write_joint_numbers(joints)}"
-    where, leaf = f"--set {full}={text}{behind}", known[full]
+    at = "" if joints is None else f"@{write_joint_numbers(joints)}"
+    where, leaf = f"--set {full}={text}{at}", known[full]
     if joints is not None:
         if not isinstance(leaf.value, PerJoint):
-            raise UsageError(f"{where}: is not set joint by joint; leave out {behind}")
+            raise UsageError(f"{where}: is not set joint by joint; leave out {at}")
         require_joints(joints, len(leaf.value.values), where)
     try:
         change = leaf.read(text)

@@ -188,7 +188,7 @@ def make_motion(mechanism: Mechanism, path: str, *, driven: bool) -> TrueMotion:
 
 
 def make_traces(mechanism: Mechanism) -> dict[str, Float]:
-    """Return what the compensators knew, by name, shape (n + 1, j) each."""
+    """Return the memory of the compensators, by name, shape (n + 1, j) each."""
     if not mechanism.traced.shape[2]:
         return {}
     return {name: mechanism.traced[:, :, column] for column, name in enumerate(TRACE)}

@@ -19,7 +19,7 @@ HAND_INERTIA_KG_M2 = 0.002  # of the hand about any axis through the flange; a g
 
 
 class RigidBody:
-    """The true arm, what its controller knows of it, and the mechanism that moves.
+    """The true arm, the controller's model of it, and the mechanism that moves.
 
     Attributes:
         settings: What is simulated.
@@ -54,7 +54,7 @@ class RigidBody:
         return y + ahead * (v + 0.5 * ahead * a), v + ahead * a
 
     def support(self, q: Float) -> Float:
-        """Return the torque with which the controller holds the arm against gravity, as far as it knows, shape (n,)."""
+        """Return the torque with which the controller holds the arm against gravity, by its own model, shape (n,)."""
         if not self.settings.compensates_gravity:
             return np.zeros(self._joints)
         mj, model, data = self._mj, self._known, self._known_data

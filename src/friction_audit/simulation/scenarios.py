@@ -39,7 +39,7 @@ NMS_PER_RAD_OF_NS_PER_MM = 0.01
 
 _TEN, _TWENTY, _THIRTY = (ns_per_mm * NMS_PER_RAD_OF_NS_PER_MM for ns_per_mm in (10.0, 20.0, 30.0))
 
-# A firm grip: the turning points are then those of the intended sinusoid to within two ticks, whatever friction is.
+# A firm grip: the turning points are then those of the intended sinusoid to within two ticks for any friction.
 _FIRM_HAND = Operator(
     stiffness_nm_per_rad=400.0, damping_nms_per_rad=8.0, motion=Sinusoid(amplitude_rad=0.5, period_s=4.0)
 )

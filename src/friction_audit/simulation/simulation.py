@@ -25,7 +25,7 @@ class TrueMotion:
         interaction_nm: Interaction torque F_m at the sensor. [N m]
         support_nm: Torque that holds the arm against gravity. [N m]
         port_nm: Torque that passes through the sensor towards the side on which friction acts. [N m]
-        friction_nm: Friction torque tau_f; at rest whatever holds the joint. [N m]
+        friction_nm: Friction torque tau_f; at rest the torque that holds the joint. [N m]
         compensation_nm: Torque of the compensator in force at the tick. [N m]
         passivity_nm: Torque of its passivity controller. [N m]
         unlogged_nm: Torque of a compensator that the log does not name. [N m]
@@ -77,7 +77,7 @@ class Simulation:
 
 
 def make_log(t: Float, channels: Mapping[str, Float], names: tuple[str, ...], path: str, *, robot: str) -> JointLog:
-    """Return a log whose source tells nothing about how it was made."""
+    """Return a log whose source does not say how it was made."""
     # Sensors know one zero: adding 0 turns the negative one, which text would show, into it.
     columns = {name: np.asfortranarray(channel + 0.0) for name, channel in channels.items()}
     digest = hashlib.sha256(t.tobytes())

@@ -1,6 +1,7 @@
 """The compensators there are: one file each, with its settings and its compiled law."""
 
 from types import NoneType
+from typing import Any
 
 from friction_audit.compensation.compensators import (
     disturbance_observer,
@@ -35,45 +36,29 @@ __all__ = [
 ]
 
 # In the order of the documentation, which is that of the codes in ``law``.
-COMPENSATORS: tuple[CompensatorKind, ...] = tuple(
+_KINDS: tuple[tuple[str, type[Any], Any, str], ...] = (
+    ("none", NoneType, None, "no compensation"),
+    ("fixed", FixedCompensation, None, "given Coulomb and viscous friction; the true ones make it an oracle"),
+    ("energy", EnergyCompensator, None, "the paper's: Coulomb and viscous friction from the energy of past cycles"),
+    ("sigmoid", SigmoidCompensation, sigmoid.GROUP, "model-based, Gaz sigmoidal (static): a sigmoid of the velocity"),
+    ("lugre", LugreCompensation, lugre.GROUP, "model-based, LuGre: bristles that bend and slip"),
+    (
+        "disturbance_observer",
+        DisturbanceObserver,
+        disturbance_observer.GROUP,
+        "friction observed as what the motor's dynamics do not explain",
+    ),
+    (
+        "torque_regulation",
+        TorqueRegulation,
+        torque_regulation.GROUP,
+        "torque feedback that makes motor inertia and friction smaller",
+    ),
+    ("joint_model", JointModelCompensation, joint_model.GROUP, "model-based: the terms of friction of a joint's model"),
+)
+COMPENSATORS = tuple(
     CompensatorKind(name=name, summary=summary, settings=settings, code=code, group=group)
-    for code, (name, summary, settings, group) in enumerate(
-        (
-            ("none", "no compensation", NoneType, None),
-            ("fixed", "given Coulomb and viscous friction; the true ones make it an oracle", FixedCompensation, None),
-            (
-                "energy",
-                "the paper's: Coulomb and viscous friction from the energy of past cycles",
-                EnergyCompensator,
-                None,
-            ),
-            (
-                "sigmoid",
-                "model-based, Gaz sigmoidal (static): a sigmoid of the velocity",
-                SigmoidCompensation,
-                sigmoid.GROUP,
-            ),
-            ("lugre", "model-based, LuGre: bristles that bend and slip", LugreCompensation, lugre.GROUP),
-            (
-                "disturbance_observer",
-                "friction observed as what the motor's dynamics do not explain",
-                DisturbanceObserver,
-                disturbance_observer.GROUP,
-            ),
-            (
-                "torque_regulation",
-                "torque feedback that makes motor inertia and friction smaller",
-                TorqueRegulation,
-                torque_regulation.GROUP,
-            ),
-            (
-                "joint_model",
-                "model-based: the terms of friction of a joint's model",
-                JointModelCompensation,
-                joint_model.GROUP,
-            ),
-        )
-    )
+    for code, (name, settings, group, summary) in enumerate(_KINDS)
 )
 
 # What runs on one joint; None where nothing does.

@@ -97,7 +97,7 @@ def cogging_torque(joint: Record, q: float) -> float:
 
 @compiled()
 def other_torque(joint: Record, state: Record, events: Float, q: float, dq: float, t: float) -> float:
-    """Return what pulls at the joint behind the sensor besides friction, positive towards positive velocity. [N m]"""
+    """Return all torques on the inner side but friction, positive towards positive velocity. [N m]"""
     hidden = joint.hidden
     torque = state.compensation_nm + state.unlogged_nm
     if hidden.cable_spring.stiffness_nm_per_rad != 0.0:
@@ -129,17 +129,17 @@ def load_drive(body: Record, since: float, ahead: float) -> None:
 def load_joint(
     joint: Record, state: Record, events: Float, body: Record, j: int, ahead: float, t: float, duration: float
 ) -> None:
-    """Add what acts inside one joint: transmission, friction, the other torques behind the sensor."""
+    """Add what acts inside one joint: transmission, friction, the other torques on the inner side."""
     c = body.inner[j]
     if c != j:
         _load_transmission(joint, body, j, ahead)
     q, dq = body.y[c] + ahead * body.v[c], body.v[c] + ahead * body.a[c]
-    body.behind[j] = body.support[j] + other_torque(joint, state, events, q, dq, t)
+    body.inner_torque[j] = body.support[j] + other_torque(joint, state, events, q, dq, t)
     if state.driven:
         body.force[j] += cogging_torque(joint, body.y[j] + ahead * body.v[j])
     else:
-        body.behind[j] += cogging_torque(joint, q)
-    body.force[c] += body.behind[j]
+        body.inner_torque[j] += cogging_torque(joint, q)
+    body.force[c] += body.inner_torque[j]
     lagging = joint.hidden.frictional_lag.lag_s != 0.0
     body.viscous[j] = 0.0 if lagging else viscous_now(joint, state, t, duration)
     body.damping[c, c] += body.viscous[j]
@@ -188,7 +188,7 @@ def _load_transmission(joint: Record, body: Record, j: int, ahead: float) -> Non
 
 @compiled()
 def _transmitted(joint: Record, engaged: float, ringing: float) -> tuple[float, float]:
-    """Return spring torque and damping of a transmission twisted beyond its play."""
+    """Return spring torque and damping of a transmission twisted beyond its gap."""
     elastic, flanks = joint.hidden.joint_elasticity, joint.hidden.backlash
     if elastic.compliance_rad_per_nm != 0.0:
         return joint_elasticity.torque_nm(elastic, engaged), joint_elasticity.damping_nms_per_rad(elastic, ringing)

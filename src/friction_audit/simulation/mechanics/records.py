@@ -62,14 +62,14 @@ BODY = np.dtype(
         ("force", "f8", (MOST,)),  # all other torques, at the middle of the step, (c,) [N m]
         ("mass", "f8", (MOST, MOST)),  # mass matrix, (c, c) [kg m^2]
         ("damping", "f8", (MOST, MOST)),  # damping matrix of the step, (c, c) [N m s/rad]
-        ("inner_mass", "f8", (MOST, MOST)),  # mass matrix behind the sensors, (n, n) [kg m^2]
+        ("inner_mass", "f8", (MOST, MOST)),  # mass matrix of the inner sides, (n, n) [kg m^2]
         ("stiffness", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m/rad]
         ("drive_damping", "f8", (MOST, MOST)),  # of what drives the outer sides, (n, n) [N m s/rad]
         ("push", "f8", (MOST,)),  # torque of the drive with all coordinates at zero, (n,) [N m]
         ("push_rate", "f8", (MOST,)),  # its rate of change, (n,) [N m/s]
         ("push_bend", "f8", (MOST,)),  # the rate of change of that, (n,) [N m/s^2]
         ("support", "f8", (MOST,)),  # on the inner sides, held from tick to tick, as gravity compensation, (n,) [N m]
-        ("behind", "f8", (MOST,)),  # all torques behind the sensors but friction and inertia, (n,) [N m]
+        ("inner_torque", "f8", (MOST,)),  # all torques on the inner sides but friction and inertia, (n,) [N m]
         ("viscous", "f8", (MOST,)),  # viscous coefficients of the step, (n,) [N m s/rad]
         ("port", "f8", (MOST,)),  # torque through the sensor, from the outer side to the inner one, (n,) [N m]
         ("friction", "f8", (MOST,)),  # friction torque, (n,) [N m]
@@ -108,7 +108,7 @@ def record_type(group: type[Any]) -> np.dtype[Any]:
     """Return the record type of a dataclass of numbers and of such dataclasses."""
     plain: dict[Any, Any] = {float: "f8", int: "i8", bool: "?"}
     hints = get_type_hints(group)
-    kinds = [(item.name, hints[item.name]) for item in fields(group)]
+    kinds: list[tuple[str, Any]] = [(item.name, hints[item.name]) for item in fields(group)]
     return np.dtype(
         [(name, record_type(kind) if is_dataclass(kind) else plain[kind]) for name, kind in kinds], align=True
     )

@@ -54,7 +54,7 @@ def _twist(joint: Record, load_nm: float) -> float:
 
 @compiled()
 def settle(joints: Record, body: Record, load_nm: Float) -> None:
-    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their play.
+    """Let the inner sides stand where the transmissions carry a load; without one, in the middle of their gap.
 
     Args:
         joints: Records of the joints, shape (n,).
@@ -97,7 +97,7 @@ def evaluate(joints: Record, states: Record, events: Float, body: Record, clock:
         else:
             sign = 1.0 if body.mode[c] == FREE else body.mode[c]
             body.friction[j] = sign * body.level[c] + body.viscous[j] * body.v[c]
-        torque = body.friction[j] - body.behind[j]
+        torque = body.friction[j] - body.inner_torque[j]
         for k in range(len(joints)):
             torque += body.inner_mass[j, k] * body.a[body.inner[k]]
         body.port[j] = torque
@@ -146,7 +146,7 @@ def run_bench(
         first: First tick.
         last: Tick to end before.
         out: Receives the truth, shape (ticks + 1, ROWS, 1).
-        traced: Receives what the compensator knew, shape (ticks + 1, 1, columns), or no columns at all.
+        traced: Receives the memory of the compensator, shape (ticks + 1, 1, columns), or no columns at all.
     """
     joints, states, events, body, loop, clock = parts
     half, link = 0.5 * clock.dt, body.inner[0] if driven else 0
@@ -252,7 +252,7 @@ def hand_cut(body: Record, loop: Record, jacobian: Float, cycle: Float, k: int, 
 
 @compiled()
 def tick_arm(
-    parts: Record, jacobian: Float, cycle: Float, told: bool, k: int, last: int, out: Float, traced: Float
+    parts: Record, jacobian: Float, cycle: Float, by_hand: bool, k: int, last: int, out: Float, traced: Float
 ) -> None:
     """Move on from half a tick before tick k, which is within the recording, to half a tick after it, likewise.
 
@@ -260,11 +260,11 @@ def tick_arm(
         parts: What moves, a ``rows.Parts``; changed.
         jacobian: Of the flange in the world's axes, shape (6, n).
         cycle: What is remembered of the hand, shape (CYCLE_STATE,); changed.
-        told: If True the hand ends the cycles of all joints, else each joint its own.
+        by_hand: If True the hand ends the cycles of all joints, else each joint its own.
         k: The tick.
         last: The last tick of the recording.
         out: Receives the truth, shape (ticks + 1, ROWS, n).
-        traced: Receives what the compensators knew, shape (ticks + 1, n, columns), or no columns at all.
+        traced: Receives the memory of the compensators, shape (ticks + 1, n, columns), or no columns at all.
     """
     joints, states, events, body, loop, clock = parts
     t, half = k * clock.dt, 0.5 * clock.dt
@@ -272,7 +272,7 @@ def tick_arm(
         advance(joints, states, events, body, clock, t - half, -half)
     evaluate(joints, states, events, body, clock, t)
     keep(states, body, out[k])
-    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if told else FIND
+    cut = hand_cut(body, loop, jacobian, cycle, k, clock.dt) if by_hand else FIND
     control(joints, states, body, loop, clock, k, cut)
     if traced.shape[2] > 0:
         for j in range(len(joints)):
