@@ -6,7 +6,7 @@ sides by the same angle; an elastic one, or one with backlash, has a coordinate 
 """
 
 from collections.abc import Sequence
-from dataclasses import astuple, fields, is_dataclass
+from dataclasses import astuple, fields
 from typing import Any, NamedTuple, TypeAlias, get_type_hints
 
 import numpy as np
@@ -109,9 +109,7 @@ def record_type(group: type[Any]) -> np.dtype[Any]:
     plain: dict[Any, Any] = {float: "f8", int: "i8", bool: "?"}
     hints = get_type_hints(group)
     kinds: list[tuple[str, Any]] = [(item.name, hints[item.name]) for item in fields(group)]
-    return np.dtype(
-        [(name, record_type(kind) if is_dataclass(kind) else plain[kind]) for name, kind in kinds], align=True
-    )
+    return np.dtype([(name, plain[kind] if kind in plain else record_type(kind)) for name, kind in kinds], align=True)
 
 
 def pack(settings: Sequence[Any]) -> np.ndarray[Any, Any]:
