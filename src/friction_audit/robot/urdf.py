@@ -115,15 +115,50 @@ def _faults(root: ET.Element) -> list[str]:
         return [f"{len(links)} links; expected at most {_MOST_LINKS}"]
     found = []
     for link in links:
-        for inertial in link.findall("inertial"):
-            wrong = [*_wrong_inertial(inertial), *_wrong_origin(inertial, "inertial origin")]
-            found += [f"link {link.get('name')}: {one}" for one in wrong]
+        wrong = [one for inertial in link.findall("inertial") for one in _wrong_inertial(inertial)]
+        found += [f"link {link.get('name')}: {one}" for one in wrong]
     for joint in joints:
-        wrong = [*_wrong_origin(joint, "origin"), *_wrong_axis(joint)]
-        if joint.get("type") not in _KNOWN:
-            wrong.append(f"type {joint.get('type')}; expected one of {', '.join(_KNOWN)}")
+        kind, wrong = joint.get("type"), list(_wrong_numbers(joint, "origin", 3, xyz="0 0 0", rpy="0 0 0"))
+        axis = joint.find("axis")
+        if axis is not None and kind != "fixed":
+            bent = list(_wrong_numbers(joint, "axis", 3, xyz=""))
+            still = not bent and not any(map(float, axis.get("xyz", "").split()))
+            wrong += [*bent, f"axis {axis.get('xyz')!r} has no direction"] if still else bent
+        if kind not in _KNOWN:
+            wrong.append(f"type {kind}; expected one of {', '.join(_KNOWN)}")
         found += [f"joint {joint.get('name')}: {one}" for one in wrong]
     return found or list(_wrong_tree(links, joints))
+
+
+def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
+    missing = [tag for tag in ("mass", "inertia") if inertial.find(tag) is None]
+    if missing:
+        yield f"inertial without <{missing[0]}>"
+        return
+    yield from _wrong_numbers(inertial, "mass", 1, lowest=0.0, value="")
+    yield from _wrong_numbers(inertial, "inertia", 1, lowest=0.0, ixx="", iyy="", izz="")
+    yield from _wrong_numbers(inertial, "inertia", 1, ixy="", ixz="", iyz="")
+    yield from _wrong_numbers(inertial, "origin", 3, xyz="0 0 0", rpy="0 0 0")
+
+
+def _wrong_numbers(parent: ET.Element, tag: str, count: int, lowest: float = -inf, **defaults: str) -> Iterator[str]:
+    """Name the attributes of an element, where it is there, that are not so many sound numbers."""
+    element = parent.find(tag)
+    if element is None:
+        return
+    for name, default in defaults.items():
+        text = element.get(name, default)
+        try:
+            values = [float(part) for part in text.split()]
+        except ValueError:
+            values = []
+        sound = all(lowest <= value and abs(value) < _ABSURD for value in values)
+        if len(values) != count or "_" in text or not sound:
+            what = "mass" if tag == "mass" else "axis" if tag == "axis" else f"{tag} {name}"
+            what = f"inertial {what}" if parent.tag == "inertial" and tag == "origin" else what
+            plural = "a number" if count == 1 else f"{count} numbers"
+            least = " of at least 0" if lowest == 0.0 else ""
+            yield f"{what} {text!r}; expected {plural}{least} below {_ABSURD:g}"
 
 
 def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[str]:
@@ -153,42 +188,3 @@ def _wrong_tree(links: list[ET.Element], joints: list[ET.Element]) -> Iterator[s
         if above in parents:
             yield f"link {link}: its joints form a loop"
             return
-
-
-def _wrong_inertial(inertial: ET.Element) -> Iterator[str]:
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    if mass is None or inertia is None:
-        yield f"inertial without <{'mass' if mass is None else 'inertia'}>"
-        return
-    yield from _wrong_numbers("mass", mass.get("value", ""), 1, lowest=0.0)
-    for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"):
-        lowest = 0.0 if name[1] == name[2] else -inf
-        yield from _wrong_numbers(f"inertia {name}", inertia.get(name, ""), 1, lowest=lowest)
-
-
-def _wrong_origin(parent: ET.Element, what: str) -> Iterator[str]:
-    origin = parent.find("origin")
-    if origin is not None:
-        for name in ("xyz", "rpy"):
-            yield from _wrong_numbers(f"{what} {name}", origin.get(name, "0 0 0"), 3)
-
-
-def _wrong_axis(joint: ET.Element) -> Iterator[str]:
-    axis = joint.find("axis")
-    if axis is None or joint.get("type") == "fixed":
-        return
-    text = axis.get("xyz", "")
-    wrong = list(_wrong_numbers("axis", text, 3))
-    yield from wrong
-    if not wrong and not any(map(float, text.split())):
-        yield f"axis {text!r} has no direction"
-
-
-def _wrong_numbers(what: str, text: str, count: int, lowest: float = -inf) -> Iterator[str]:
-    try:
-        values = [float(part) for part in text.split()]
-    except ValueError:
-        values = []
-    if len(values) != count or "_" in text or not all(lowest <= value and abs(value) < _ABSURD for value in values):
-        plural = "a number" if count == 1 else f"{count} numbers"
-        yield f"{what} {text!r}; expected {plural}{' of at least 0' if lowest == 0.0 else ''} below {_ABSURD:g}"
