@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from friction_audit.diagnosis.pushes import Push, bridged, find_pushes
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.joint_data_by_hand import two_sines
+from tests.effects.joint_data_by_hand import two_sines
 
 MOTION = two_sines()
 STEP_S = MOTION.step_s

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.recurrence import passes_of
-from tests.diagnosis.candidates.joint_data_by_hand import joint_data
+from tests.effects.joint_data_by_hand import joint_data
 
 PERIOD_S, STEP_S = 2.0, 0.005
 T = np.arange(0.0, 20.0, STEP_S)

@@ -12,8 +12,8 @@ from numpy.testing import assert_array_equal
 
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.registry import NAMES, effect_of, effects, motion_between, motion_to_decide, terms
-from tests.diagnosis.candidates.joint_data_by_hand import at_rest, baseline, two_sines
 from tests.diagnosis.started_and_stopped import started_and_stopped
+from tests.effects.joint_data_by_hand import at_rest, baseline, two_sines
 
 ODD = {"stribeck", "stiction", "nonlinear_viscous", "presliding", "frictional_lag", "load_dependent_friction"} | {
     "position_dependent_friction", "backlash", "warm_up", "friction_step", "unlogged_compensation",

@@ -192,7 +192,5 @@ EFFECT = Backlash(
     traits=Trait.NEEDS_NOMINAL,
     forward="play",
     record="reverse slowly at least 20 times with hardly any load",
-    separate={
-        "contact_event": "reverse again at the same places: a gap opens at every reversal",
-    },
+    separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
 )

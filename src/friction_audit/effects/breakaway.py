@@ -20,37 +20,30 @@ from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
 
-STANDSTILL_S = 0.06
-"""So long a joint stands still before it breaks away; its torque is followed over this time."""
+STANDSTILL_S = 0.06  # so long a joint stands still before it breaks away; its torque is followed over this time
+# Samples between standstill and break-away: half a period of the grid's corner, by which the low-pass smears.
 APART = 2
-"""Samples between standstill and break-away: half a period of the grid's corner, by which the low-pass smears."""
-DEGREE = 2
-"""Of the polynomial that carries the torque on to the break-away: a hand's torque bends over such a time."""
-SETTLED = 4
-"""Samples after the last certain motion, in which the joint may still come to rest."""
-LONGEST_S = 0.3
-"""The start is sought so long before the motion is certain."""
+DEGREE = 2  # of the polynomial that carries the torque on to the break-away: a hand's torque bends over such a time
+SETTLED = 4  # samples after the last certain motion, in which the joint may still come to rest
+LONGEST_S = 0.3  # the start is sought so long before the motion is certain
+# Share of the dead speed below which a joint stands still: positions tell so much slower a motion than velocities.
 CREEP = 0.1
-"""Share of the dead speed below which a joint stands still: positions tell so much slower a motion than velocities."""
-CERTAIN = 2.0
-"""The start is fitted up to so many times the dead speed."""
-SOON_S = 0.1
-"""A joint that does not reach it in this time has not left its rest for good."""
+CERTAIN = 2.0  # the start is fitted up to so many times the dead speed
+SOON_S = 0.1  # a joint that does not reach it in this time has not left its rest for good
+# The onset is known to so much: two samples by the low-pass, and two by a start that is not quite cubic.
 ONSET_S = 0.01
-"""The onset is known to so much: two samples by the low-pass, and two by a start that is not quite cubic."""
+# What the torque changes in that time is nothing if it is below its noise, or below this share of the torque.
 SMALL_SHARE = 0.05
-"""What the torque changes in that time is nothing if it is below its noise, or below this share of the torque."""
+# A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
+# standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start.
 CARRIED_SHARE, CARRIED_SIGMAS = 0.25, 2.0
-"""A joint whose torque rises by more than both in the time behind its start, this share of the torque and so many
-standard deviations of what it changes by at rest, had not been loaded up to its friction when it seemed to start."""
+# A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in
+# as much before, and by more than so many standard deviations of its noise: it had been more than sliding takes.
 FALL_SIGMAS = 4.0
-"""A start tells something however fast its torque rises, if that falls in the time behind it by more than it rose in as
-much before, and by more than so many standard deviations of its noise: it had been more than sliding takes."""
-POWER = 3
-"""Of the time, by which the path grows from a standstill under a torque that rises steadily."""
+POWER = 3  # of the time, by which the path grows from a standstill under a torque that rises steadily
+# To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
+# starts faster: one that took longer did not start then, but moved by one count of its encoder.
 SLOWEST = 3.0
-"""To the dead speed a joint takes 2.4 times as long as from there to twice that, if its path grows so, and less if it
-starts faster: one that took longer did not start then, but moved by one count of its encoder."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)

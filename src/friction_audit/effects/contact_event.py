@@ -8,10 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.joint_data import (
-    JointData,
-    Nominal,
-)
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
 
 KNOTS = 5  # points of the curve through one contact, nothing at its ends

@@ -6,8 +6,8 @@ from friction_audit.effects.joint_data import JointData, Nominal, strokes
 
 FEWEST_SAMPLES = 100
 FEWEST_REVERSALS = 8
+# A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen.
 CHANGE_PER_COULOMB = 0.5
-"""A neighbour's torque must change by so much of this joint's Coulomb friction before a few percent of it are seen."""
 
 
 def moves(data: JointData, _nominal: Nominal) -> str | None:

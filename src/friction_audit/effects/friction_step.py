@@ -60,7 +60,5 @@ EFFECT = FrictionStep(
     ),
     traits=Trait.FRICTION | Trait.ODD,
     record="record at least 4 cycles before and after the change",
-    separate={
-        "contact_event": "record at least 4 cycles before and after the moment: a contact passes",
-    },
+    separate={"contact_event": "record at least 4 cycles before and after the moment: a contact passes"},
 )

@@ -86,7 +86,5 @@ EFFECT = FrictionalLag(
     ),
     traits=Trait.NEEDS_NOMINAL,
     record="repeat strokes of equal speed with different accelerations",
-    separate={
-        "time_delay": "repeat strokes of equal speed with different accelerations, and carry a load",
-    },
+    separate={"time_delay": "repeat strokes of equal speed with different accelerations, and carry a load"},
 )

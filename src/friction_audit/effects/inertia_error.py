@@ -35,7 +35,5 @@ EFFECT = InertiaError(
     axis="acceleration",
     coefficients=(Parameter("extra_inertia_kg_m2", "kg m^2", "true inertia less the one stated"),),
     record="repeat the strokes at two or more clearly different speeds",
-    separate={
-        "inertial_coupling": "move one joint at a time",
-    },
+    separate={"inertial_coupling": "move one joint at a time"},
 )

@@ -84,7 +84,5 @@ EFFECT = JointLimitStop(
     ),
     traits=Trait.EVEN,
     record="move through all of the range",
-    separate={
-        "contact_event": "go to the same place again: a stop is still there",
-    },
+    separate={"contact_event": "go to the same place again: a stop is still there"},
 )

@@ -12,8 +12,7 @@ from friction_audit.effects.registry import term_of
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
-REST = ("coulomb", "viscous")
-"""Terms of ``Motion.rest`` besides the inertia."""
+REST = ("coulomb", "viscous")  # terms of ``Motion.rest`` besides the inertia
 
 
 @dataclass(frozen=True, slots=True)

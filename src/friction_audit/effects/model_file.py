@@ -16,8 +16,7 @@ from friction_audit.io.files import read_toml, whole_file
 SCHEMA = "friction-audit/model/1"
 ORIGIN: dict[str, type] = {"method": str, "log": str, "sha256": str, "cycles": int}
 """Keys of a joint's provenance and their types."""
-MOST_FAULTS, LONGEST_VALUE = 50, 80
-"""Faults that a message names, and characters of a key or value in it."""
+MOST_FAULTS, LONGEST_VALUE = 50, 80  # faults that a message names, and characters of a key or value in it
 
 
 def save_model(model: ArmModel, path: Path, *, overwrite: bool = False) -> None:

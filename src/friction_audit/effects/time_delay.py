@@ -64,7 +64,5 @@ EFFECT = TimeDelay(
     traits=Trait.NEEDS_NOMINAL,
     forward="delay",
     record="reverse sharply at two or more clearly different speeds",
-    separate={
-        "joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts",
-    },
+    separate={"joint_elasticity": "reverse sharply, slowly and fast: a spring rings, a delay shifts"},
 )

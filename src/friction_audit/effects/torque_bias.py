@@ -33,6 +33,6 @@ EFFECT = TorqueBias(
     traits=Trait.SPEED_ONLY | Trait.EXACT | Trait.EVEN,
     record="let the joint rest unloaded for 2 s",
     separate={
-        "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back",
+        "torque_drift": "zero the sensor and let the joint rest unloaded for 2 s early and late: a drift comes back"
     },
 )

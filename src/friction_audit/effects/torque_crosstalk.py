@@ -55,7 +55,5 @@ EFFECT = TorqueCrosstalk(
         Parameter("crosstalk_side", "1", "-1 the joint before, 1 the one after, 0 both", lower=-1, upper=1, whole=True),
     ),
     record="push against a neighbour while the arm rests",
-    separate={
-        "inertial_coupling": "move one joint at a time, then push against a neighbour at rest",
-    },
+    separate={"inertial_coupling": "move one joint at a time, then push against a neighbour at rest"},
 )

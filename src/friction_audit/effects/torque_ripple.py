@@ -13,16 +13,8 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.effect import Effect, Nonlinear
-from friction_audit.effects.excitation import (
-    span,
-)
-from friction_audit.effects.joint_data import (
-    CORNER_HZ,
-    JointData,
-    Nominal,
-    reach,
-    speeds,
-)
+from friction_audit.effects.excitation import span
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, reach, speeds
 from friction_audit.effects.parameter import Parameter
 from friction_audit.joint_log import Float
 
@@ -108,7 +100,5 @@ EFFECT = TorqueRipple(
     ),
     nonlinear=(Parameter("ripple_order", "1", "waves per revolution", lower=0.0, upper=1e5),),
     record="pass slowly and steadily over five periods of the ripple",
-    separate={
-        "joint_elasticity": "repeat slow, steady strokes at two speeds: a ripple's frequency goes with speed",
-    },
+    separate={"joint_elasticity": "repeat slow, steady strokes at two speeds: a ripple's frequency goes with speed"},
 )

@@ -37,10 +37,7 @@ class GravityError(HiddenEffect):
         cosine, sine = values["gravity_cos_nm"], values["gravity_sin_nm"]
         require(round(values["gravity_error_source"]) == 0, "it errs in the joint's own angle")
         size = math.hypot(cosine, sine)
-        return {
-            "torque_nm": -size if setting.driven else size,
-            "phase_rad": within_half_turn(math.atan2(cosine, sine)),
-        }
+        return {"torque_nm": -size if setting.driven else size, "phase_rad": within_half_turn(math.atan2(cosine, sine))}
 
 
 def reading_nm(group: GravityError, q: Float) -> Float:

@@ -119,14 +119,7 @@ def yield_rad(group: Record, k: int) -> float:
 
 
 @compiled()
-def advance(
-    group: Record,
-    bristles: Float,
-    coulomb_nm: float,
-    level: float,
-    velocity: float,
-    h: float,
-) -> None:
+def advance(group: Record, bristles: Float, coulomb_nm: float, level: float, velocity: float, h: float) -> None:
     """Move the deflections on by h at constant velocity, in place.
 
     Without Coulomb friction there is nothing that holds the joint, and nothing happens.

@@ -18,9 +18,9 @@ from friction_audit.effects.gravity_error import EFFECT as TERM
 from friction_audit.effects.gravity_error import OWN_ANGLE, SEVERAL
 from friction_audit.effects.inertial_coupling import AFTER, ALL, BEFORE, BOTH
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.explained import share_explained
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
 from tests.diagnosis.toy_candidates import altered
+from tests.effects.explained import share_explained
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 PLAIN = two_sines()
 LOADED = replace(PLAIN, load=8.0 * np.sin(PLAIN.q + 0.4))

@@ -6,8 +6,8 @@ import pytest
 from friction_audit.effects import backlash, presliding, time_delay
 from friction_audit.effects.joint_data import strokes
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.explained import share_explained
-from tests.diagnosis.candidates.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
+from tests.effects.explained import share_explained
+from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
 
 DATA = two_sines(30.0)
 SUBSTEPS = 20

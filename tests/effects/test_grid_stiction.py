@@ -10,8 +10,8 @@ from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.stiction import AGEINGS_S, AT_ONCE_RAD, FEWEST_BREAKAWAYS
 from friction_audit.effects.stiction import EFFECT as CANDIDATE
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
 from tests.diagnosis.started_and_stopped import COULOMB_NM, EXCESS_NM, RISE_NM_PER_S, started_and_stopped
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 AT_ONCE = {"ageing_s": 0.01, "renewal_rad": AT_ONCE_RAD}
 

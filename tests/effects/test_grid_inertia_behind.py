@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from friction_audit.effects import backlash, joint_elasticity
 from friction_audit.effects.transmission import no_inertia
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 
 def test_an_inertia_above_zero_is_enough() -> None:

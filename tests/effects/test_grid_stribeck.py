@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from friction_audit.effects import nonlinear_viscous, stribeck
-from tests.diagnosis.candidates.explained import share_explained
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
+from tests.effects.explained import share_explained
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 DATA = two_sines()
 V = DATA.dq

@@ -8,8 +8,8 @@ import pytest
 from friction_audit.effects import friction_step, torque_drift, warm_up
 from friction_audit.effects.effect import Effect
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.explained import share_explained
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
+from tests.effects.explained import share_explained
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 DATA = replace(two_sines(), temperature=None)
 T, V = DATA.t, DATA.dq

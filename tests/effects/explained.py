@@ -6,7 +6,7 @@ from friction_audit.diagnosis.beside import Beside
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.joint_data_by_hand import baseline
+from tests.effects.joint_data_by_hand import baseline
 
 
 def share_explained(candidate: Effect, data: JointData, torque: Float) -> float:

@@ -5,8 +5,8 @@ import pytest
 
 from friction_audit.effects import cable_spring, joint_limit_stop
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.explained import share_explained
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, two_sines
+from tests.effects.explained import share_explained
+from tests.effects.joint_data_by_hand import baseline, two_sines
 
 DATA = two_sines()
 Q, V = DATA.q, DATA.dq

@@ -9,7 +9,7 @@ from friction_audit.diagnosis.find_contacts import contact_grid, find_contacts
 from friction_audit.effects.contact_event import EFFECT as CANDIDATE
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
-from tests.diagnosis.candidates.joint_data_by_hand import baseline, joint_data, two_sines
+from tests.effects.joint_data_by_hand import baseline, joint_data, two_sines
 
 MOTION = two_sines()
 PLAIN = baseline(MOTION).torque
