@@ -6,15 +6,17 @@ from math import inf
 
 import numpy as np
 import pytest
+from matplotlib.patches import Rectangle
 
 from friction_audit.cli.compare import FIGURES
 from friction_audit.compensation.comparison import METHODS, Comparison, compare
 from friction_audit.compensation.comparison.experiment import choose_best
 from friction_audit.compensation.comparison.methods import BEST, PAPER, Joint, Tuning
-from friction_audit.compensation.comparison.result import MEASURES, Curve, Point, tell_rows
+from friction_audit.compensation.comparison.result import Curve, Point
 from friction_audit.compensation.compensators import Compensator, FixedCompensation
-from friction_audit.reporting.compare import compare_lines
+from friction_audit.reporting.compare import MEASURES, compare_lines, method_rows
 from friction_audit.reporting.figures.comparison import draw_comparison as draw
+from friction_audit.reporting.figures.comparison import draw_sweeps
 from tests.comparison.conftest import CHOSEN, SEEDS, compared, short_joint
 
 
@@ -80,10 +82,10 @@ def test_figures_have_their_names() -> None:
 
 
 def test_what_is_told_is_what_was_measured() -> None:
-    for told, row in zip(tell_rows(compared()), compared().rows, strict=True):
-        assert set(MEASURES) < set(told)
+    for entry, row in zip(method_rows(compared()), compared().rows, strict=True):
+        assert set(MEASURES) < set(entry)
         slopes = [outcome.energy_slope_w for outcome in row.outcomes if outcome.stable]
-        assert told["energy_slope_w"]["value"] == pytest.approx(np.mean(slopes))  # type: ignore[index]
+        assert entry["energy_slope_w"]["value"] == pytest.approx(np.mean(slopes))
 
 
 def test_progress_rises_to_one() -> None:
@@ -109,7 +111,7 @@ def test_a_method_without_stable_tuning_is_reported_and_named() -> None:
 
 
 def table_of(comparison: Comparison) -> str:
-    lines = compare_lines(tell_rows(comparison), len(comparison.seeds), len(comparison.tuning_seeds))
+    lines = compare_lines(method_rows(comparison), len(comparison.seeds), len(comparison.tuning_seeds))
     return "\n".join(str(line) for line in lines)
 
 
@@ -166,3 +168,22 @@ def test_few_values_of_a_sweep_are_evenly_chosen() -> None:
     (curve,) = (one for one in compared().curves if one.method == "torque_regulation")
     (sweep,) = (method.sweeps[0] for method in METHODS if method.name == "torque_regulation")
     assert [each.value for each in curve.points] == list(sweep.values[::2])
+
+
+@pytest.mark.parametrize(
+    ("held", "start", "at"),
+    [
+        ("++++", [], []),
+        ("++--", [3.0], [3.0]),
+        ("-+++", [], [1.0]),
+        ("-+-+", [], [1.0, 3.0, 3.0]),
+        ("-++-", [4.0], [1.0, 4.0]),
+        ("----", [1.0], []),
+    ],
+)
+def test_a_sweep_is_shaded_and_crossed_where_the_loop_was_lost(held: str, start: list[float], at: list[float]) -> None:
+    points = tuple(replace(point((0.1,), int(mark == "-")), value=float(n)) for n, mark in enumerate(held, start=1))
+    whole = Curve(method="energy", label="proposed", name="a", axis="k", points=points)
+    (axes,) = draw_sweeps(replace(compared(), curves=(whole,))).axes
+    assert [patch.get_x() for patch in axes.patches if isinstance(patch, Rectangle)] == start
+    assert sorted(float(np.asarray(one.get_xdata())[0]) for one in axes.lines if one.get_marker() == "x") == at

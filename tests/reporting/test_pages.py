@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from friction_audit.reporting.figures.batch_drift import draw_drift
+from friction_audit.reporting.figures.drift import draw_drift
 from hypothesis import given
 from hypothesis import strategies as st
 

@@ -156,13 +156,12 @@ def _draw(
 
 
 def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]], *, json: bool) -> None:
-    from friction_audit.compensation.comparison.result import tell_curves, tell_rows
-    from friction_audit.reporting.compare import compare_document, compare_lines
+    from friction_audit.reporting.compare import compare_document, compare_lines, method_rows, sweep_rows
     from friction_audit.reporting.documents import write_document
 
-    rows = tell_rows(result)
+    rows = method_rows(result)
     if json:
-        document = compare_document(_tell_scene(result, scene), rows, tell_curves(result), files)
+        document = compare_document(_scene_document(result, scene), rows, sweep_rows(result), files)
         say(write_document(document), nl=False)
         return
     say("\n".join(compare_lines(rows, len(result.seeds), len(result.tuning_seeds))))
@@ -170,7 +169,7 @@ def _print(result: "Comparison", scene: "Scene", files: Sequence[tuple[str, str]
         say(path)
 
 
-def _tell_scene(result: "Comparison", scene: "Scene") -> dict[str, object]:
+def _scene_document(result: "Comparison", scene: "Scene") -> dict[str, object]:
     from friction_audit.simulation.hide import hidden_effects, settings_in_sight
 
     return {

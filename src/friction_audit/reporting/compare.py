@@ -2,8 +2,10 @@
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from math import inf, isnan
+from operator import attrgetter
 from typing import Any
 
+from friction_audit.compensation.comparison.result import Comparison, Interval
 from friction_audit.reporting.documents import HIDDEN
 from friction_audit.reporting.table import INTERVAL, Column, Document, Record
 from friction_audit.reporting.terminal_table import table_lines
@@ -119,6 +121,68 @@ COMPARE = Document(
         )
     ),
 )
+
+
+MEASURES = (
+    "energy_slope_w",
+    "peak_torque_nm",
+    "rms_torque_nm",
+    "vibration_nm",
+    "standstill_rad_s",
+    "chatter_nm",
+    "coulomb_left",
+    "viscous_left",
+    "inertia_left",
+)  # of a trial, documented with their mean and interval
+
+
+def method_rows(comparison: Comparison) -> list[dict[str, Any]]:
+    """Return every method and tuning with its measures."""
+    return [
+        {
+            "method": row.method,
+            "label": row.label,
+            "tuning": row.tuning.name,
+            "meaning": row.tuning.meaning,
+            "role": row.role,
+            "tuning_losses": row.tuning_losses,
+            **{name: _interval(row.interval(attrgetter(name))) for name in MEASURES},
+            "stable_share": row.stable_share,
+            "lost_s": list(row.lost_s),
+            "stability_margin": _interval(row.margin),
+            "stability_margins": list(row.margins),
+        }
+        for row in comparison.rows
+    ]
+
+
+def sweep_rows(comparison: Comparison) -> list[dict[str, Any]]:
+    """Return every sweep with its points."""
+    return [
+        {
+            "method": curve.method,
+            "label": curve.label,
+            "sweep": curve.name,
+            "axis": curve.axis,
+            "boldest_stable": curve.boldest_stable,
+            "points": [
+                {
+                    "value": point.value,
+                    "tuning": point.tuning.name,
+                    "stable": point.stable,
+                    "stable_share": 1.0 - point.losses / len(point.outcomes),
+                    "energy_slope_w": _interval(point.energy_slope_w),
+                    "rms_torque_nm": _interval(point.rms_torque_nm),
+                }
+                for point in curve.points
+            ],
+        }
+        for curve in comparison.curves
+    ]
+
+
+def _interval(interval: Interval) -> dict[str, Any]:
+    return {"value": interval.value, "ci95": [interval.low, interval.high]}
 
 
 def compare_document(

@@ -17,11 +17,8 @@ if TYPE_CHECKING:
 
 # The paper's methods, from the steepest to the flattest net energy.
 ORDER = ("none", "sigmoid", "disturbance_observer", "torque_regulation", "energy")
-
 SCENARIO = "fig13"
-
 MOST_SEEDS = 5  # of an arm with all its methods and their sweeps; ``compare --arm panda`` takes more
-
 NOTE = (
     "friction-audit compare --arm panda has more persons, intervals and sweeps; torque regulation by its law leaves a "
     "share of all friction, while an observer leaves none of what is slow"

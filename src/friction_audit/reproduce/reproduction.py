@@ -56,11 +56,8 @@ def share(holds: "NDArray[np.bool_]") -> str:
     return f"{int(holds.sum())} of {len(holds)} seeds"
 
 
-Simulations = Mapping[str, tuple[Simulation, ...]]
-"""By name of the scenario, one simulation per seed."""
-
-MANY = 1000
-"""As many seeds as are asked for."""
+Simulations = Mapping[str, tuple[Simulation, ...]]  # by name of the scenario, one simulation per seed
+MANY = 1000  # as many seeds as are asked for
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -84,8 +81,7 @@ class Reproduction:
     draw: "Callable[[Simulations], Figure]"
 
 
-SMALLEST_PERCENT = 0.001
-"""Below this, nobody needs the digits."""
+SMALLEST_PERCENT = 0.001  # below this, nobody needs the digits
 
 
 def relative(share: float) -> str:
@@ -96,8 +92,7 @@ def relative(share: float) -> str:
     return f"{float(f'{percent:.2g}'):.6f}".rstrip("0").rstrip(".") + " %"
 
 
-Progress = Callable[[float], None]
-"""Told the share that is done, 0 to 1."""
+Progress = Callable[[float], None]  # told the share that is done, 0 to 1
 
 
 def simulate_figures(

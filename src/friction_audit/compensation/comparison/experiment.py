@@ -13,7 +13,7 @@ from friction_audit.compensation.comparison.margin import amplified, find_margin
 from friction_audit.compensation.comparison.methods import (
     BEST,
     METHODS,
-    NONE,
+    NO_COMPENSATION,
     OTHER,
     PAPER,
     TUNED_BY_HAND,
@@ -34,14 +34,9 @@ from friction_audit.compensation.comparison.trial import (
 )
 from friction_audit.simulation.scenarios import simulate
 
-Progress = Callable[[float], None]
-"""Told the share that is done, 0 to 1."""
-
-FIRST_TUNING_SEED = 10_000
-"""The sweeps are made for other persons than those that are reported."""
-
-MARGIN_TRIALS = 6
-"""Simulations that a stability margin takes, about."""
+Progress = Callable[[float], None]  # told the share that is done, 0 to 1
+FIRST_TUNING_SEED = 10_000  # the sweeps are made for other persons than those that are reported
+MARGIN_TRIALS = 6  # simulations that a stability margin takes, about
 
 
 class _Trial(NamedTuple):
@@ -54,7 +49,7 @@ class _Trial(NamedTuple):
 
 
 class Candidate(NamedTuple):
-    """A row to be; what its fields mean is told there."""
+    """A row before its trials; its fields are those of ``Row``."""
 
     method: Method
     tuning: Tuning
@@ -71,7 +66,7 @@ def compare(
         scene: Who moves what.
         seeds: Number of persons that are reported; their seeds are 0, 1, 2 and so on.
         methods: The methods.
-        progress: Told how far it is.
+        progress: Called with the share that is done, 0 to 1.
 
     Raises:
         AnalysisError: If the trials are too short.
@@ -146,7 +141,7 @@ class _Experiment:
         return results
 
     def _references(self, seeds: Sequence[int]) -> dict[int, Reference]:
-        settings = self.scene.compensated(_nothing())
+        settings = self.scene.compensated(NO_COMPENSATION)
         found = self._map(_refer, [(settings, seed) for seed in seeds])
         return dict(zip(seeds, found, strict=True))
 
@@ -159,9 +154,7 @@ class _Experiment:
         for method, sweep in sweeps:
             values = self._values(sweep)
             points = tuple(Point(value=value, tuning=sweep.at(value), outcomes=next(heaps)[0]) for value in values)
-            curves.append(
-                Curve(method=method.name, label=method.label, name=sweep.name, axis=sweep.axis, points=points)
-            )
+            curves.append(Curve(method.name, method.label, sweep.name, sweep.axis, points))
         return tuple(curves)
 
     def _trials(
@@ -183,25 +176,18 @@ class _Experiment:
         yield from chosen
         if self.scene.plan.with_others:
             # A further tuning that is the best one has its row already.
-            told = {one.tuning.name for one in chosen}
-            yield from (Candidate(method, tuning, OTHER) for tuning in method.others if tuning.name not in told)
+            named = {one.tuning.name for one in chosen}
+            yield from (Candidate(method, tuning, OTHER) for tuning in method.others if tuning.name not in named)
 
     def _try(self, candidates: Sequence[Candidate], references: dict[int, Reference]) -> tuple[Row, ...]:
         tried = self._trials([one.tuning for one in candidates], self.seeds, references, drawn=True)
         margins = self._margins([one.tuning for one in candidates], references)
-        return tuple(
-            Row(
-                method=one.method.name,
-                label=one.method.label,
-                tuning=one.tuning,
-                role=one.role,
-                tuning_losses=one.tuning_losses,
-                outcomes=outcomes,
-                margins=of_persons,
-                course=_drawn(course),
-            )
-            for one, (outcomes, course), of_persons in zip(candidates, tried, margins, strict=True)
-        )
+        rows = []
+        for one, (outcomes, course), own in zip(candidates, tried, margins, strict=True):
+            assert course is not None  # that of the first seed
+            named = (one.method.name, one.method.label, one.tuning, one.role, one.tuning_losses)
+            rows.append(Row(*named, outcomes=outcomes, margins=own, course=course))
+        return tuple(rows)
 
     def _margins(self, tunings: Sequence[Tuning], references: dict[int, Reference]) -> list[tuple[float, ...]]:
         """Return the stability margins of every tuning, one per seed."""
@@ -237,18 +223,6 @@ def _holds(trial: _Trial) -> bool:
     return isinf(find_loss(simulate(trial.settings, trial.seed), trial.reference))
 
 
-def _drawn(course: Course | None) -> Course:
-    if course is None:
-        raise AssertionError("the first seed of what is reported is drawn")
-    return course
-
-
-def _nothing() -> Tuning:
-    """Return the tuning of what everything is held against."""
-    (tuning,) = (method.paper for method in METHODS if method.name == NONE and isinstance(method.paper, Tuning))
-    return tuning
-
-
 def choose_papers(method: Method, curves: Sequence[Curve]) -> Candidate:
     """Return the paper's kind of tuning; by hand from half of the most careful setting if not even that one holds."""
     if isinstance(method.paper, Tuning):
@@ -258,8 +232,8 @@ def choose_papers(method: Method, curves: Sequence[Curve]) -> Candidate:
     (curve,) = (curve for curve in curves if curve.name == by_hand.sweep)
     boldest, careful = curve.boldest_stable, curve.points[0]
     tuning = sweep.at(by_hand.back * (careful.value if boldest is None else boldest))
-    told = replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
-    return Candidate(method, told, PAPER, careful.losses if boldest is None else 0)
+    by_hand_too = replace(tuning, meaning=f"{tuning.meaning}: {TUNED_BY_HAND}")
+    return Candidate(method, by_hand_too, PAPER, careful.losses if boldest is None else 0)
 
 
 def choose_best(method: Method, curves: Sequence[Curve]) -> Candidate:

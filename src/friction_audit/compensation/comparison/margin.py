@@ -17,11 +17,8 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.errors import UsageError
 
-LARGEST = 32.0
-"""Nobody asks for more."""
-
-HALVINGS = 4
-"""The limit is then known to 2^(1/16), 4 %."""
+LARGEST = 32.0  # nobody asks for more
+HALVINGS = 4  # the limit is then known to 2^(1/16), 4 %
 
 
 def amplified(tuning: Tuning, factor: float) -> Tuning:

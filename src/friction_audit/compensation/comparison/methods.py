@@ -17,8 +17,8 @@ from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigm
 from friction_audit.compensation.settings import PANDA_TORQUE_NM, PANDA_TORQUE_RATE_NM_S
 from friction_audit.simulation.settings import JointParameters
 
+# Roles of a tuning: the paper's kind, the best stable one of the sweeps, or one beside.
 PAPER, BEST, OTHER = "paper", "best", "other"
-"""Roles of a tuning: the paper's kind, the best stable one of the sweeps, or one beside."""
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -48,8 +48,7 @@ def panda_joint(column: int, parameters: JointParameters) -> Joint:
     )
 
 
-Make = Callable[[Joint], Compensator]
-"""Joint -> compensator."""
+Make = Callable[[Joint], Compensator]  # joint -> compensator
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -116,29 +115,16 @@ class Method:
     sweeps: tuple[Sweep, ...] = ()
 
 
-NONE = "none"
-"""The method that everything is held against."""
-
-TOP_SPEED_RAD_S = 1.5
-"""Up to this speed the sigmoid is fitted to the true friction."""
-
-SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)
-"""Friction of a model, over the true one."""
-
-WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)
-"""Cycles per estimate."""
-
-GENTLE_NMS_PER_RAD = 1.0
-"""Damping of the passivity controller that an elastic joint bears without a knock."""
-
+NONE = "none"  # the method that everything is held against
+TOP_SPEED_RAD_S = 1.5  # up to this speed the sigmoid is fitted to the true friction
+SCALES = (0.4, 0.6, 0.8, 0.9, 1.0, 1.1, 1.2, 1.4)  # friction of a model, over the true one
+WINDOWS = (2.0, 3.0, 4.0, 6.0, 8.0)  # cycles per estimate
+GENTLE_NMS_PER_RAD = 1.0  # damping of the passivity controller that an elastic joint bears without a knock
 OBSERVER_GAINS_PER_S = (2.0, 5.0, 10.0, 20.0, 40.0, 60.0, 80.0, 120.0, 200.0)
-
+# Motor inertia as assumed, over the true one; the first is the paper's kind, which knows it only about.
 INERTIA_RATIOS = (0.8, 1.0, 1.2, 0.5, 1.5)
-"""Motor inertia as assumed, over the true one; the first is the paper's kind, which knows it only about."""
-
+# Desired motor inertia B_theta over the true one.
 SHAPED_RATIOS = (0.7, 0.5, 0.4, 0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.035)
-"""Desired motor inertia B_theta over the true one."""
-
 TUNED_BY_HAND = "gain raised until it rings, then halved"
 
 
@@ -268,12 +254,9 @@ def _gentle_energy(window: float) -> Tuning:
     return _energy(window, GENTLE_NMS_PER_RAD)
 
 
+NO_COMPENSATION = Tuning(name="none", meaning="no compensation", make=_idle)
 METHODS: tuple[Method, ...] = (
-    Method(
-        name=NONE,
-        label="none",
-        paper=Tuning(name="none", meaning="no compensation", make=_idle),
-    ),
+    Method(name=NONE, label="none", paper=NO_COMPENSATION),
     Method(
         name="sigmoid",
         label="model-based",

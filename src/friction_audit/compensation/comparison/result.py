@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
-from operator import attrgetter
 from typing import NamedTuple
 
 import numpy as np
@@ -92,7 +91,7 @@ class Point:
         return sum(slopes) / len(slopes) if slopes else inf
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Curve:
     """A sweep that was made.
 
@@ -126,7 +125,7 @@ class Curve:
         return not all(point.stable for point in self.points)
 
 
-@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class Row:
     """A method with a tuning, tried by all persons.
 
@@ -209,71 +208,3 @@ class Comparison:
         """Return the row of a method and a role; a method without sweep is at its best as it is."""
         mine = [row for row in self.rows if row.method == method]
         return next((row for row in mine if row.role == role), mine[0] if len(mine) == 1 else None)
-
-
-MEASURES = (
-    "energy_slope_w",
-    "peak_torque_nm",
-    "rms_torque_nm",
-    "vibration_nm",
-    "standstill_rad_s",
-    "chatter_nm",
-    "coulomb_left",
-    "viscous_left",
-    "inertia_left",
-)
-"""Fields of an outcome that are told with their interval."""
-
-Told = dict[str, object]
-
-
-def tell_rows(comparison: Comparison) -> list[Told]:
-    """Return every method and tuning with its measures."""
-    return [_tell_row(row) for row in comparison.rows]
-
-
-def tell_curves(comparison: Comparison) -> list[Told]:
-    """Return every sweep with its points."""
-    return [_tell_curve(curve) for curve in comparison.curves]
-
-
-def _tell_row(row: Row) -> Told:
-    return {
-        "method": row.method,
-        "label": row.label,
-        "tuning": row.tuning.name,
-        "meaning": row.tuning.meaning,
-        "role": row.role,
-        "tuning_losses": row.tuning_losses,
-        **{name: _tell_interval(row.interval(attrgetter(name))) for name in MEASURES},
-        "stable_share": row.stable_share,
-        "lost_s": list(row.lost_s),
-        "stability_margin": _tell_interval(row.margin),
-        "stability_margins": list(row.margins),
-    }
-
-
-def _tell_curve(curve: Curve) -> Told:
-    return {
-        "method": curve.method,
-        "label": curve.label,
-        "sweep": curve.name,
-        "axis": curve.axis,
-        "boldest_stable": curve.boldest_stable,
-        "points": [_tell_point(point) for point in curve.points],
-    }
-
-
-def _tell_point(point: Point) -> Told:
-    return {
-        "value": point.value,
-        "tuning": point.tuning.name,
-        "stable": point.stable,
-        "stable_share": 1.0 - point.losses / len(point.outcomes),
-        "energy_slope_w": _tell_interval(point.energy_slope_w),
-        "rms_torque_nm": _tell_interval(point.rms_torque_nm),
-    }
-
-
-def _tell_interval(interval: Interval) -> Told:
-    return {"value": interval.value, "ci95": [interval.low, interval.high]}

@@ -10,24 +10,15 @@ from friction_audit.joint_log import Float
 from friction_audit.simulation.settings import CONTROL_RATE_HZ
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
-VIBRATION_S = 0.1
-"""What is faster than a moving average over this time is no motion of a person. [s]"""
-
-RINGING_SHARE = 0.5
-"""Share of a second."""
-
+VIBRATION_S = 0.1  # what is faster than a moving average over this time is no motion of a person. [s]
+RINGING_SHARE = 0.5  # share of a second
+# Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]
 MOVING_RAD_S = 0.05
-"""Speed above which a joint counts as moving: the paper's threshold for the end of a cycle. [rad/s]"""
-
 REST_S = 0.3
+# The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest.
 SETTLED_S = 0.1
-"""The last ``SETTLED_S`` of rests that last ``REST_S`` without compensation show what does not come to rest."""
-
-SECOND = 1
-"""Row of the second cycle."""
-
-FEWEST = 4
-"""Cycles that it takes to see a slope after the second."""
+SECOND = 1  # row of the second cycle
+FEWEST = 4  # cycles that it takes to see a slope after the second
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
