@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from friction_audit.reporting.figures.drift import draw_drift
 from hypothesis import given
 from hypothesis import strategies as st
 
 from friction_audit.errors import UsageError
+from friction_audit.reporting.figures.drift import draw_drift
 from friction_audit.reporting.figures.registry import figures_of
 from friction_audit.reporting.html import batch_page, log_figures
 from friction_audit.reporting.html.batch_page import write_page
