@@ -18,6 +18,7 @@ from friction_audit.errors import AnalysisError, UsageError
 from friction_audit.io.files import check_place, keep_input
 
 if TYPE_CHECKING:
+    from friction_audit.effects.joint_model import ArmModel
     from friction_audit.io.readers import ReadOptions
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Estimate
@@ -121,6 +122,15 @@ def check_outputs(paths: Sequence[Path], *, overwrite: bool, log: Path | None = 
         if not ground.is_dir() or not os.access(ground, os.W_OK):
             why = "read-only, or no permission" if ground.is_dir() else f"{ground} is a file"
             raise UsageError(f"{place}: cannot be written to ({why}); choose another place")
+
+
+def check_joint_model(path: object, model: "ArmModel", log: "JointLog") -> None:
+    """Refuse a model of another arm, before anything long is done."""
+    if len(model.joints) != len(log.joint_names):
+        raise UsageError(
+            f"--joint-model {path}: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
+            "give a model with an entry for every joint of the log"
+        )
 
 
 def read_options(reading: ReadingOptions, selection: SelectionOptions) -> "ReadOptions":

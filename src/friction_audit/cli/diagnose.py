@@ -1,5 +1,6 @@
 """``friction-audit diagnose``."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -7,9 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
-from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
-from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
     OUTPUT,
@@ -20,11 +19,11 @@ from friction_audit.cli.options import (
     LogPath,
     figures_option,
 )
-from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.cli.outputs import ResultFolder, show
+from friction_audit.errors import AnalysisError
 
 if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
-    from friction_audit.effects.joint_model import ArmModel
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Diagnosis
 
@@ -101,28 +100,20 @@ def command(
     voice = shared.general.voice
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
-    plan, kinds = plan_exports(folder, export, "diagnose"), choices.some_figures(figures, choices.DIAGNOSIS_FIGURES)
-    if folder is not None:
-        files = [folder / DOCUMENT, folder / MODEL, *possible_files(folder, kinds, formats)]
-        files += [] if plan is None else plan.files(choices.DIAGNOSE_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite, log=log)
-    with voice.stages(2 + (len(kinds) if folder else 0) + len(export)) as told:
+    kinds, again = choices.some_figures(figures, choices.DIAGNOSIS_FIGURES), output.overwrite
+    out = ResultFolder(folder=folder, name="diagnose", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out.check(log, (DOCUMENT, MODEL), choices.DIAGNOSE_TABLES)
+    with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
-            recorded = chain.read(log, reading, told)
-        _check_model(options.joint_model, settings.model, recorded)
-        found = _diagnose(recorded, audit, settings, told)
+            recorded = chain.read(log, reading, stages)
+        if settings.model is not None:
+            chain.check_joint_model(options.joint_model, settings.model, recorded)
+        found = _diagnose(recorded, audit, settings, stages)
         if not output.json:
-            _warn(found, told)
+            _warn(found, stages)
         _require_an_answer(found)
-        text = _document(found, chain.reading_settings(reading))
-        if folder is not None:
-            _write(found, text, folder, told, overwrite=output.overwrite)
-            numbers, again = [joint.joint for joint in found.discrepancy.joints], output.overwrite
-            unit, results = recorded.source.torque_unit, {"diagnosis": found}
-            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
-        if plan is not None:
-            _export(found, plan, recorded, told, overwrite=output.overwrite)
-    _print(found, text, json=output.json, verbose=voice.verbose)
+        text = _write(found, chain.reading_settings(reading), out, recorded, stages)
+    show(text, lambda: _lines(found, verbose=voice.verbose), json=output.json)
     chain.exit_for_bugs(joint_bugs(found), voice)
     chain.exit_if_damaged(recorded)
 
@@ -134,19 +125,7 @@ def _diagnose(log: "JointLog", audit: "AuditSettings", settings: "DiagnosisSetti
         return diagnose_estimate(estimate_log(log, audit), settings)
 
 
-def _export(found: "Diagnosis", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.diagnosis import diagnose_tables
-
-    write_exports(plan, diagnose_tables(found), recorded, voice, overwrite=overwrite)
-
-
 def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
-    """Return what is asked.
-
-    Raises:
-        InputError: If the file of a model is none.
-        UsageError: If a value cannot be used.
-    """
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.effects.model_file import load_model
 
@@ -158,19 +137,6 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
     )
 
 
-def _check_model(path: Path | None, model: "ArmModel | None", log: "JointLog") -> None:
-    """Refuse a model of another arm, before anything long is done.
-
-    Raises:
-        UsageError: If there is not one joint for each of the log.
-    """
-    if model is not None and len(model.joints) != len(log.joint_names):
-        raise UsageError(
-            f"--joint-model {path}: {len(model.joints)} joints; {log.source.path} has {len(log.joint_names)}; "
-            "give a model with an entry for every joint of the log"
-        )
-
-
 def _warn(found: "Diagnosis", voice: Voice) -> None:
     from friction_audit.reporting.notices import diagnose_notices, notice_lines
 
@@ -178,11 +144,7 @@ def _warn(found: "Diagnosis", voice: Voice) -> None:
 
 
 def _require_an_answer(found: "Diagnosis") -> None:
-    """Refuse a result without an answer for any joint.
-
-    Raises:
-        AnalysisError: With what is said of each joint.
-    """
+    """Refuse a result without an answer for any joint, with the message of each joint."""
     from friction_audit.diagnosis.result import UNANSWERED
 
     joints = found.discrepancy.joints
@@ -196,29 +158,28 @@ def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
     return [(f"joint {one.joint}: {one.message}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
-def _document(found: "Diagnosis", reading: dict[str, object]) -> str:
-    from friction_audit.reporting.diagnosis import diagnose_document
-    from friction_audit.reporting.documents import write_document
-
-    return write_document(diagnose_document(found, reading))
-
-
-def _write(found: "Diagnosis", document: str, folder: Path, voice: Voice, *, overwrite: bool) -> None:
+def _write(
+    found: "Diagnosis", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
+) -> str:
+    """Write what is asked for; return the document."""
     from friction_audit.diagnosis.grown_model import grow_models
     from friction_audit.effects.model_file import save_model
-    from friction_audit.io.files import whole_file
+    from friction_audit.reporting.diagnosis import diagnose_document, diagnose_tables
+    from friction_audit.reporting.documents import write_document
 
-    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
-        draft.write_text(document, encoding="utf-8")
-    grown = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
-    voice.warn(f"{folder / MODEL}: joint {joint}: {lack}" for joint, lack in grown.lacking)
-    save_model(grown.model, folder / MODEL, overwrite=overwrite)
+    text = write_document(diagnose_document(found, reading))
+    out.write_text(DOCUMENT, text)
+    if out.folder is not None:
+        path = out.folder / MODEL
+        augmented = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
+        voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in augmented.lacking)
+        save_model(augmented.model, path, overwrite=out.overwrite)
+    out.write_figures({"diagnosis": found}, [joint.joint for joint in found.discrepancy.joints], recorded, voice)
+    out.write_exports(diagnose_tables(found), recorded, voice)
+    return text
 
 
-def _print(found: "Diagnosis", document: str, *, json: bool, verbose: bool) -> None:
-    if json:
-        say(document, nl=False)
-    else:
-        from friction_audit.reporting.diagnosis import diagnose_lines
+def _lines(found: "Diagnosis", *, verbose: bool) -> "Iterable[str]":
+    from friction_audit.reporting.diagnosis import diagnose_lines
 
-        say("\n".join(diagnose_lines(found, verbose=verbose)))
+    return diagnose_lines(found, verbose=verbose)

@@ -1,14 +1,13 @@
 """``friction-audit estimate``."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
-from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
-from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
     OUTPUT,
@@ -19,6 +18,7 @@ from friction_audit.cli.options import (
     LogPath,
     figures_option,
 )
+from friction_audit.cli.outputs import ResultFolder, show
 
 if TYPE_CHECKING:
     from friction_audit.joint_log import JointLog
@@ -48,58 +48,37 @@ def command(
     """Estimate friction coefficients per joint over time, with their uncertainty."""
     voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
-    plan, kinds = plan_exports(folder, export, "estimate"), choices.some_figures(figures, choices.FIGURES)
-    if folder is not None:
-        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, kinds, formats)]
-        files += [] if plan is None else plan.files(choices.ESTIMATE_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite, log=log)
-    reading_settings = chain.reading_settings(options)
-    with voice.stages(2 + (len(kinds) if folder else 0) + len(export)) as told:
+    kinds, again = choices.some_figures(figures, choices.FIGURES), output.overwrite
+    out = ResultFolder(folder=folder, name="estimate", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out.check(log, (DOCUMENT, HISTORY), choices.ESTIMATE_TABLES)
+    with voice.stages(2 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate"):
-            recorded = chain.read(log, options, told)
-        result = chain.estimate(recorded, settings, told)
+            recorded = chain.read(log, options, stages)
+        result = chain.estimate(recorded, settings, stages)
         if not output.json:
-            chain.warn_about(result, told)
+            chain.warn_about(result, stages)
         chain.require_an_estimate(result)
-        if folder is not None:
-            _write_texts(result, reading_settings, folder, overwrite=output.overwrite)
-            numbers, unit = result.interaction.joint_numbers, result.log.source.torque_unit
-            results, again = {"estimate": result}, output.overwrite
-            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
-        if plan is not None:
-            _export(result, plan, recorded, told, overwrite=output.overwrite)
-    _print(result, reading_settings, json=output.json)
+        text = _write(result, chain.reading_settings(options), out, recorded, stages)
+    show(text, lambda: _lines(result), json=output.json)
     chain.exit_if_damaged(result.log)
 
 
-def _document(result: "Estimate", reading: dict[str, object]) -> str:
+def _write(
+    result: "Estimate", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
+) -> str:
+    """Write what is asked for; return the document."""
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.estimate import estimate_document
+    from friction_audit.reporting.estimate import estimate_document, estimate_tables, history_table
 
-    return write_document(estimate_document(result, reading))
-
-
-def _write_texts(result: "Estimate", reading: dict[str, object], folder: Path, *, overwrite: bool) -> None:
-    from friction_audit.io.files import whole_file
-    from friction_audit.io.writers.tables import write_table
-    from friction_audit.reporting.estimate import history_table
-
-    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
-        draft.write_text(_document(result, reading), encoding="utf-8")
-    with whole_file(folder / HISTORY, overwrite=overwrite) as draft:
-        write_table(history_table(result), draft, "csv")
+    text = write_document(estimate_document(result, reading))
+    out.write_text(DOCUMENT, text)
+    out.write_csv(HISTORY, history_table(result))
+    out.write_figures({"estimate": result}, result.interaction.joint_numbers, recorded, voice)
+    out.write_exports(estimate_tables(result), recorded, voice)
+    return text
 
 
-def _export(result: "Estimate", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.estimate import estimate_tables
+def _lines(result: "Estimate") -> "Iterable[str]":
+    from friction_audit.reporting.estimate import estimate_lines
 
-    write_exports(plan, estimate_tables(result), recorded, voice, overwrite=overwrite)
-
-
-def _print(result: "Estimate", reading: dict[str, object], *, json: bool) -> None:
-    if json:
-        say(_document(result, reading), nl=False)
-    else:
-        from friction_audit.reporting.estimate import estimate_lines
-
-        say("\n".join(estimate_lines(result)))
+    return estimate_lines(result)

@@ -1,14 +1,13 @@
 """``friction-audit replay``."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from friction_audit.cli import chain, choices
 from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
-from friction_audit.cli.console import Voice, say
-from friction_audit.cli.export_files import ExportPlan, plan_exports, write_exports
-from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
     NO_EXPORT,
     OUTPUT,
@@ -19,8 +18,9 @@ from friction_audit.cli.options import (
     LogPath,
     figures_option,
 )
+from friction_audit.cli.outputs import ResultFolder, show
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
-from friction_audit.errors import AnalysisError, UsageError
+from friction_audit.errors import AnalysisError
 
 if TYPE_CHECKING:
     from friction_audit.compensation.settings import ModelFile, ReplaySettings
@@ -36,6 +36,8 @@ EXAMPLES = """Examples:
   friction-audit replay run.mcap -o results --export mcap"""
 
 DOCUMENT, HISTORY = "replay.json", "replay.csv"
+TABLED = "not_replayed"  # code of the caution that the table shows as well
+MOMENTS = ("friction_step", "torque_drift")  # effects that hold for moments of the recording they were found on
 
 
 def command(
@@ -54,29 +56,21 @@ def command(
     voice = shared.general.voice
     settings = replay_settings(options, shared.cycles)
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
-    plan, kinds = plan_exports(folder, export, "replay"), choices.some_figures(figures, choices.REPLAY_FIGURES)
-    if folder is not None:
-        files = [folder / DOCUMENT, folder / HISTORY, *possible_files(folder, kinds, formats)]
-        files += [] if plan is None else plan.files(choices.REPLAY_TABLES)
-        chain.check_outputs(files, overwrite=output.overwrite, log=log)
-    with voice.stages(3 + (len(kinds) if folder else 0) + len(export)) as told:
+    kinds, again = choices.some_figures(figures, choices.REPLAY_FIGURES), output.overwrite
+    out = ResultFolder(folder=folder, name="replay", figures=kinds, formats=formats, exports=export, overwrite=again)
+    out.check(log, (DOCUMENT, HISTORY), choices.REPLAY_TABLES)
+    with voice.stages(3 + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.compensation.counterfactual"):
-            recorded = chain.read(log, reading, told)
-        _check_model(settings.joint_model, recorded)
-        found = _replay(chain.estimate(recorded, audit, told), settings, told)
+            recorded = chain.read(log, reading, stages)
+        if settings.joint_model is not None:
+            chain.check_joint_model(settings.joint_model.path, settings.joint_model.model, recorded)
+        found = _replay(chain.estimate(recorded, audit, stages), settings, stages)
         if not output.json:
-            _warn(found, told)
-            _warn_of_moments(settings.joint_model, recorded, told)
+            _warn(found, stages)
+            _warn_of_moments(settings.joint_model, recorded, stages)
         _require_a_joint(found)
-        text = _document(found, chain.reading_settings(reading))
-        if folder is not None:
-            _write(found, text, folder, overwrite=output.overwrite)
-            numbers, again = [joint.joint for joint in found.replay.joints], output.overwrite
-            unit, results = recorded.source.torque_unit, {"replay": found}
-            write_figures(results, kinds, numbers, folder, formats, overwrite=again, voice=told, unit=unit)
-        if plan is not None:
-            _export(found, plan, recorded, told, overwrite=output.overwrite)
-    _print(found, text, json=output.json)
+        text = _write(found, chain.reading_settings(reading), out, recorded, stages)
+    show(text, lambda: _lines(found), json=output.json)
     chain.exit_if_damaged(recorded)
 
 
@@ -87,37 +81,14 @@ def _replay(estimate: "Estimate", settings: "ReplaySettings", voice: Voice) -> "
         return replay_estimate(estimate, settings)
 
 
-def _export(found: "LogReplay", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool) -> None:
-    from friction_audit.reporting.replay import replay_tables
-
-    write_exports(plan, replay_tables(found), recorded, voice, overwrite=overwrite)
-
-
-def _check_model(given: "ModelFile | None", log: "JointLog") -> None:
-    """Refuse a model of another arm, before anything long is done.
-
-    Raises:
-        UsageError: If there is not one joint for each of the log.
-    """
-    if given is not None and len(given.model.joints) != len(log.joint_names):
-        raise UsageError(
-            f"--joint-model {given.path}: {len(given.model.joints)} joints; {log.source.path} has "
-            f"{len(log.joint_names)}; give a model with an entry for every joint of the log"
-        )
-
-
 def _warn(found: "LogReplay", voice: Voice) -> None:
     from friction_audit.reporting.notices import notice_lines, replay_notices
 
     voice.warn(notice_lines(notice for notice in replay_notices(found) if notice.code != TABLED))
 
 
-MOMENTS = ("friction_step", "torque_drift")
-"""Terms that tell of moments of the recording on which they were found."""
-
-
 def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -> None:
-    """Say which terms of a model tell of another recording than this one."""
+    """Warn of effects of a model that hold for moments of another recording."""
     for number, joint in enumerate(() if given is None else given.model.joints, start=1):
         if joint is None or joint.provenance.sha256 in ("", log.source.sha256):
             continue
@@ -128,16 +99,8 @@ def _warn_of_moments(given: "ModelFile | None", log: "JointLog", voice: Voice) -
             )
 
 
-TABLED = "not_replayed"
-"""Code of the caution that the table shows as well."""
-
-
 def _require_a_joint(found: "LogReplay") -> None:
-    """Refuse a result without any joint.
-
-    Raises:
-        AnalysisError: With the reason of each joint.
-    """
+    """Refuse a result without any joint, with the reason of each."""
     from friction_audit.reporting.notices import reason_lines
 
     if all(joint.reason for joint in found.replay.joints):
@@ -145,28 +108,22 @@ def _require_a_joint(found: "LogReplay") -> None:
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be replayed:{lines}")
 
 
-def _document(found: "LogReplay", reading: dict[str, object]) -> str:
+def _write(
+    found: "LogReplay", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
+) -> str:
+    """Write what is asked for; return the document."""
     from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.replay import replay_document
+    from friction_audit.reporting.replay import history_table, replay_document, replay_tables
 
-    return write_document(replay_document(found, reading))
-
-
-def _write(found: "LogReplay", document: str, folder: Path, *, overwrite: bool) -> None:
-    from friction_audit.io.files import whole_file
-    from friction_audit.io.writers.tables import write_table
-    from friction_audit.reporting.replay import history_table
-
-    with whole_file(folder / DOCUMENT, overwrite=overwrite) as draft:
-        draft.write_text(document, encoding="utf-8")
-    with whole_file(folder / HISTORY, overwrite=overwrite) as draft:
-        write_table(history_table(found), draft, "csv")
+    text = write_document(replay_document(found, reading))
+    out.write_text(DOCUMENT, text)
+    out.write_csv(HISTORY, history_table(found))
+    out.write_figures({"replay": found}, [joint.joint for joint in found.replay.joints], recorded, voice)
+    out.write_exports(replay_tables(found), recorded, voice)
+    return text
 
 
-def _print(found: "LogReplay", document: str, *, json: bool) -> None:
-    if json:
-        say(document, nl=False)
-    else:
-        from friction_audit.reporting.replay import replay_lines
+def _lines(found: "LogReplay") -> "Iterable[str]":
+    from friction_audit.reporting.replay import replay_lines
 
-        say("\n".join(replay_lines(found)))
+    return replay_lines(found)

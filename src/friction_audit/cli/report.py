@@ -12,8 +12,8 @@ from friction_audit.cli.choices import option
 from friction_audit.cli.config import command_line
 from friction_audit.cli.console import Voice, say
 from friction_audit.cli.diagnose import joint_bugs
-from friction_audit.cli.export_files import ExportPlan, write_exports
 from friction_audit.cli.options import NO_EXPORT, OUTPUT, AuditOptions, CycleOptions, Exports, LogPath
+from friction_audit.cli.outputs import ResultFolder
 from friction_audit.cli.replay_settings import ReplayOptions, replay_settings
 
 if TYPE_CHECKING:
@@ -29,10 +29,9 @@ EXAMPLES = """Examples:
 
 DEFAULT = "html"
 FORMATS = tuple(choices.REPORT_FORMATS)
-PARTS = 4
-"""Stages before anything is written: read, estimate, replay, diagnose."""
+PARTS = 4  # stages before anything is written: read, estimate, replay, diagnose
+# Parameters that change nothing in the report; the values of a --config file are written out.
 NOT_PART_OF_IT = ("json", "quiet", "verbose", "overwrite", "config")
-"""Parameters that change nothing in the report; what a file of values held is written out."""
 
 
 def command(
@@ -65,19 +64,22 @@ def command(
     voice = shared.general.voice
     settings, options, output = audit_settings(shared), read_options(shared.reading, shared.selection), shared.output
     files = _files(log, folder, formats, printed=output.json)
-    plan = _plan(log, folder, export)
-    outputs = *files.values(), *plan.files(choices.REPORT_TABLES)
+    name = f"{_stem(log)}.report"
+    out = ResultFolder(
+        folder=folder or Path(), name=name, prefix=f"{name}.", exports=export, overwrite=output.overwrite
+    )
+    outputs = *files.values(), *out.exported(choices.REPORT_TABLES)
     chain.check_outputs(outputs, overwrite=output.overwrite, log=log)
-    with voice.stages(PARTS + len(files) + len(plan.kinds)) as told:
+    with voice.stages(PARTS + len(files) + out.stages) as stages:
         with chain.loading("friction_audit.friction.estimate", "friction_audit.diagnosis.diagnose"):
-            recorded = chain.read(log, options, told)
-        estimate = chain.estimate(recorded, settings, told)
+            recorded = chain.read(log, options, stages)
+        estimate = chain.estimate(recorded, settings, stages)
         if not output.json:
-            chain.warn_about(estimate, told)
+            chain.warn_about(estimate, stages)
         again = command_line(context, leave_out=NOT_PART_OF_IT)
-        report = _report(estimate, shared.cycles, chain.reading_settings(options), again, told)
-        _write(report, files, told, overwrite=output.overwrite)
-        exported = _export(report, plan, recorded, told, overwrite=output.overwrite)
+        report = _report(estimate, shared.cycles, chain.reading_settings(options), again, stages)
+        _write(report, files, stages, overwrite=output.overwrite)
+        exported = _export(report, out, recorded, stages)
     _print(report, (*files.values(), *exported), json=output.json)
     bugs = [] if report.diagnosis is None else joint_bugs(report.diagnosis)
     chain.exit_for_bugs([*((one.message, one.traceback) for one in report.unanswered if one.traceback), *bugs], voice)
@@ -95,18 +97,10 @@ def _report(
     return report_estimate(estimate, settings, DiagnosisSettings(), reading=reading, command=command, step=voice.step)
 
 
-def _export(
-    report: "LogReport", plan: ExportPlan, recorded: "JointLog", voice: Voice, *, overwrite: bool
-) -> list[Path]:
+def _export(report: "LogReport", out: ResultFolder, recorded: "JointLog", voice: Voice) -> list[Path]:
     from friction_audit.reporting.report import report_tables
 
-    return write_exports(plan, report_tables(report), recorded, voice, overwrite=overwrite)
-
-
-def _plan(log: Path, folder: Path | None, kinds: Sequence[str]) -> ExportPlan:
-    """Return what is written beside the report, called as it is."""
-    name = f"{_stem(log)}.report"
-    return ExportPlan(folder=folder or Path(), name=name, prefix=f"{name}.", kinds=kinds)
+    return out.write_exports(report_tables(report), recorded, voice)
 
 
 def _files(log: Path, folder: Path | None, formats: Sequence[str], *, printed: bool) -> dict[str, Path]:
@@ -133,17 +127,13 @@ def _write(report: "LogReport", files: dict[str, Path], voice: Voice, *, overwri
             draft.write_bytes(write(report))
 
 
-def _document(report: "LogReport") -> str:
-    from friction_audit.reporting.documents import write_document
-    from friction_audit.reporting.report import report_document
-
-    return write_document(report_document(report))
-
-
 def _print(report: "LogReport", paths: Sequence[Path], *, json: bool) -> None:
     """Print the document, or what the report says and where it is."""
     if json:
-        say(_document(report), nl=False)
+        from friction_audit.reporting.documents import write_document
+        from friction_audit.reporting.report import report_document
+
+        say(write_document(report_document(report)), nl=False)
         return
     from friction_audit.reporting.report import lead_sentence
 

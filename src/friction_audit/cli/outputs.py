@@ -1,0 +1,106 @@
+"""What a command makes of one result: documents, figures and tables in a folder, and text on standard output."""
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from friction_audit.cli.chain import check_outputs
+from friction_audit.cli.console import Voice, say
+from friction_audit.cli.figure_files import possible_files, write_figures
+from friction_audit.errors import UsageError
+
+if TYPE_CHECKING:
+    from friction_audit.io.tidy_table import TidyTable
+    from friction_audit.joint_log import JointLog
+
+MCAP = "mcap"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ResultFolder:
+    """The folder of a result, or none, and what is written there, each file whole or not at all.
+
+    Attributes:
+        folder: Where; without one nothing is written.
+        name: Of the MCAP with the tables as topics.
+        prefix: Of the names of the tables' files.
+        figures: Names of the figures.
+        formats: Of the figures.
+        exports: Formats that the tables are written in: mcap, csv, parquet.
+        overwrite: Whether files that exist are replaced.
+    """
+
+    folder: Path | None
+    name: str
+    prefix: str = ""
+    figures: Sequence[str] = ()
+    formats: Sequence[str] = ()
+    exports: Sequence[str] = ()
+    overwrite: bool
+
+    def check(self, log: Path, files: Sequence[str], tables: Sequence[str]) -> None:
+        """Refuse what could not be written, before anything long is done: files, figures and tables by name."""
+        if self.folder is not None:
+            paths = [self.folder / file for file in files] + possible_files(self.folder, self.figures, self.formats)
+            check_outputs([*paths, *self.exported(tables)], overwrite=self.overwrite, log=log)
+        elif self.exports:
+            raise UsageError(f"--export {','.join(self.exports)}: no folder to write to; name one with --output DIR")
+
+    @property
+    def stages(self) -> int:
+        """Steps that writing takes."""
+        return (len(self.figures) if self.folder else 0) + len(self.exports)
+
+    def exported(self, tables: Sequence[str]) -> list[Path]:
+        """Return the files that tables of these names are written to."""
+        folder = self.folder or Path()
+        topics = [folder / f"{self.name}.{MCAP}"] if MCAP in self.exports else []
+        kinds = [kind for kind in self.exports if kind != MCAP]
+        return topics + [folder / f"{self.prefix}{table}.{kind}" for kind in kinds for table in tables]
+
+    def write(self, name: str, write: Callable[[Path], object]) -> None:
+        """Write one file of the folder."""
+        from friction_audit.io.files import whole_file
+
+        if self.folder is not None:
+            with whole_file(self.folder / name, overwrite=self.overwrite) as draft:
+                write(draft)
+
+    def write_text(self, name: str, text: str) -> None:
+        """Write a text as UTF-8."""
+        self.write(name, lambda draft: draft.write_text(text, encoding="utf-8"))
+
+    def write_csv(self, name: str, table: "TidyTable") -> None:
+        """Write a table as CSV."""
+        from friction_audit.io.writers.tables import write_table
+
+        self.write(name, lambda draft: write_table(table, draft, "csv"))
+
+    def write_figures(
+        self, results: Mapping[str, object], joints: Sequence[int], log: "JointLog", voice: Voice
+    ) -> None:
+        """Draw the figures of the results of a log, all joints on a sheet."""
+        if self.folder is not None:
+            unit, again, formats = log.source.torque_unit, self.overwrite, self.formats
+            write_figures(results, self.figures, joints, self.folder, formats, overwrite=again, voice=voice, unit=unit)
+
+    def write_exports(self, tables: "Sequence[TidyTable]", log: "JointLog", voice: Voice) -> list[Path]:
+        """Write the tables in the formats that were asked for; return their files."""
+        from friction_audit.io.writers.tables import write_table
+        from friction_audit.io.writers.topics import span_of, write_topics
+
+        for kind in self.exports:
+            with voice.step(f"export {kind}"):
+                if kind == MCAP:
+                    self.write(f"{self.name}.{MCAP}", lambda draft: write_topics(tables, span_of(log), draft))
+                    continue
+                for table in tables:
+                    name = f"{self.prefix}{table.name}.{kind}"
+                    self.write(name, lambda draft, table=table, kind=kind: write_table(table, draft, kind))  # type: ignore[misc]
+        return self.exported([table.name for table in tables])
+
+
+def show(document: str, lines: Callable[[], Iterable[str]], *, json: bool) -> None:
+    """Print the document, or the table for people."""
+    say(document if json else "\n".join(lines()), nl=not json)
