@@ -87,6 +87,8 @@ class ResultFolder:
 
     def write_exports(self, tables: "Sequence[TidyTable]", log: "JointLog", voice: Voice) -> list[Path]:
         """Write the tables in the formats that were asked for; return their files."""
+        if not self.exports:
+            return []
         from friction_audit.io.writers.tables import write_table
         from friction_audit.io.writers.topics import span_of, write_topics
 
