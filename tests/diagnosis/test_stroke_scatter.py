@@ -44,7 +44,7 @@ def test_a_brake_that_rubs_now_and_then_is_told_with_its_size(rows_each: int) ->
     assert found is not None
     assert found.rms_nm == pytest.approx(friction.std(), rel=0.3)
     assert found.reversals == STROKES - 1
-    assert "from stroke to stroke" in found.message
+    assert "varies between strokes" in found.message
 
 
 def test_a_scatter_that_is_a_third_of_the_noise_is_told() -> None:

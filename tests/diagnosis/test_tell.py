@@ -95,7 +95,7 @@ def test_what_nothing_explains_is_told_with_its_place() -> None:
     somewhere = told(
         "unexplained", effect("x"), remaining=(place(""), place("above 2 s")), also=(vibration_of(SHAKING),)
     )
-    assert somewhere == f"beside x (the x) something {lost}above 2 s; {vibration_of(SHAKING)}"
+    assert somewhere == f"in addition to x (the x) something {lost}above 2 s; {vibration_of(SHAKING)}"
 
 
 def test_a_vibration_by_its_frequency() -> None:

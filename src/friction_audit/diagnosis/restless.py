@@ -105,6 +105,6 @@ def _vibration(line: Line) -> Vibration:
 
 def _round_phrase(what: str, line: Line) -> str:
     return (
-        f"a {what} of {line.rms_nm:.2g} N m rms that comes round every {1.0 / line.frequency:.3g} rad of the path "
-        "travelled, whichever way"
+        f"a {what} of {line.rms_nm:.2g} N m rms with a period of {1.0 / line.frequency:.3g} rad of the path "
+        "travelled, in both directions"
     )

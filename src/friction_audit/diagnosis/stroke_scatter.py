@@ -42,7 +42,7 @@ class StrokeScatter:
     @property
     def message(self) -> str:
         """What people are told."""
-        return f"friction is another from stroke to stroke, by {self.rms_nm:.2g} N m rms, and follows nothing recorded"
+        return f"friction varies between strokes by {self.rms_nm:.2g} N m rms, independently of everything recorded"
 
 
 def find_stroke_scatter(left: Float, forwards: NDArray[np.bool_], t: Float) -> StrokeScatter | None:

@@ -149,16 +149,16 @@ def message_of(
     named = " and ".join(f"{e.name} ({e.label})" for e in effects)
     if verdict == "none" and significant:
         return (
-            "nothing large enough for a name is missing: what is left is no pure noise, but no curve of the motion "
-            f"takes a fiftieth of it; an effect of {limit_nm:.2g} N m rms would have been seen"
+            "nothing large enough for a name is missing: the residual is coloured, and no function of the motion "
+            f"explains 2 % of it; an effect of {limit_nm:.2g} N m rms is detectable"
         )
     if verdict == "none":
-        return f"nothing is missing: an effect of {limit_nm:.2g} N m rms would have been seen"
+        return f"nothing is missing: an effect of {limit_nm:.2g} N m rms is detectable"
     if verdict == "not_testable":
         return "; ".join(dict.fromkeys(untestable.values()))
     if verdict == "unexplained":
         at = next((p.where for p in remaining if p.where), "spread over the whole motion")
-        what = f"beside {named} something" if effects else "something"
+        what = f"in addition to {named} something" if effects else "something"
         return f"{what} is missing that nothing in the catalogue explains: {'; '.join((at, *also))}"
     if verdict == "ambiguous":
         unsure = "; ".join(

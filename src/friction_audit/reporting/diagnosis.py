@@ -140,31 +140,16 @@ EFFECT = Record(
         Column("name", str, "name in the catalogue", "effect.name", on="j"),
         Column("effect", str, get=lambda r: f"{_names(r)}: {r.effect.label}", title="effect", on="p"),
         Column("label", str, "in words", "effect.label"),
-        Column(
-            "alternatives", [str], "effects that this log does not distinguish from it", "effect.alternatives", on="j"
-        ),
+        Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
         Column(
             "alternatives", str, get=lambda r: " ".join((*r.effect.alone, *map("+".join, r.effect.together))), on="f"
         ),
-        Column(
-            "alternatives_together", [[str]], "pairs of these that may be it only together", "effect.together", on="j"
-        ),
+        Column("alternatives_together", [[str]], "pairs of these", "effect.together", on="j"),
         Column("decide", str, "the motion that would distinguish them", "effect.decide", null=True, on="j"),
         Column("parameters", {"*": float}, "values by name with the unit", _values, on="j"),
         Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", _intervals, on="j"),
-        Column(
-            "p_value",
-            float,
-            "that it improves nothing on held-out cycles, family-wise; null of an event",
-            "effect.p_value",
-        ),
-        Column(
-            "gap_before",
-            float,
-            "residual RMS without it, all stronger effects added",
-            "effect.gap_before_nm",
-            unit="N m",
-        ),
+        Column("p_value", float, "family-wise, on held-out cycles; null of an event", "effect.p_value"),
+        Column("gap_before", float, "residual RMS without it", "effect.gap_before_nm", unit="N m"),
         Column("gap_after", float, "residual RMS with it", "effect.gap_after_nm", unit="N m"),
         Column(
             "gap",
@@ -181,14 +166,7 @@ EFFECT = Record(
         Column("decide", str, get="effect.decide", on="f"),
         Column("numbers", str, get=lambda r: effect_numbers(r.effect), title="parameters", on="p"),
         Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
-        Column(
-            "partial_rms",
-            float,
-            "RMS of its torque given the rest of the model",
-            "effect.partial_nm",
-            unit="N m",
-            on="j",
-        ),
+        Column("partial_rms", float, "RMS of its torque alone", "effect.partial_nm", unit="N m", on="j"),
         Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
         Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
     ),
@@ -272,10 +250,10 @@ FINDING = Record(
         Column(
             "verdict",
             ("fine", "limit", "fault"),
-            "`limit`: less can be identified; `fault`: nothing can",
+            "whether it limits the answer",
             "1.verdict",
             title="verdict",
-            tone=lambda text: FINDING_TONES[text],
+            tone=FINDING_TONES.__getitem__,
             on="jp",
         ),
         Column("value", float, "what was found", "1.value", title="found", on="jp"),
@@ -290,6 +268,10 @@ def _augmented(path: str) -> Callable[[JointDiscrepancy], float | None]:
     """Return what gets a number of the augmented model, None where no effect was added."""
     one, _, name = path.partition(".")
     return lambda joint: getattr(getattr(joint, one), name, None) if joint.effects else None
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f}"
 
 
 def _missing(joint: JointDiscrepancy) -> str:
@@ -310,17 +292,8 @@ JOINT_DIAGNOSIS = Record(
         JOINT,
         NAME,
         joint_column(),
-        Column(
-            "verdict", tuple(VERDICT_KEYS.values()), "the answer in one word", lambda joint: VERDICT_KEYS[joint.verdict]
-        ),
-        Column(
-            "verdict",
-            str,
-            form=lambda verdict: WORDS[verdict],
-            title="verdict",
-            tone=lambda text: TONES[text],
-            on=PEOPLE,
-        ),
+        Column("verdict", tuple(VERDICT_KEYS.values()), "the answer", lambda joint: VERDICT_KEYS[joint.verdict]),
+        Column("verdict", str, form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=PEOPLE),
         Column("message", str, "the answer in one or two sentences"),
         Column("missing", str, get=_missing, title="missing", on="t"),
         Column(
@@ -330,9 +303,7 @@ JOINT_DIAGNOSIS = Record(
             title="missing",
             on="p",
         ),
-        Column(
-            "effects", [EFFECT], "what is missing, the strongest first", lambda joint: named_effects([joint]), on="j"
-        ),
+        Column("effects", [EFFECT], "the strongest first", lambda joint: named_effects([joint]), on="j"),
         Column("gap", GAP, "residual RMS on held-out cycles; null if nothing was fitted", on="j", null=True),
         Column("gap_before", float, get="gap.before", unit="N m", on="f"),
         Column("gap_after", float, get="gap.after", unit="N m", on="f"),
@@ -346,16 +317,14 @@ JOINT_DIAGNOSIS = Record(
             "shrink",
             float,
             get=_augmented("gap.shrink"),
-            form=lambda share: f"{100 * share:.1f}",
+            form=_percent,
             unit="%",
             title="share explained",
             short="expl.",
             on=PEOPLE,
         ),
         Column("held_out_cycles", int, get="gap.cycles", title="held-out cycles", on="p"),
-        Column(
-            "simulation_gap", SIMULATION, "forward-simulation velocity error (RMS)", "simulation", on="j", null=True
-        ),
+        Column("simulation_gap", SIMULATION, "forward-simulation velocity error", "simulation", on="j", null=True),
         Column(
             "simulation_gap_before",
             float,
@@ -371,7 +340,7 @@ JOINT_DIAGNOSIS = Record(
         Column(
             "detection_limit",
             float,
-            "smallest effect (RMS) detected with 90 % power",
+            "RMS that is detected with 90 % power",
             unit="N m",
             form=".2g",
             title="detection limit",
@@ -381,15 +350,13 @@ JOINT_DIAGNOSIS = Record(
         Column("remaining_p_value", float, "that nothing is missing from the augmented model", "remaining_p"),
         Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", "declared", on="j"),
         Column("augmented", {"*": Coefficient}, "the same fitted with the effects", "grown", on="j"),
-        Column(
-            "disagreements", [str], "where energy method and torque fit differ by more than their intervals", on="j"
-        ),
+        Column("disagreements", [str], "where energy method and torque fit differ", on="j"),
         Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
         Column("ladder", [STEP], "residual RMS after each effect", _steps, on="j"),
         Column(
             "profiles",
             [PROFILE],
-            "what the residual of the nominal model depends on, the strongest first",
+            "what the residual depends on, the strongest first",
             lambda joint: _profiles(joint.profiles),
             on="j",
         ),
@@ -397,9 +364,7 @@ JOINT_DIAGNOSIS = Record(
             "remaining", [PROFILE], "the same of the augmented model", lambda joint: _profiles(joint.remaining), on="j"
         ),
         Column("vibration", VIBRATION, "a peak in the spectrum of the residual", on="j", null=True),
-        Column(
-            "scatter", float, "RMS by which friction varies between strokes, null if it does not", unit="N m", on="j"
-        ),
+        Column("scatter", float, "RMS of the variation of friction between strokes", unit="N m", on="j"),
         Column("untestable", {"*": str}, "effects that this log cannot show, with the motion that it lacks", on="j"),
         Column("findings", [FINDING], "the audit of the data", lambda joint: _findings([joint]), on="j"),
     ),
