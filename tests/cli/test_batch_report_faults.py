@@ -141,7 +141,7 @@ def test_a_limit_that_cannot_be_tested(rig: Path, run: Run) -> None:
     (rig / "bad.csv").write_text("time,q_1\n0,1\n1,2\n")
     answer = run("batch-report", rig, "-q", "--fail-on", "coulomb=0.01%")
     assert answer.code == 7, answer
-    assert "cannot tell:" in answer.out
+    assert "cannot test:" in answer.out
     document = run("batch-report", rig, "-q", "--json", "--fail-on", "joint9.coulomb=10%", "--overwrite")
     assert (document.code, len(document.document()["cannot_tell"])) == (7, 1)
     assert run("batch-report", rig, "-q", "--fail-on", "coulomb=500%").code == 6

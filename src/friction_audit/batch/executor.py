@@ -45,8 +45,8 @@ class Executor(Protocol):
 class LocalExecutor:
     """Processes of this machine; in a ``with`` block they are kept from one run to the next.
 
-    A process that dies breaks the pool. What was under way is tried once more, one task at a time with nothing beside
-    it (most often memory was short); a task whose process dies again is lost, and no other.
+    A process that dies breaks the pool. What was under way is tried again, one task at a time and at most twice, with
+    nothing else running (most often memory was short); a task whose process dies then is lost, and no other.
 
     Attributes:
         workers: How many of them.
@@ -80,8 +80,12 @@ class LocalExecutor:
                 else:
                     yield task, outcome
             for task in again:
-                self._close()  # what the processes hold is free for this one
-                yield from self._run(work, iter([task]), 1)
+                for _ in range(2):  # it may not have been the one that broke the pool
+                    self._close()  # what the processes hold is free for this one
+                    ((_, outcome),) = self._run(work, iter([task]), 1)
+                    if not isinstance(outcome, Lost):
+                        break
+                yield task, outcome
         finally:
             if self._under_way or not self._kept:
                 self._close()
