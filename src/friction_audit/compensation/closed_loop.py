@@ -195,7 +195,12 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
     q, v, starts, bent = drive.q[0], drive.dq[0], 0, joint.bent[0].copy()
     sign = np.sign(v)
     for i in range(len(t)):
-        interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint) + drive.lacking[i]
+        if joint.tabled:
+            interaction = feel(q, v, sign, i, push[i], memory.u_nm, bent, joint)
+        else:
+            acceleration, friction = body_forces(q, v, sign, push[i], memory.u_nm, joint.body)
+            interaction = joint.own_kg_m2 * acceleration + friction + joint.body.offset_nm - memory.u_nm
+        interaction += drive.lacking[i]
         write_torques(control, i, interaction)
         velocity[i] = v
         again = drive.restart[i] and i > 0
@@ -210,7 +215,11 @@ def run_closed_loop(control: Control, joint: Joint, drive: Drive, velocity: Floa
         if i + 1 < len(t):
             before, u = q, memory.u_nm
             span = Step(t[i + 1] - t[i], push[i], push[i + 1], float(i), i + 1.0)
-            q, v, sign, lost = move(q, v, sign, span, u, bent, joint)
+            pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
+            if joint.tabled:
+                q, v, sign, lost = move(q, v, sign, span, u, pieces, bent, joint)
+            else:
+                q, v, sign, lost = move_body(q, v, sign, span, u, pieces, joint.body)
             count_energy(control.tally, control.settings, lost, lost - u * (q - before), q - before, span.h)
     return len(t)
 
@@ -226,10 +235,7 @@ def put_back(memory: Record, surplus_j: float) -> None:
 
 @compiled()
 def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: Float, joint: Joint) -> float:
-    """Return what the sensor feels of the push at a sample: that, less what the operator's impedance takes. [N m]"""
-    if not joint.tabled:
-        acceleration, friction = body_forces(q, v, sign, push, u, joint.body)
-        return float(joint.own_kg_m2 * acceleration + friction + joint.body.offset_nm - u)
+    """Return what the sensor of a joint with tables feels of the push: that, less what the operator takes. [N m]"""
     spring, acceleration = joint.stiffness_nm_per_rad * q, 0.0
     if sign != 0.0:
         torque = taken(0 if sign > 0.0 else 1, q, abs(v), float(i), joint.tables)
@@ -239,19 +245,24 @@ def feel(q: float, v: float, sign: float, i: int, push: float, u: float, bent: F
 
 
 @compiled()
-def move(
-    q: float, v: float, sign: float, span: Step, u: float, bent: Float, joint: Joint
+def move_body(
+    q: float, v: float, sign: float, span: Step, u: float, pieces: int, body: Body
 ) -> tuple[float, float, float, float]:
-    """Move the joint on from one sample to the next; return position, velocity, direction, what friction took [J]."""
-    pieces = max(1, int(np.ceil(span.h / joint.longest_s - 1e-6)))
+    """Move a body on from one sample to the next; return position, velocity, direction, what friction took [J]."""
+    h, rise, lost = span.h / pieces, (span.drive1 - span.drive0) / pieces, 0.0
+    for k in range(pieces):
+        push = span.drive0 + k * rise
+        q, v, sign, friction_j = advance_body(q, v, sign, Step(h, push, push + rise, 0.0, 0.0), u, body)
+        lost += friction_j
+    return q, v, sign, lost
+
+
+@compiled()
+def move(
+    q: float, v: float, sign: float, span: Step, u: float, pieces: int, bent: Float, joint: Joint
+) -> tuple[float, float, float, float]:
+    """Move a joint with tables on in the same way."""
     h, lost = span.h / pieces, 0.0
-    if not joint.tabled:
-        rise = (span.drive1 - span.drive0) / pieces
-        for k in range(pieces):
-            push = span.drive0 + k * rise
-            q, v, sign, friction_j = advance_body(q, v, sign, Step(h, push, push + rise, 0.0, 0.0), u, joint.body)
-            lost += friction_j
-        return q, v, sign, lost
     rise = ((span.drive1 + u) - (span.drive0 + u)) / pieces
     for k in range(pieces):
         before, held, push = q, bent.copy(), span.drive0 + u + k * rise
