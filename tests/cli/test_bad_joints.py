@@ -10,7 +10,7 @@ from friction_audit.diagnosis import diagnose as engine
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.io.writers import write_log
-from friction_audit.reporting import log_report
+from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
 from tests.reporting.conftest import build_estimate
 
