@@ -115,7 +115,7 @@ def settings_of(case: Case, scales: Sequence[float], *, ideal: bool = False) -> 
     for name, group, scale in zip(case.effects, case.groups, scales, strict=True):
         strength = next(effect for effect in EFFECTS if effect.name == name).strength_name()
         scaled = replace(group, **{strength: getattr(group, strength) * scale})
-        hidden[case.number - 1] = replace(hidden[case.number - 1], **{name: scaled})
+        hidden[case.number - 1] = hidden[case.number - 1].holding(scaled)
     changes: dict[str, Any] = {"duration_s": case.duration_s, "hidden": tuple(hidden)}
     sensors = PANDA_SENSORS if several else PANDA_SENSORS[:1]
     changes["sensors"] = tuple(Sensors() if ideal else coloured(one, case.noise) for one in sensors)

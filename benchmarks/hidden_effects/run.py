@@ -109,7 +109,7 @@ def _numbers(case: Case, found: Iterable[Effect]) -> list[dict[str, object]]:
 
 def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
     """Truth and seed of every log."""
-    names = [c.name for c in effects()] if effects == "all" else effects.split(",")
+    names = [effect.name for effect in EFFECTS] if effects == "all" else effects.split(",")
     every = range(first, first + seeds)
     return [
         one for name in names for one in (draw_pairs(first, seeds) if name == "pairs" else [(name, s) for s in every])

@@ -242,7 +242,7 @@ def test_rest_and_path_by_hand() -> None:
 
 def test_stiction_grows_with_the_rest_and_falls_over_the_path() -> None:
     dq = np.concatenate([np.zeros(50), np.full(100, 0.2), np.zeros(190), np.full(10, -1e-4), np.full(100, -0.2)])
-    t = np.arange(len(dq)) * 0.01
+    t = np.arange(len(dq), dtype=np.float64) * 0.01
     column = columns("stiction", Motion(t=t, q=np.cumsum(dq) * 0.01, dq=dq, ddq=0.0 * dq), 0.5, 0.02)[:, 0]
     assert_allclose(column[50], (1 - np.exp(-0.49 / 0.5)) * np.exp(-0.002 / 0.02))
     assert_allclose(column[60], column[50] * np.exp(-0.02 / 0.02))
@@ -292,7 +292,7 @@ def test_stops_remember_the_reversal_that_a_small_loop_interrupted() -> None:
 
 
 def test_damping_of_bristles_is_a_time_times_their_rate() -> None:
-    t = np.arange(600) * 0.01
+    t = np.arange(600, dtype=np.float64) * 0.01
     motion = Motion(t=t, q=0.05 * np.sin(2.0 * t), dq=0.1 * np.cos(2.0 * t), ddq=-0.2 * np.sin(2.0 * t))
     more = columns("presliding", motion, 0.01, 1.0, 0.02) - columns("presliding", motion, 0.01, 1.0, 0.0)
     assert_allclose(more[:, 0], 0.02 * np.gradient(bristle(motion.q, 0.01, 1.0), t), atol=1e-12)

@@ -24,7 +24,7 @@ HIDDEN = {effect.name: effect for effect in EFFECTS}
 def states() -> Motion:
     """Random smooth states of a joint among three."""
     rng = np.random.default_rng(7)
-    t = np.arange(N) * DT
+    t = np.arange(N, dtype=np.float64) * DT
     q, dq, ddq = np.zeros((3, N))
     for amplitude, rate, phase in rng.uniform([0.1, 1.0, 0.0], [0.4, 9.0, 6.0], (4, 3)):
         q = q + amplitude * np.sin(rate * t + phase)
@@ -38,7 +38,10 @@ def states() -> Motion:
 
 
 MOTION = states()
-SIGN, LOAD = np.sign(MOTION.dq), MOTION.load + MOTION.rest  # type: ignore[operator]
+SIGN, REST = np.sign(MOTION.dq), np.asarray(MOTION.rest)
+LOAD = np.asarray(MOTION.load) + REST
+assert MOTION.others is not None
+SENSED = MOTION.others.sensed
 
 
 def each(name: str, function: str, *signals: Float) -> Callable[[Any], Float]:
@@ -67,7 +70,6 @@ def stepped(group: Any) -> Float:
 
 
 KINDS = ("coulomb", "viscous")
-SENSED, NEIGHBOURS = MOTION.others.sensed, [0, 2]  # type: ignore[union-attr]
 
 
 def crosstalk(group: Any) -> Float:
@@ -112,7 +114,7 @@ CASES: list[tuple[str, tuple[float, ...], Callable[[Any], Float]]] = [
     ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.0), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
     ("cable_spring", (0.4, 0.0, 0.0, 0.1, 0.2), lambda g: -each("cable_spring", "torque_nm", MOTION.q)(g)),
     ("torque_bias", (-0.1,), whole("torque_bias", "reading_nm", MOTION.t)),
-    ("time_delay", (0.02, 0.02, 0.0), lambda g: whole_delay(g.delay_s) - MOTION.rest),
+    ("time_delay", (0.02, 0.02, 0.0), lambda g: whole_delay(g.delay_s) - REST),
     ("torque_crosstalk", (0.08, 0.0, -1.0), crosstalk),
     ("torque_crosstalk", (0.05, 0.05, 0.0), crosstalk),
     ("inertia_error", (0.05,), lambda g: g.extra_kg_m2 * MOTION.ddq),
@@ -138,7 +140,7 @@ IN_LOGS = {"stiction", "frictional_lag", "joint_limit_stop", "torque_drift", "jo
 
 def whole_delay(delay_s: float) -> Float:
     delayed = import_module("friction_audit.simulation.effects.time_delay").delayed
-    return np.asarray(delayed(MOTION.rest, delay_s, DT))
+    return np.asarray(delayed(REST, delay_s, DT))
 
 
 @pytest.mark.parametrize(("name", "values", "simulated"), CASES, ids=[case[0] for case in CASES])

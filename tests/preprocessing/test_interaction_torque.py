@@ -164,12 +164,13 @@ def test_an_fr3_does_not_get_a_panda_s_inertias_unasked() -> None:
 
 @pytest.mark.parametrize("option", ["gravity", "inertia"])
 def test_a_model_of_an_arm_without_a_name_is_refused_with_the_commands(option: str) -> None:
+    chosen: dict[str, Any] = {option: "model"}
     with pytest.raises(UsageError) as refused:
-        extract(robot_log("unknown"), **{option: "model"})
+        extract(robot_log("unknown"), **chosen)
     assert f"`friction-audit estimate made.csv --{option} model --robot panda`" in str(refused.value)
     assert "without a model: `friction-audit estimate made.csv --robot none`" in str(refused.value)
     with pytest.raises(UsageError, match=r"joints: 2\).*`friction-audit estimate made\.csv .*--urdf FILE`"):
-        extract(log_of("unknown", 2, tau_J=friction(2)), **{option: "model"})
+        extract(log_of("unknown", 2, tau_J=friction(2)), **chosen)
 
 
 @pytest.mark.parametrize("drive", ["hand", "robot"])

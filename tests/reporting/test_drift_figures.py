@@ -9,7 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_audit.drift.report import ArmDrift
+from friction_audit.drift.report import ArmDrift, CoefficientDrift
 from friction_audit.drift.session import SpeedCurve
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.joint_log import Float
@@ -50,7 +50,7 @@ def words_in(figure: Figure) -> str:
     return " ".join([*texts, *titles, *ticks]).replace("\n", " ")
 
 
-def one_joint(joint: int, coefficient: object) -> ArmDrift:
+def one_joint(joint: int, coefficient: CoefficientDrift) -> ArmDrift:
     whole = ARM.joints[joint - 1]
     return replace(ARM, joints=(replace(whole, coefficients=(coefficient, *whole.coefficients[1:])),))
 

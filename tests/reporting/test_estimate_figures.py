@@ -148,8 +148,7 @@ def test_first_cycles_hold_their_own_samples(crowded: Estimate) -> None:
 def test_a_coefficient_that_the_model_lacks_is_no_failure(single: Estimate) -> None:
     friction = single.friction.joints[0]
     nothing = np.full_like(friction.history.coulomb_nm, np.nan)
-    unknown = ("viscous_nms_per_rad", "viscous_low_nms_per_rad", "viscous_high_nms_per_rad")
-    history = replace(friction.history, **dict.fromkeys(unknown, nothing))
+    history = friction.history.with_coefficient("viscous", nothing, nothing, nothing)
     bare = replace(friction, model="coulomb", viscous=UNDETERMINED, history=history)
     panels = draw_coefficients(replace(single, friction=replace(single.friction, joints=(bare,))), 1).axes
     assert [text.get_text() for axes in panels for text in axes.texts] == ["not in the coulomb model"]

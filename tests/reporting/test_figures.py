@@ -42,8 +42,7 @@ def result_of(kind: str, name: str = "") -> Any:
     """Return a result with several joints, the first of which has this name."""
     if kind == "drift":
         arm = batch_by_hand.arm(8, 3)
-        joints = (replace(arm.joints[0], name=name or arm.joints[0].name), *arm.joints[1:])
-        return replace(arm, joints=joints)
+        return replace(arm, joints=(replace(arm.joints[0], name=name or arm.joints[0].name), *arm.joints[1:]))
     if kind == "diagnosis":
         found = diagnosed_rows.ALL.discrepancy
         joints = (replace(found.joints[0], name=name or found.joints[0].name), *found.joints[1:])

@@ -4,6 +4,7 @@ import re
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -125,7 +126,7 @@ def test_sessions_have_a_row_per_joint_and_coefficient(
 
 
 def test_a_row_holds_the_session_s_numbers(tmp_path: Path) -> None:
-    frame = sessions_of(batch_by_hand.batch(ARM), tmp_path).set_index(["session", "joint", "coefficient"])
+    frame: Any = sessions_of(batch_by_hand.batch(ARM), tmp_path).set_index(["session", "joint", "coefficient"])
     row, alone, still = (frame.loc[key] for key in ((13, 2, "coulomb_nm"), (9, 2, "coulomb_nm"), (1, 7, "coulomb_nm")))
     value = ARM.sessions[12].joints[1].coefficients["coulomb_nm"]
     assert (row["value"], row["ci95_low"]) == (value.value, value.low)

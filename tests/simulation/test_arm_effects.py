@@ -20,7 +20,7 @@ IDEAL = replace(SHORT, sensors=(IDEAL_SENSORS,) * 7)
 ROTORS = np.array([joint.inertia_kg_m2 for joint in PANDA_JOINTS])
 WITHIN_REACH = {"joint_limit_stop": {"at_rad": "0.05"}}
 """An arm guided for two seconds does not get far: the stops stand closer."""
-NOTHING_YET = Hidden(**{effect.name: replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS})
+NOTHING_YET = Hidden().holding(*(replace(effect.make({}), **{effect.strength_name(): 0.0}) for effect in EFFECTS))
 SEED = 1
 
 
@@ -39,7 +39,7 @@ def test_all_effects_at_zero_strength_change_nothing_to_the_bit(driven: bool) ->
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=[effect.name for effect in EFFECTS])
 def test_effect_changes_the_log_and_keeps_it_finite(effect: Any) -> None:
-    hidden = Hidden(**{effect.name: effect.make(WITHIN_REACH.get(effect.name, {}))})
+    hidden = Hidden().holding(effect.make(WITHIN_REACH.get(effect.name, {})))
     plain, changed = (log_of(inside, False).log.channels() for inside in (Hidden(), hidden))
     for channel in changed.values():
         assert np.isfinite(channel).all()

@@ -11,6 +11,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
+from friction_audit.simulation.effects.presliding import Presliding
+from friction_audit.simulation.effects.stiction import Stiction
+from friction_audit.simulation.effects.unlogged_compensation import UnloggedCompensation
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
 
@@ -46,7 +49,7 @@ def nothing() -> Simulation:
 
 def hide(effect: type[HiddenEffect], form: str, **numbers: float) -> Hidden:
     group = effect.make({"form": form} if form else {})
-    return Hidden(**{effect.name: replace(group, **numbers)})
+    return Hidden().holding(replace(group, **numbers))
 
 
 def columns(simulation: Simulation) -> Iterator[tuple[str, Any]]:
@@ -133,19 +136,18 @@ def everything(number: int) -> Hidden:
     chosen = {effect: effect.forms[number % len(effect.forms)] if effect.forms else "" for effect in EFFECTS}
     groups = {effect.name: effect.make({"form": form} if form else {}) for effect, form in chosen.items()}
     del groups["stiction" if number % 2 else "presliding"]
-    return Hidden(**groups)
+    return Hidden().holding(*groups.values())
 
 
 def test_bristles_and_stiction_exclude_each_other() -> None:
-    pair = {name: effect.make({}) for effect in EFFECTS if (name := effect.name) in ("presliding", "stiction")}
     with pytest.raises(UsageError, match="bristles have a break-away of their own"):
-        Hidden(**pair)
+        Hidden(presliding=Presliding.make({}), stiction=Stiction.make({}))
 
 
 def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> None:
-    unlogged = next(effect for effect in EFFECTS if effect.name == "unlogged_compensation")
+    unlogged = Hidden(unlogged_compensation=UnloggedCompensation.make({}))
     with pytest.raises(UsageError, match="sensor reads all that the motor gives"):
-        replace(PLAIN, logs_sensor=True, driven=True, hidden=(Hidden(unlogged_compensation=unlogged.make({})),))
+        replace(PLAIN, logs_sensor=True, driven=True, hidden=(unlogged,))
 
 
 @pytest.mark.parametrize("driven", [False, True])

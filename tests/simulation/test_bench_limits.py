@@ -10,6 +10,7 @@ from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
 from friction_audit.simulation.effects.inertia_error import InertiaError
+from friction_audit.simulation.effects.joint_limit_stop import JointLimitStop
 from friction_audit.simulation.settings import IDEAL_SENSORS
 
 IDEAL = BenchSettings(duration_s=6.0, sensors=(IDEAL_SENSORS,))
@@ -29,15 +30,14 @@ def test_every_end_of_every_range_keeps_the_joint_under_the_hand(effect: type[Hi
     for given in ends(effect):
         for form in effect.forms or ("",):
             group = effect.make(given | ({"form": form} if form else {}))
-            motion = simulate_bench(replace(IDEAL, hidden=(Hidden(**{effect.name: group}),)), 1).truth.motion
+            motion = simulate_bench(replace(IDEAL, hidden=(Hidden().holding(group),)), 1).truth.motion
             assert np.abs(motion.dq).max() < 2.0 * plain, (given, form)
 
 
 @pytest.mark.parametrize("form", ["spring_damper", "quadratic"])
 def test_the_stiffest_wall_takes_energy(form: str) -> None:
     """Energy that the hand has put in is never less than what friction took and what moves."""
-    (stop,) = (effect for effect in EFFECTS if effect.name == "joint_limit_stop")
-    group = stop.make({"stiffness_nm_per_rad": "2000", "damping_s": "0.2", "at_rad": "0.2", "form": form})
+    group = JointLimitStop.make({"stiffness_nm_per_rad": "2000", "damping_s": "0.2", "at_rad": "0.2", "form": form})
     motion = simulate_bench(replace(IDEAL, hidden=(Hidden(joint_limit_stop=group),)), 1).truth.motion
     power = (motion.interaction_nm * motion.dq)[:, 0]
     work = np.cumsum(0.5 * (power[1:] + power[:-1]) * 1e-3)

@@ -55,7 +55,7 @@ def test_delay_shifts_torque_or_motion_by_its_length(delay_s: float) -> None:
 def test_roundings_are_those_of_the_sensors_whatever_is_hidden(effect: type[HiddenEffect], logs_sensor: bool) -> None:
     settings = replace(PLAIN, logs_sensor=logs_sensor, logs_temperature=True, gravity_nm=4.0 * logs_sensor)
     for form in effect.forms or (None,):
-        hidden = Hidden(**{effect.name: effect.make({"form": form} if form else {})})
+        hidden = Hidden().holding(effect.make({"form": form} if form else {}))
         channels = simulate_bench(replace(settings, hidden=(hidden,), duration_s=2.0), 2).log.channels()
         for name, column in channels.items():
             assert_array_equal(column, quantise(column, STEPS[name]))

@@ -3,7 +3,7 @@
 import pytest
 
 from friction_audit.errors import UsageError
-from friction_audit.simulation.effects import EFFECTS
+from friction_audit.simulation.effects import EFFECTS, HiddenEffect
 from friction_audit.simulation.effects.stribeck import Stribeck
 from friction_audit.simulation.hide import HiddenInJoint, hidden_effects, hide, settings_in_sight
 from friction_audit.simulation.scenarios import SCENARIOS
@@ -15,7 +15,7 @@ EACH_EFFECT = pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effe
 
 
 @EACH_EFFECT
-def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenInJoint]) -> None:
+def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[HiddenEffect]) -> None:
     told = [one for one in hidden_effects(hide(SEVEN, [effect.name])) if one.name == effect.name]
     assert [one.joint for one in told] == [1, 2, 3, 4, 5, 6, 7]
     assert told[0].parameters == {parameter.name: parameter.default for parameter in effect.parameters()}
@@ -23,7 +23,7 @@ def test_an_effect_alone_means_its_usual_values_in_every_joint(effect: type[Hidd
 
 
 @EACH_EFFECT
-def test_an_effect_of_no_strength_is_not_told(effect: type[HiddenInJoint]) -> None:
+def test_an_effect_of_no_strength_is_not_told(effect: type[HiddenEffect]) -> None:
     hidden = hide(SEVEN, [f"{effect.name}:{effect.strength_name()}=0"])
     assert effect.name not in [one.name for one in hidden_effects(hidden)]
 

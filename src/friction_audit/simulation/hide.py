@@ -57,7 +57,7 @@ def hide(settings: Settings, entries: Iterable[str]) -> Settings:
         taken.update((effect.name, joint) for joint in meant)
         group = effect.make(given)
         for joint in meant:
-            hidden[joint - 1] = replace(hidden[joint - 1], **{effect.name: group})
+            hidden[joint - 1] = hidden[joint - 1].holding(group)
     return replace(settings, hidden=tuple(hidden))
 
 

@@ -1,7 +1,7 @@
 """The registry of hidden effects, and what is hidden in one joint: a group of each, which does nothing by default."""
 
-from dataclasses import dataclass, fields
-from typing import get_type_hints
+from dataclasses import dataclass, fields, replace
+from typing import Any, Self, get_type_hints
 
 from friction_audit.errors import UsageError
 from friction_audit.simulation.effects.asymmetric_coulomb import AsymmetricCoulomb
@@ -77,6 +77,11 @@ class Hidden:
     def each(self) -> tuple[HiddenEffect, ...]:
         """Return the groups of all effects, in the order of the documentation."""
         return tuple(getattr(self, item.name) for item in fields(self))
+
+    def holding(self, *groups: HiddenEffect) -> Self:
+        """Return the same with these groups in the places of their effects."""
+        by_name: dict[str, Any] = {group.name: group for group in groups}
+        return replace(self, **by_name)
 
 
 # In the order of the documentation.
