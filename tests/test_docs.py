@@ -7,8 +7,10 @@ import re
 from collections.abc import Iterator
 from contextlib import chdir, redirect_stdout
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 
 from friction_audit.cli import choices
@@ -30,6 +32,7 @@ DOCS = ROOT / "docs"
 COEFFICIENTS = ("coulomb", "viscous")
 ON_PAGES = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 COMMANDS = DOCS / "commands"
+CONTRIBUTING = ROOT / "CONTRIBUTING.md"
 LONG = (DOCS / "paper.md", DOCS / "recording.md", COMMANDS / "compare.md", COMMANDS / "report.md", DOCS / "tables.md")
 """Pages whose commands take long and are held elsewhere: figures of the paper, logs of several lengths, a comparison,
 reports as in ``index.md``, tables of results."""
@@ -80,7 +83,18 @@ def test_python_runs(page: Path, tmp_path: Path) -> None:
     for body in blocks(page.read_text(), "python"):
         with chdir(tmp_path), diagnosed_once(), redirect_stdout(io.StringIO()) as said:
             exec(compile(body, str(page), "exec"), {})
-        assert said.getvalue()
+        assert said.getvalue() or page == CONTRIBUTING  # which shows modules
+
+
+def test_the_effect_of_the_example_has_one_law_on_both_sides() -> None:
+    detector: dict[str, Any] = {}
+    simulator: dict[str, Any] = {}
+    for body, names in zip(blocks(CONTRIBUTING.read_text(), "python"), (detector, simulator), strict=True):
+        exec(compile(body, str(CONTRIBUTING), "exec"), names)
+    dq, fan = np.array([-2.0, 0.0, 0.5]), simulator["Fan"](push_nms2_per_rad2=0.02)
+    column = detector["EFFECT"].columns(SimpleNamespace(dq=dq), ())
+    pushed = [simulator["torque_nm"].py_func(fan, speed) for speed in dq]
+    assert pushed == pytest.approx(-0.02 * column[:, 0])
 
 
 def anchors(page: Path) -> set[str]:
@@ -125,15 +139,34 @@ def spelled(code: ast.expr) -> Iterator[str]:
             yield "".join(str(part.value) if isinstance(part, ast.Constant) else name for part in code.values)
 
 
+def paired_codes() -> Iterator[str]:
+    """Yield the codes that stand with their message in a pair or a dict, where cautions are made of those."""
+    files = {
+        file
+        for file, node in nodes()
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Caution"
+        if any(keyword.arg == "code" and isinstance(keyword.value, ast.Name) for keyword in node.keywords)
+    }
+    for file, node in nodes():
+        if file not in files:
+            continue
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Subscript):
+            yield from spelled(node.targets[0].slice)
+        elif isinstance(node, ast.Yield) and isinstance(node.value, ast.Tuple):
+            yield from spelled(node.value.elts[0])
+        elif isinstance(node, ast.List):
+            yield from (code for one in node.elts if isinstance(one, ast.Tuple) for code in spelled(one.elts[0]))
+
+
 def codes_in_the_source() -> set[str]:
-    found: set[str] = set()
+    found = set(paired_codes())
     for _, node in nodes():
         if not isinstance(node, ast.Call) or not isinstance(node.func, ast.Name):
             continue
         if node.func.id in ("Finding", "Caution"):
             given = [keyword.value for keyword in node.keywords if keyword.arg == "code"]
             found |= {code for value in given for code in spelled(value)}
-        elif node.func.id == "Notice" and isinstance(node.args[0], ast.Constant):
+        elif node.func.id in ("Notice", "caution") and isinstance(node.args[0], ast.Constant):
             found.add(str(node.args[0].value))
     return found
 

@@ -53,7 +53,7 @@ def test_nothing_readable(run: Run, logs: Path) -> None:
 
 def test_of_a_log_beyond_memory_the_beginning_is_shown(run: Run, logs: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = run("info", logs / "moved1.csv", "--json").document()["logs"][0]
-    monkeypatch.setattr("friction_audit.io.readers.reader._memory", lambda: whole["samples"] * 8)
+    monkeypatch.setattr("friction_audit.io.readers.reader.address_limit", lambda: whole["samples"] * 8)
     monkeypatch.setattr("friction_audit.io.readers.reader.WHOLE_BYTES", 0)
     monkeypatch.setattr("friction_audit.cli.info._FIRST_S", 10.0)
     answer = run("info", logs / "moved1.csv", "--json")

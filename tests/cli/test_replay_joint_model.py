@@ -89,7 +89,7 @@ def test_the_table_says_which_model(run: Run, log: str) -> None:
 def test_a_model_by_hand_has_no_origin(run: Run, log: str) -> None:
     save(simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07), path="hand.toml")
     words = ("--assume", "same-torque", "--joint-model", "hand.toml")
-    assert "joint 1 by hand.toml (its origin is not said): inertia 0.3 kg m²" in run("replay", log, *words).out
+    assert "joint 1 by hand.toml (origin unknown): inertia 0.3 kg m²" in run("replay", log, *words).out
 
 
 @pytest.mark.usefixtures("sketched")

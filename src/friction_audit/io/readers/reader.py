@@ -100,13 +100,13 @@ class ReadOptions:
     def __post_init__(self) -> None:
         """Raise UsageError if the factor is not above zero, a channel does not exist, or the part holds no time."""
         wrong = []
-        for channel in self.mapping.keys() - {*_MAPPABLE}:
+        for channel in (one for one in self.mapping if one not in _MAPPABLE):
             near = get_close_matches(channel, _MAPPABLE, n=2)
             wrong.append(
                 f"--map {channel}: no such channel" + (f" (did you mean {' or '.join(near)}?)" if near else "")
             )
         if wrong:
-            raise UsageError(f"{'; '.join(sorted(wrong))}; channels are {', '.join(_MAPPABLE)}")
+            raise UsageError(f"{'; '.join(wrong)}; channels are {', '.join(_MAPPABLE)}")
         if not inf > self.time_scale > 0.0:
             raise UsageError(f"--time-scale {self.time_scale:g}: expected a factor above zero, such as 0.5")
         if self.t_start_s is not None and self.t_end_s is not None and not self.t_start_s < self.t_end_s:

@@ -122,6 +122,8 @@ def encode(log: JointLog, message: MessageType, types: "Typestore") -> Iterator[
 
     One message is serialised by rosbags; the numbers of each sample are written into copies of its bytes.
     """
+    if not log.t.size:
+        return
     sample, recorded = _blank(types, message.name), log.channels()
     arrays = {path: recorded[channel] for path, channel in message.fields.items() if channel in recorded}
     for path in message.names:
