@@ -38,10 +38,9 @@ def states() -> Motion:
 
 
 MOTION = states()
-SIGN, REST = np.sign(MOTION.dq), np.asarray(MOTION.rest)
-LOAD = np.asarray(MOTION.load) + REST
 assert MOTION.others is not None
-SENSED = MOTION.others.sensed
+SIGN, REST, SENSED = np.sign(MOTION.dq), np.asarray(MOTION.rest), MOTION.others.sensed
+LOAD = np.asarray(MOTION.load) + REST
 
 
 def each(name: str, function: str, *signals: Float) -> Callable[[Any], Float]:

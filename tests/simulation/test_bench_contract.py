@@ -11,8 +11,6 @@ from numpy.testing import assert_allclose, assert_array_equal
 from friction_audit.errors import UsageError
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
 from friction_audit.simulation.effects import EFFECTS, Hidden, HiddenEffect
-from friction_audit.simulation.effects.presliding import Presliding
-from friction_audit.simulation.effects.stiction import Stiction
 from friction_audit.simulation.effects.unlogged_compensation import UnloggedCompensation
 from friction_audit.simulation.settings import IDEAL_SENSORS, PANDA_SENSORS
 from friction_audit.simulation.simulation import Simulation, TrueMotion
@@ -133,21 +131,19 @@ def test_the_joint_obeys_its_equation_of_motion(effect: type[HiddenEffect], form
 
 def everything(number: int) -> Hidden:
     """Return all effects at once but stiction or bristles, in the forms that a number chooses."""
-    chosen = {effect: effect.forms[number % len(effect.forms)] if effect.forms else "" for effect in EFFECTS}
-    groups = {effect.name: effect.make({"form": form} if form else {}) for effect, form in chosen.items()}
-    del groups["stiction" if number % 2 else "presliding"]
-    return Hidden().holding(*groups.values())
+    chosen = [effect for effect in EFFECTS if effect.name != ("stiction" if number % 2 else "presliding")]
+    forms = [{"form": effect.forms[number % len(effect.forms)]} if effect.forms else {} for effect in chosen]
+    return Hidden().holding(*(effect.make(form) for effect, form in zip(chosen, forms, strict=True)))
 
 
 def test_bristles_and_stiction_exclude_each_other() -> None:
     with pytest.raises(UsageError, match="bristles have a break-away of their own"):
-        Hidden(presliding=Presliding.make({}), stiction=Stiction.make({}))
+        Hidden().holding(*(effect.make({}) for effect in EFFECTS if effect.name in ("presliding", "stiction")))
 
 
 def test_a_compensator_of_a_robot_that_moves_by_itself_would_show_nothing() -> None:
-    unlogged = Hidden(unlogged_compensation=UnloggedCompensation.make({}))
     with pytest.raises(UsageError, match="sensor reads all that the motor gives"):
-        replace(PLAIN, logs_sensor=True, driven=True, hidden=(unlogged,))
+        replace(PLAIN, logs_sensor=True, driven=True, hidden=(Hidden().holding(UnloggedCompensation.make({})),))
 
 
 @pytest.mark.parametrize("driven", [False, True])
