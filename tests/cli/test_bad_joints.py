@@ -46,9 +46,9 @@ def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
     answer = run("diagnose", dead, "--json", *FEW)
     assert answer.code == 0
     good, bad = answer.document()["joints"]
-    assert (good["verdict"], bad["verdict"]) == ("none", "data_fault")
+    assert (good["verdict"], bad["verdict"]) == ("adequate", "data_fault")
     assert "channel is dead" in bad["message"]
-    assert good["declared"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
+    assert good["nominal"]["coulomb_nm"]["value"] == pytest.approx(0.245, abs=0.01)
 
 
 @pytest.mark.usefixtures("sketched")
@@ -56,7 +56,7 @@ def test_a_dead_channel_is_a_fault_of_its_joint(dead: Path, run: Run) -> None:
 def test_a_report_stands_with_a_dead_channel(dead: Path, run: Run, tmp_path: Path) -> None:
     assert run("report", dead, "--format", "markdown,html").code == 0
     page = (tmp_path / "dead.report.md").read_text(encoding="utf-8")
-    assert "**nothing missing** Joint 1" in page
+    assert "**adequate** Joint 1" in page
     assert "**data fault** Joint 2" in page
 
 
@@ -68,7 +68,7 @@ def test_a_bug_in_one_joint_is_its_own(
     answer = run("diagnose", logs / "moved2.csv", "--json", *FEW)
     assert answer.code == 1
     bad, good = answer.document()["joints"]
-    assert (bad["verdict"], good["verdict"]) == ("failed", "none")
+    assert (bad["verdict"], good["verdict"]) == ("failed", "adequate")
     assert error.__name__ in bad["message"]
     assert answer.err.splitlines() == [f"error: joint 1: {bad['message']}"]
 
@@ -87,7 +87,7 @@ def test_the_traceback_of_a_bug_is_for_those_who_ask(
     assert "Traceback" not in answer.err
     page = (tmp_path / "moved2.report.md").read_text(encoding="utf-8")
     assert "**failed** Joint 1" in page
-    assert "**nothing missing** Joint 2" in page
+    assert "**adequate** Joint 2" in page
 
 
 @pytest.mark.usefixtures("sketched")
@@ -129,6 +129,6 @@ def test_a_vibration_at_a_low_rate_is_no_error(rate: float, share: float, run: R
     answer = run("diagnose", "low.npz", "--json", "--candidates", "joint_elasticity,backlash,stribeck")
     assert answer.code == 0, answer.err
     (joint,) = answer.document()["joints"]
-    assert joint["verdict"] in ("none", "named", "ambiguous", "unexplained")
+    assert joint["verdict"] in ("adequate", "named", "ambiguous", "unexplained")
     if share < 0.2 and rate < 200.0:  # above, torque and motion are filtered away
         assert joint["vibration"]["frequency_hz"] == pytest.approx(share * rate, rel=0.05)
