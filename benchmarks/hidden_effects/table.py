@@ -102,7 +102,7 @@ def by_strength(rows: Sequence[Row]) -> str:
     """One line per strength, all effects together, and one for all that have to be found."""
     head = (
         "one effect, strength", "logs", "in the answer [%]", "the only name [%]", "a wrong name [%]",
-        "only wrong names [%]", "`none` [%]",
+        "only wrong names [%]", "`adequate` [%]",
     )  # fmt: skip
     single = [row for row in rows if row["truth"] in {candidate.name for candidate in effects()}]
     sizes = sorted({float(row["partial"]) for row in single})

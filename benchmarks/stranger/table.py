@@ -12,8 +12,8 @@ from pathlib import Path
 from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
 
 Row = dict[str, str]
-HEAD = ("hidden", "logs", "in the answer", "the only name", "a wrong name", "`unexplained`", "`none`", "`not_testable`",
-        "`data_fault`", "refused (exit 4)", "named instead, or beside")  # fmt: skip
+HEAD = ("hidden", "logs", "in the answer", "the only name", "a wrong name", "`unexplained`", "`adequate`",
+        "`not_testable`", "`data_fault`", "refused (exit 4)", "named instead, or beside")  # fmt: skip
 INTRODUCTION = """\
 # Answers on logs of a generator that the tool has never seen
 
@@ -61,7 +61,7 @@ def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
     others = Counter(next(iter(row["sets"].split(";")[i].split("|"))) for row in rows if wrong(row)
                      for i, one in enumerate(sets_of(row)) if not one & truth_of(row))  # fmt: skip
     counts = (len(rows), sum(map(held, rows)), sum(map(exact, rows)), sum(map(wrong, rows)))
-    words = ("unexplained", "none", "not_testable", "data_fault", "error")
+    words = ("unexplained", "adequate", "not_testable", "data_fault", "error")
     beside = ", ".join(f"{name} {n}" for name, n in others.most_common())
     return (label, *map(str, counts), *(str(verdicts[word]) for word in words), beside or "-")
 
