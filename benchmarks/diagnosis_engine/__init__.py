@@ -1,0 +1,1 @@
+"""Comparison of the engines of the diagnosis on the same joints."""

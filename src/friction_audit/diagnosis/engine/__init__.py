@@ -1,0 +1,1 @@
+"""The diagnosis by one likelihood: generalised least squares, group selection, held-out validation."""

@@ -1,0 +1,203 @@
+"""Columns of every effect on the samples: the one place that knows how the catalogue of effects is written."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
+from friction_audit.diagnosis.candidates.extent import speeds
+from friction_audit.diagnosis.candidates.torque_ripple import order_range
+from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.joint_log import Float
+
+EVERY = {"joint_elasticity": 2, "backlash": 2, "frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
+"""Every so many points of a grid: neighbours are refined afterwards."""
+LEAST_BEND = 0.05
+"""Share of the log's high speed below which a curve in speed is Coulomb friction with a smoothed sign."""
+EVENT = "contact_event"  # found by its own detector
+ORDERS_SCANNED = 2
+
+
+@dataclass(eq=False, kw_only=True)
+class Block:
+    """Columns of one effect at one point of its grid.
+
+    Attributes:
+        effect: The effect.
+        shape: The nonlinear parameters.
+        columns: On the samples, without columns of zeros, shape (p, m).
+        there: Which of the effect's columns these are, shape (q,).
+        log_prior: Logarithm of the share of the prior that this point has among those of its effect.
+        numbers: Nonlinear parameters that vary over the grid.
+        refined: Whether it lies between the points of the grid.
+        start: Its first row in the Gram matrix.
+        penalty: 2 ln of the prior's mass that the neighbours of this point share, from the last integration.
+    """
+
+    effect: Candidate
+    shape: dict[str, float]
+    columns: Float
+    there: NDArray[np.bool_]
+    log_prior: float
+    numbers: int
+    refined: bool = False
+    start: int = 0
+    penalty: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """Name of the effect."""
+        return self.effect.name
+
+    @property
+    def p(self) -> int:
+        """Number of columns."""
+        return len(self.columns)
+
+    def whole(self, coefficients: Float) -> Float:
+        """Coefficients of all the effect's columns, shape (q,), zero for columns of zeros."""
+        out = np.zeros(len(self.there))
+        out[self.there] = coefficients
+        return out
+
+    def possible(self, coefficients: Float) -> bool:
+        """Whether signs and sizes are physically possible."""
+        return bool(self.effect.admissible(self.whole(coefficients), self.shape))
+
+
+@dataclass(eq=False)
+class Dictionary:
+    """All blocks of a joint, and why the log cannot show the other effects."""
+
+    problem: RegressionProblem
+    effects: tuple[Candidate, ...]
+    baseline: Baseline
+    blocks: list[Block] = field(default_factory=list)
+    not_testable: dict[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def build(cls, problem: RegressionProblem, effects: Sequence[Candidate], baseline: Baseline) -> "Dictionary":
+        """Ask every effect whether the log can show it, and build its columns over its grid."""
+        made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
+        for effect in made.effects:
+            why = effect.untestable(problem.data, baseline)
+            if why is not None:
+                made.not_testable[effect.name] = why
+            shapes = grid_of(effect, problem.data, why is None)
+            made.blocks += made.build_blocks(effect, shapes)
+        return made
+
+    def build_blocks(self, effect: Candidate, shapes: Sequence[Shape], baseline: Baseline | None = None) -> list[Block]:
+        """Blocks of one effect; without those whose columns are zero."""
+        if not shapes:
+            return []
+        varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
+        out: list[Block | None] = [None] * len(shapes)
+        for place, fine in effect.each(self.problem.data, baseline or self.baseline, shapes):
+            columns = self.problem.columns(fine)
+            there = np.abs(columns).max(axis=1) > 0
+            if there.any():
+                out[place] = Block(
+                    effect=effect,
+                    shape=dict(shapes[place]),
+                    columns=columns[there],
+                    there=there,
+                    log_prior=-float(np.log(len(shapes))),
+                    numbers=sum(name in shapes[place] for name in varying),
+                )
+        return [block for block in out if block is not None]
+
+    def rebuild(self, baseline: Baseline) -> None:
+        """Build again what follows from the nominal model, whose coefficients are better known."""
+        self.baseline = baseline
+        for effect in self.effects:
+            own = [block for block in self.blocks if block.effect is effect]
+            if effect.leans_on_model and own:
+                for place, fine in effect.each(self.problem.data, baseline, [block.shape for block in own]):
+                    own[place].columns = self.problem.columns(fine)[own[place].there]
+
+    def columns_at(self, block: Block, shape: Shape, baseline: Baseline) -> Float:
+        """Columns of a block's effect at another point, shape (p, m)."""
+        return self.problem.columns(self.fine_at(block, shape, baseline))
+
+    def fine_at(self, block: Block, shape: Shape, baseline: Baseline) -> Float:
+        """The same on the fine grid, shape (n, p)."""
+        return np.asarray(block.effect.columns(self.problem.data, baseline, shape)[:, block.there])
+
+    def drop(self, dropped: NDArray[np.bool_], problem: RegressionProblem) -> None:
+        """Leave samples out, shape (m,)."""
+        self.problem = problem
+        for block in self.blocks:
+            block.columns = block.columns[:, ~dropped]
+
+    def scan_orders(self, residual: Float) -> list[Block]:
+        """Ripples beyond the grid: the largest peaks of a Fourier transform of a residual over the position."""
+        own = [block for block in self.blocks if block.name == "torque_ripple"]
+        if not own:
+            return []
+        data = self.problem.data
+        most, last = order_range(data)[1], max(block.shape["ripple_order"] for block in own)
+        if most <= last:
+            return []
+        q = self.problem.kinematics[0]
+        span, width = float(np.ptp(q)), float(np.pi / most / 4)
+        n = int(2 ** np.ceil(np.log2(4 * span / width)))
+        power = np.abs(np.fft.rfft(np.bincount(((q - q.min()) / width).astype(int), residual, n))) ** 2
+        order = 2 * np.pi * np.arange(len(power)) / (n * width)
+        power[(order < last) | (order > most)] = 0.0
+        found: list[Block] = []
+        for _ in range(ORDERS_SCANNED):
+            k = int(np.argmax(power))
+            if power[k] <= 0.0:
+                break
+            for block in self.build_blocks(own[0].effect, [{"ripple_order": float(order[k])}]):
+                # As many independent orders as there are up to this one were looked through.
+                block.log_prior, block.numbers = -float(np.log(max(span * order[k] / np.pi, 2.0))), 1
+                found.append(block)
+            power[np.abs(order - order[k]) < 4 * np.pi / span] = 0.0
+        return found
+
+    def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
+        """From where to where nonlinear parameters may be refined: the grid and half as much again."""
+        tried = [s for s in self._grid(block.effect) if set(s) == set(block.shape)] or [block.shape]
+        term = block.effect.term
+        whole = {p.name for p in term.shape if p.whole} if term is not None else set()
+        found = {}
+        for name, value in block.shape.items():
+            values = np.array([s[name] for s in tried] + [value])
+            if name in whole or term is None or name not in {p.name for p in term.shape}:
+                continue
+            if len(np.unique([s[name] for s in tried])) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
+                continue
+            low, high = block.effect.bounds(name)
+            least, most = float(values.min()), float(values.max())
+            least, most = (least / 1.5 if least > 0 else least * 1.5), (most * 1.5 if most > 0 else most / 1.5)
+            found[name] = (max(low, least), min(high, most))
+        return found
+
+    def spacing(self, block: Block, name: str) -> float:
+        """Distance to the next point of the grid."""
+        values = np.unique([s[name] for s in self._grid(block.effect) if name in s])
+        away = np.abs(values - block.shape[name])
+        away = away[away > 1e-9 * max(abs(block.shape[name]), 1e-9)]
+        return float(away.min()) if len(away) else 0.2 * abs(block.shape[name]) + 1e-9
+
+    def _grid(self, effect: Candidate) -> Sequence[Shape]:
+        return effect.tried(self.problem.data) or effect.shown(self.problem.data)
+
+
+def grid_of(effect: Candidate, data: JointData, testable: bool) -> Sequence[Shape]:
+    """Points of the grid of an effect on a joint."""
+    shapes = list(effect.tried(data) if testable else effect.shown(data))[:: EVERY.get(effect.name, 1)]
+    if effect.name == "nonlinear_viscous":
+        least = LEAST_BEND * float(speeds(data, 95.0)[0])
+        shapes = [s for s in shapes if s["curved_viscous_exponent"] > 0.0 or s["curved_viscous_speed_rad_s"] >= least]
+    return shapes
+
+
+def names_of(blocks: Sequence[Block]) -> Iterator[str]:
+    """Names of blocks, each once."""
+    yield from dict.fromkeys(block.name for block in blocks)

@@ -1,0 +1,215 @@
+"""One Gram matrix of whitened columns, by folds of whole cycles: every score of the selection is a small solve on it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.engine.dictionary import Block
+from friction_audit.diagnosis.engine.noise_model import NoiseModel
+from friction_audit.diagnosis.engine.problem import FOLDS, Nuisance, RegressionProblem
+from friction_audit.joint_log import Float
+
+COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
+RIDGE = 1e-10
+ROOM = 64
+
+
+class Gram:
+    """Whitened columns of the nominal model, the nuisances and all blocks, and their products within each fold."""
+
+    def __init__(self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]):
+        """Whiten everything; samples are put in the order of their folds."""
+        self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
+        self.order = np.argsort(problem.fold, kind="stable")
+        self.ends = np.searchsorted(problem.fold[self.order], np.arange(FOLDS + 1))
+        self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
+        self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
+        self.y, self.base = self.whiten(problem.y)[0], self.whiten(self.base_raw)
+        self.yy = np.array([self.y[f] @ self.y[f] for f in self.slices])
+        self.by = np.stack([self.base[:, f] @ self.y[f] for f in self.slices])
+        self.bb = np.stack([self.base[:, f] @ self.base[:, f].T for f in self.slices])
+        self.rows = np.empty((sum(b.p for b in blocks) + ROOM, len(self.y)))
+        self.blocks: list[Block] = []
+        self.used = 0
+        self.zy = np.empty((FOLDS, 0))
+        self.own: list[Float] = []
+        self.cross: dict[object, Float] = {"base": np.empty((FOLDS, len(self.base), 0))}
+        self.version = 0
+        self.add(blocks)
+
+    @property
+    def slices(self) -> list[slice]:
+        """Columns of each fold."""
+        return [slice(a, b) for a, b in zip(self.ends[:-1], self.ends[1:], strict=True)]
+
+    def whiten(self, columns: Float) -> Float:
+        """Innovations in the order of the folds, shape (k, m)."""
+        return np.asarray(self.noise.whiten(columns)[:, self.order])
+
+    def add(self, blocks: Sequence[Block]) -> None:
+        """Append blocks."""
+        first, need = self.used, sum(b.p for b in blocks)
+        if first + need > len(self.rows):
+            self.rows = np.vstack([self.rows[:first], np.empty((need + ROOM, len(self.y)))])
+        for block in blocks:
+            block.start = self.used
+            self.used += block.p
+        if blocks:
+            self.rows[first : self.used] = self.whiten(np.vstack([b.columns for b in blocks]))
+        new = self.rows[first : self.used]
+        self.zy = np.hstack([self.zy, np.stack([new[:, f] @ self.y[f] for f in self.slices])])
+        for block in blocks:
+            own = self.of(block)
+            self.own.append(np.stack([own[:, f] @ own[:, f].T for f in self.slices]))
+        for key, known in list(self.cross.items()):
+            left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[index,call-overload]
+            self.cross[key] = np.concatenate([known, self._products(left, new)], axis=2)
+        self.blocks += blocks
+        self.version += 1
+
+    def of(self, block: Block) -> Float:
+        """Whitened columns of a block, shape (p, m)."""
+        return self.rows[block.start : block.start + block.p]
+
+    def products(self, block: Block) -> Float:
+        """Products of a block with all others within each fold, shape (folds, p, columns)."""
+        key = next(k for k, one in enumerate(self.blocks) if one is block)
+        if key not in self.cross:
+            self.cross[key] = self._products(self.of(block), self.rows[: self.used])
+        return self.cross[key]
+
+    def _products(self, left: Float, right: Float) -> Float:
+        return np.stack([left[:, f] @ right[:, f].T for f in self.slices])
+
+
+@dataclass(eq=False)
+class Fit:
+    """The model with some blocks, fitted on some folds.
+
+    Attributes:
+        kept: Rows of the base that take part: nuisances that a block replaces do not.
+        coefficients: Of these and of the blocks, one after the other.
+        rss: Weighted residual sum of squares, priors included.
+        factor, scale, projected: Cholesky factor of the scaled Gram matrix, its scale, and the response in its terms.
+    """
+
+    kept: NDArray[np.int64]
+    coefficients: Float
+    rss: float
+    factor: Float
+    scale: Float
+    projected: Float
+
+
+@dataclass(eq=False)
+class Training:
+    """What some of the folds say: scores of all blocks given an active set."""
+
+    gram: Gram
+    folds: tuple[int, ...] = tuple(range(FOLDS))
+    _sums: dict[object, tuple[int, Float]] = field(default_factory=dict)
+    _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
+    _own: tuple[int, list[tuple[int, NDArray[np.int64], NDArray[np.int64], Float]]] = (-1, [])
+
+    @property
+    def samples(self) -> float:
+        """Effective samples."""
+        gram = self.gram
+        share = sum(gram.ends[k + 1] - gram.ends[k] for k in self.folds) / max(len(gram.y), 1)
+        return float(gram.noise.effective_samples * share) - len(gram.problem.X)
+
+    def _sum(self, key: object, by_fold: Float) -> Float:
+        version, total = self._sums.get(key, (-1, np.zeros(0)))
+        if version != self.gram.version:
+            total = by_fold[list(self.folds)].sum(axis=0)
+            self._sums[key] = self.gram.version, total
+        return total
+
+    def _cross(self, block: Block | None) -> Float:
+        if block is None:
+            return self._sum("base", self.gram.cross["base"])
+        return self._sum(id(block), self.gram.products(block))
+
+    def fit(self, active: Sequence[Block], unpinned: Sequence[str] = ()) -> Fit:
+        """Fit the nominal model, nuisances and some blocks; nuisances of some names are left out."""
+        key = (*map(id, active), "|", *unpinned)
+        if key in self._fits:
+            return self._fits[key]
+        gram, folds = self.gram, list(self.folds)
+        names = {b.name for b in active} | set(unpinned)
+        out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if one.replaced_by in names]
+        kept = np.setdiff1d(np.arange(len(gram.base)), out)
+        cols = [np.arange(b.start, b.start + b.p) for b in active]
+        at = np.concatenate([np.zeros(0, int), *cols]).astype(int)
+        bb = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
+        rows = [self._cross(b)[:, at] for b in active]
+        whole = np.zeros((len(kept) + len(at),) * 2)
+        b = len(kept)
+        whole[:b, :b] = bb
+        whole[:b, b:] = self._cross(None)[kept][:, at]
+        whole[b:, :b] = whole[:b, b:].T
+        if rows:
+            whole[b:, b:] = np.vstack(rows)
+        right = np.append(gram.by[folds].sum(axis=0)[kept], gram.zy[folds].sum(axis=0)[at])
+        scale = np.sqrt(np.diag(whole))
+        scale[scale == 0] = 1.0
+        factor = np.linalg.cholesky(whole / scale[:, None] / scale + RIDGE * np.eye(len(whole)))
+        projected = np.linalg.solve(factor, right / scale)
+        total = float(gram.yy[folds].sum())
+        fit = Fit(
+            kept=kept,
+            coefficients=np.linalg.solve(factor.T, projected) / scale,
+            rss=max(total - float(projected @ projected), 1e-12 * total),
+            factor=factor,
+            scale=scale,
+            projected=projected,
+        )
+        self._fits[key] = fit
+        return fit
+
+    def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
+        """L = n ln(RSS / RSS with the block) of every block beside an active set, and its coefficients."""
+        gains, coefficients = self._gain(active, ())
+        for name in {one.replaced_by for one in self.gram.nuisances} - {"", *(b.name for b in active)}:
+            which = [k for k, b in enumerate(self.gram.blocks) if b.name == name]
+            if which:
+                with_nuisance, without = self.fit(active).rss, self.fit(active, (name,)).rss
+                own, numbers = self._gain(active, (name,))
+                for k in which:
+                    gains[k] = own[k] - self.samples * np.log(without / with_nuisance)
+                    coefficients[k] = numbers[k]
+        return gains, coefficients
+
+    def _gain(self, active: Sequence[Block], unpinned: Sequence[str]) -> tuple[Float, list[Float]]:
+        fit = self.fit(active, unpinned)
+        cross = np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)])
+        inner = np.linalg.solve(fit.factor, cross / fit.scale[:, None])
+        zy = self.gram.zy[list(self.folds)].sum(axis=0) - fit.projected @ inner
+        reduction, coefficients = np.zeros(len(self.gram.blocks)), [np.zeros(b.p) for b in self.gram.blocks]
+        for _, which, cols, own in self._by_width():
+            t = inner[:, cols]
+            left = own - np.einsum("aup,auq->upq", t, t)
+            size = np.sqrt(np.maximum(np.einsum("upp->up", own), 1e-300))
+            values, vectors = np.linalg.eigh(left / size[:, :, None] / size[:, None, :])
+            along = np.einsum("upe,up->ue", vectors, zy[cols] / size)
+            good = values > COPY
+            solution = np.where(good, along / np.where(good, values, 1.0), 0.0)
+            reduction[which] = (along * solution).sum(axis=1)
+            found = np.einsum("upe,ue->up", vectors, solution) / size
+            for k, one in zip(which, found, strict=True):
+                coefficients[k] = one
+        left_over = np.maximum(fit.rss - reduction, 1e-12 * fit.rss)
+        return self.samples * np.log(fit.rss / left_over), coefficients
+
+    def _by_width(self) -> list[tuple[int, NDArray[np.int64], NDArray[np.int64], Float]]:
+        if self._own[0] != self.gram.version:
+            blocks, found = self.gram.blocks, []
+            for p in sorted({b.p for b in blocks}):
+                which = np.array([k for k, b in enumerate(blocks) if b.p == p])
+                cols = np.array([blocks[k].start for k in which])[:, None] + np.arange(p)
+                own = np.stack([self.gram.own[k][list(self.folds)].sum(axis=0) for k in which])
+                found.append((p, which, cols, own))
+            self._own = self.gram.version, found
+        return self._own[1]

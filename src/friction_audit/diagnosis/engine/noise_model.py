@@ -1,0 +1,112 @@
+"""Noise of the samples: AR(p) within unbroken stretches, beside a model error that is larger where formulas are worse.
+
+W. A. Fuller, Introduction to Statistical Time Series (1996), section 8; N. Levinson, J. Math. Phys. 25 (1947) 261.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.compiled import compiled
+from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.joint_log import Float
+
+MOST_LAGS = 8
+LOADING = 0.05  # white part of the variance: plain AR weights frequencies that hold nothing but the filter's stop band
+LARGEST_REFLECTION = 0.98
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class NoiseModel:
+    """AR(p) noise with unequal variances.
+
+    Attributes:
+        predictors: Coefficients of the predictors of order 0 to p, shape (p + 1, p).
+        scales: One over the standard deviation of their errors, shape (p + 1,).
+        age: Samples before each one in its stretch, at most p, shape (m,).
+        weight: Standard deviation of the noise over that with the model error, 0..1, shape (m,).
+        effective_samples: Squared innovations of the residual: samples less what filter and loading took.
+        level_nm: Standard deviation of the noise alone. [N m]
+    """
+
+    predictors: Float
+    scales: Float
+    age: Float
+    weight: Float
+    effective_samples: float
+    level_nm: float
+
+    def whiten(self, columns: Float) -> Float:
+        """Innovations of columns, shape (k, m)."""
+        return _whiten(np.ascontiguousarray(np.atleast_2d(columns) * self.weight), self.predictors, self.scales, self.age)
+
+    @classmethod
+    def fit(cls, problem: RegressionProblem, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
+        """Fit to what models leave; of several residuals that with the shortest autocorrelation time counts.
+
+        Args:
+            problem: The joint.
+            residuals: Shape (m,) each; what a model misses remembers longer than the noise.
+            model_error: Standard deviation of the model error, shape (m,). [N m]
+        """
+        return min((cls._of(problem, r, model_error) for r in residuals), key=lambda one: one[0])[1]
+
+    @classmethod
+    def _of(cls, problem: RegressionProblem, residual: Float, model_error: Float) -> tuple[float, "NoiseModel"]:
+        # The model error is part of what is left: what remains of the variance where it is small is the noise.
+        calm = model_error <= np.median(model_error)
+        variance = max(float(np.mean(residual[calm] ** 2) - np.mean(model_error[calm] ** 2)), 0.25 * float(np.mean(residual[calm] ** 2)))
+        weight = np.sqrt(variance / (variance + model_error**2))
+        scaled = residual * weight
+        sums = np.array([_at_lag(scaled, problem.age, lag) for lag in range(MOST_LAGS + 1)])
+        sums[0] *= 1.0 + LOADING
+        predictors, errors = levinson_durbin(sums)
+        n = len(residual)
+        criterion = [n * np.log(errors[k]) + 2 * k * n / (n - k - 2) for k in range(MOST_LAGS + 1)]  # AICc
+        p = int(np.argmin(criterion))
+        time = errors[p] / max((1.0 - predictors[p, :p].sum()) ** 2, 1e-9) / errors[0]
+        noise = cls(
+            predictors=predictors[: p + 1, : max(p, 1)].copy(),
+            scales=1.0 / np.sqrt(errors[: p + 1]),
+            age=np.minimum(problem.age, p),
+            weight=weight,
+            effective_samples=float(n),
+            level_nm=float(np.sqrt(variance)),
+        )
+        told = float(np.sum(noise.whiten(residual) ** 2))
+        object.__setattr__(noise, "effective_samples", min(told, float(n)))
+        return time, noise
+
+
+def levinson_durbin(covariance: Float) -> tuple[Float, Float]:
+    """Predictors of all orders, shape (p + 1, p), and the variances of their errors, shape (p + 1,)."""
+    p = len(covariance) - 1
+    predictors, errors = np.zeros((p + 1, p)), np.empty(p + 1)
+    errors[0] = covariance[0]
+    for k in range(1, p + 1):
+        before = predictors[k - 1, : k - 1]
+        reflection = (covariance[k] - before @ covariance[k - 1 : 0 : -1]) / errors[k - 1]
+        reflection = float(np.clip(reflection, -LARGEST_REFLECTION, LARGEST_REFLECTION))
+        predictors[k, : k - 1] = before - reflection * before[::-1]
+        predictors[k, k - 1] = reflection
+        errors[k] = errors[k - 1] * (1.0 - reflection**2)
+    return predictors, errors
+
+
+def _at_lag(residual: Float, age: Float, lag: int) -> float:
+    later = np.flatnonzero(age >= lag)
+    return float(residual[later] @ residual[later - lag]) / max(len(later), 1)
+
+
+@compiled()
+def _whiten(columns: Float, predictors: Float, scales: Float, age: Float) -> Float:
+    out = np.empty_like(columns)
+    for k in range(columns.shape[0]):
+        for i in range(columns.shape[1]):
+            order = age[i]
+            total = columns[k, i]
+            for j in range(order):
+                total -= predictors[order, j] * columns[k, i - 1 - j]
+            out[k, i] = total * scales[order]
+    return out

@@ -1,0 +1,200 @@
+"""The regression problem of one joint: response, nominal columns, nuisance columns, folds of whole cycles."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
+from friction_audit.diagnosis.candidate import Baseline
+from friction_audit.diagnosis.declared import Declared, declare, least_squares
+from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.diagnosis.rows import CORNER_HZ, ROW_HZ, Rows, corner_for, make_rows
+from friction_audit.effects.joint_model import JointModel
+from friction_audit.joint_log import Float
+
+Index = NDArray[np.int64]
+FOLDS = 5
+MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
+SIGN_WIDTHS_RAD_S = (3e-3, 1e-2)  # a sign smoothed by up to 10 mrad/s is a regularised simulation or drive, no effect
+OFFSET_SHARE = 0.005  # of Coulomb friction: half of what counts as negligible
+SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
+REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
+MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Nuisance:
+    """A column that is no physics of the joint, with a normal prior about zero.
+
+    Attributes:
+        column: On the samples, shape (m,).
+        sd: Standard deviation of its coefficient, unit of the coefficient.
+        replaced_by: Effect that stands for the same thing and takes its place; empty where there is none.
+    """
+
+    column: Float
+    sd: float
+    replaced_by: str = ""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Curve:
+    """A piecewise linear curve over one quantity for each direction of motion, on the samples.
+
+    Attributes:
+        axis: The quantity.
+        columns: Shape (k, m).
+        values: The quantity itself, shape (m,).
+    """
+
+    axis: Axis
+    columns: Float
+    values: Float
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class RegressionProblem:
+    """Samples of one joint at the Nyquist rate of their filter; m samples, b nominal columns.
+
+    Attributes:
+        data: The joint on the fine grid.
+        samples: Filter, times and cycles of the samples.
+        nominal: The nominal model, its columns on the samples.
+        age: Samples before each one in its unbroken stretch, shape (m,).
+        fold: Number of the fold of each sample, whole cycles, shape (m,).
+        curves: A curve over every quantity that varies.
+    """
+
+    data: JointData
+    samples: Rows
+    nominal: Declared
+    age: Index
+    fold: Index
+    curves: tuple[Curve, ...]
+
+    @classmethod
+    def build(cls, data: JointData, model: JointModel | None) -> "RegressionProblem":
+        """Filter and thin out a joint.
+
+        Raises:
+            AnalysisError: If the model leaves nothing to fit.
+        """
+        rows = make_rows(data)
+        nominal = declare(data, rows, model)
+        inertia = nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2
+        if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
+            rows = make_rows(data, corner)
+            nominal = declare(data, rows, model)
+        place = np.flatnonzero(rows.used)
+        alone = np.isin(place, rows.breakaway_row)
+        # Samples of a signal without content above the corner are worth no more than two per period of the corner.
+        step = max(1, int(np.ceil(ROW_HZ / (2.0 * rows.corner_hz) - 0.25)))
+        kept = (place % step == 0) | alone
+        samples = rows.keep(kept)
+        nominal = replace(nominal, columns=nominal.columns[kept], y=nominal.y[kept])
+        follows = np.diff(place[kept], prepend=-(10**6)) == step
+        follows &= samples.cycle == np.roll(samples.cycle, 1)
+        follows &= ~alone[kept] & ~np.roll(alone[kept], 1)
+        return cls(
+            data=data,
+            samples=samples,
+            nominal=nominal,
+            age=_age(follows),
+            fold=folds_of(samples.cycle),
+            curves=_curves(data, samples),
+        )
+
+    @property
+    def y(self) -> Float:
+        """Response, shape (m,). [N m]"""
+        return self.nominal.y
+
+    @cached_property
+    def X(self) -> Float:  # noqa: N802 - the design matrix
+        """Nominal columns, shape (b, m)."""
+        return np.ascontiguousarray(self.nominal.columns.T)
+
+    @cached_property
+    def kinematics(self) -> tuple[Float, Float, Float]:
+        """Position, velocity, acceleration at the samples, shape (m,) each."""
+        return self.at_samples(self.data.q), self.at_samples(self.data.dq), self.at_samples(self.data.ddq)
+
+    def at_samples(self, fine: Float) -> Float:
+        """A quantity of the fine grid at the samples, not filtered."""
+        return fine[:: self.samples.every][self.samples.used]
+
+    def columns(self, fine: Float) -> Float:
+        """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
+        return np.ascontiguousarray(self.samples.of(fine).T)
+
+    def without(self, dropped: NDArray[np.bool_]) -> "RegressionProblem":
+        """The problem without some samples, shape (m,)."""
+        kept = np.flatnonzero(~dropped)
+        follows = (np.diff(kept, prepend=-2) == 1) & (self.age[kept] > 0)
+        return RegressionProblem(
+            data=self.data,
+            samples=self.samples.keep(~dropped),
+            nominal=replace(self.nominal, columns=self.nominal.columns[kept], y=self.y[kept]),
+            age=_age(follows),
+            fold=self.fold[kept],
+            curves=tuple(replace(c, columns=c.columns[:, kept], values=c.values[kept]) for c in self.curves),
+        )
+
+    def nuisances(self, baseline: Baseline) -> tuple[Nuisance, ...]:
+        """Smoothing of the sign, delay of the recorder, offset of the sensor."""
+        data, coulomb = self.data, abs(baseline.coulomb_nm)
+        fine = [np.tanh(data.dq / width) - data.way for width in SIGN_WIDTHS_RAD_S]
+        priors = [(coulomb, "")] * len(fine)
+        if data.sample_s > 0:
+            fine.append(-np.gradient(baseline.torque, data.step_s))
+            priors.append((SAMPLE_SD * data.sample_s, "time_delay"))
+        fine.append(np.ones(len(data.t)))
+        priors.append((OFFSET_SHARE * coulomb, "torque_bias"))
+        columns = self.columns(np.column_stack(fine))
+        return tuple(
+            Nuisance(column=column, sd=max(sd, 1e-12), replaced_by=name)
+            for column, (sd, name) in zip(columns, priors, strict=True)
+        )
+
+    def model_error(self, baseline: Baseline) -> Float:
+        """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
+        turned = np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)
+        t, dq, ddq = self.samples.t, *self.kinematics[1:]
+        nearest = np.full(len(t), np.inf)
+        if len(turned):
+            moments = self.data.t[turned]
+            k = np.clip(np.searchsorted(moments, t), 1, len(moments) - 1) if len(moments) > 1 else np.zeros(len(t), int)
+            nearest = np.minimum(np.abs(t - moments[k]), np.abs(t - moments[np.maximum(k - 1, 0)]))
+        reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * np.exp(-nearest / REVERSAL_S)
+        return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))
+
+
+def folds_of(cycle: Index) -> Index:
+    """Fold of each sample, shape (m,): of every five cycles that follow each other one in each fold, in mixed order.
+
+    The order is the same for every run: the answer depends on no draw.
+    """
+    numbers, place = np.unique(cycle, return_inverse=True)
+    rng = np.random.default_rng(0)
+    blocks = [rng.permutation(FOLDS) for _ in range(0, len(numbers), FOLDS)]
+    return np.concatenate(blocks)[place].astype(np.int64)
+
+
+def _age(follows: NDArray[np.bool_]) -> Index:
+    place = np.arange(len(follows))
+    return (place - np.maximum.accumulate(np.where(follows, 0, place))).astype(np.int64)
+
+
+def _curves(data: JointData, samples: Rows) -> tuple[Curve, ...]:
+    most = int(np.clip(len(np.unique(samples.cycle)) // MOST_CYCLES_PER_KNOT, 2, KNOTS))
+    found = []
+    for axis in AXES:
+        values = axis.value(data)
+        knots = np.zeros(0) if values is None else knots_of(values, data.used, most)
+        if values is None or len(knots) < 2:  # noqa: PLR2004 - a constant
+            continue
+        columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
+        found.append(Curve(axis=axis, columns=columns, values=values[:: samples.every][samples.used]))
+    return tuple(found)

@@ -1,0 +1,179 @@
+"""The diagnosis of one joint, from the prepared motion to the result."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from friction_audit.diagnosis.candidate import Baseline, Candidate
+from friction_audit.diagnosis.candidates.contact_event import Contact
+from friction_audit.diagnosis.engine import contact_events, residual_checks, selection
+from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
+from friction_audit.diagnosis.engine.gram import Gram, Training
+from friction_audit.diagnosis.engine.noise_model import NoiseModel
+from friction_audit.diagnosis.engine.nonlinear import refine
+from friction_audit.diagnosis.engine.problem import Nuisance, RegressionProblem
+from friction_audit.diagnosis.engine.validation import gains
+from friction_audit.effects.joint_model import JointModel
+from friction_audit.joint_log import Float
+
+LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
+LEAST_SHARE = 0.13  # rms of an effect over that of what is left: 0.8 % of the rms
+LEAST_OF_LARGER = 0.2  # of a larger effect's rms: what is smaller may be what that one's formula lacks
+EXACT = ("torque_bias", "asymmetric_coulomb")  # effects whose formula cannot be wrong
+FRICTION = ("stribeck", "nonlinear_viscous", "presliding", "load_dependent_friction", "position_dependent_friction",
+            "warm_up", "friction_step", "stiction", "asymmetric_viscous")  # fmt: skip
+PLACE = ("torque_bias", "torque_drift", "gravity_error", "cable_spring", "joint_limit_stop")
+REPEATS = 2
+CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
+
+
+@dataclass(eq=False, kw_only=True)
+class State:
+    """Everything that the stages hand on."""
+
+    problem: RegressionProblem
+    dictionary: Dictionary
+    nuisances: tuple[Nuisance, ...]
+    gram: Gram
+    search: selection.Search
+    active: list[Block]
+    contacts: tuple[Contact, ...] = ()
+    folds: dict[str, int] | None = None
+
+
+def select(data: object, model: JointModel | None, effects: Sequence[Candidate]) -> State:
+    """Everything up to the active set."""
+    problem = RegressionProblem.build(data, model)  # type: ignore[arg-type]
+    contacts = contact_events.detect(problem)
+    state = _selected(problem, effects)
+    if contacts:
+        torques, _ = fine_torques(state)
+        contacts = contact_events.detect(problem, np.sum(list(torques.values()), axis=0)) if torques else contacts
+    if contacts:
+        whole = state
+        state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
+        torques, left = fine_torques(state)
+        contacts = contact_events.confirmed(problem, contacts, torques, left)
+        state = state if contacts else whole
+    state.contacts = contacts
+    return state
+
+
+def _selected(problem: RegressionProblem, effects: Sequence[Candidate]) -> State:
+    baseline = _baseline(problem, _ols(problem.X, problem.y))
+    nuisances = problem.nuisances(baseline)
+    noise = NoiseModel.fit(problem, _plain_and_bent(problem), problem.model_error(baseline))
+    dictionary = Dictionary.build(problem, effects, baseline)
+    numbers = selection.most_numbers(len(np.unique(problem.samples.cycle)))
+    state = _state(problem, dictionary, nuisances, noise, numbers)
+    for _ in range(2):
+        state.gram.add(dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active)))
+        state.active = state.search.run(state.active)
+        if not state.active:
+            return state
+    for _ in range(REPEATS):
+        names = [b.name for b in state.active]
+        state = _refitted(state, numbers)
+        state.active = accepted(state, state.search.run(state.search.settle(state.active)))
+        if [b.name for b in state.active] == names or not state.active:
+            break
+    return state
+
+
+def _state(problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequence[Nuisance], noise: NoiseModel, numbers: int) -> State:
+    gram = Gram(problem, noise, nuisances, dictionary.blocks)
+    training = Training(gram)
+
+    def moved(block: Block, others: Sequence[Block]) -> Block | None:
+        beside = [*others, block] if block.effect.leans_on_model else others
+        return refine(dictionary, training, block, others, nominal(problem, training, beside))
+
+    search = selection.Search(training, moved, numbers)
+    return State(problem=problem, dictionary=dictionary, nuisances=tuple(nuisances), gram=gram, search=search, active=[])
+
+
+def _refitted(state: State, numbers: int) -> State:
+    """Noise from what the augmented model leaves; columns that lean on the nominal model from its better fit."""
+    problem = state.problem
+    baseline = nominal(problem, state.search.training, state.active)
+    left = residual_checks.residual_of(state.gram, state.active)
+    noise = NoiseModel.fit(problem, [left], problem.model_error(baseline))
+    known = [b for b in state.gram.blocks if not b.refined or b in state.active]
+    state.dictionary.blocks = known
+    before = state.dictionary.baseline.torque
+    if np.mean((before - baseline.torque) ** 2) > CHANGED**2 * np.mean(before**2):
+        state.dictionary.rebuild(baseline)
+    made = _state(problem, state.dictionary, state.nuisances, noise, numbers)
+    made.active = state.active
+    return made
+
+
+def accepted(state: State, active: Sequence[Block]) -> list[Block]:
+    """Without effects that do not predict held-out cycles, or may be what a larger effect's formula lacks."""
+    kept = list(active)
+    while kept:
+        found, size = gains(state.gram, kept), sizes(state.gram, kept)
+        left = float(np.std(residual_checks.residual_of(state.gram, kept)))
+        worth = []
+        for k, block in enumerate(kept):
+            larger = max(
+                (s for s, other in zip(size, kept, strict=True) if other is not block and _covers(other, block)), default=0.0
+            )
+            bad = found[k].z < LEAST_Z or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
+            worth.append(found[k].z if bad else np.inf)
+        if not np.isfinite(min(worth)):
+            break
+        kept.pop(int(np.argmin(worth)))
+    return kept
+
+
+def _covers(other: Block, block: Block) -> bool:
+    return other.name not in EXACT and not (block.name in FRICTION and other.name in PLACE)
+
+
+def sizes(gram: Gram, active: Sequence[Block]) -> Float:
+    """Rms of each effect's torque free of the nominal model, shape (k,). [N m]"""
+    fit, X = Training(gram).fit(active), gram.problem.X
+    found = []
+    for block, coefficients in zip(active, selection.split(fit, active), strict=True):
+        torque = coefficients @ block.columns
+        found.append(float(np.sqrt(np.mean((torque - _ols(X, torque) @ X) ** 2))))
+    return np.array(found)
+
+
+def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Baseline:
+    """The nominal model as fitted beside some effects."""
+    return _baseline(problem, training.fit(active).coefficients[: len(problem.X)])
+
+
+def fine_torques(state: State) -> tuple[dict[str, Float], Float]:
+    """Torque of each effect, and what the augmented model leaves, on the fine grid, shape (n,) each. [N m]"""
+    problem, training = state.problem, state.search.training
+    fit, baseline = training.fit(state.active), nominal(problem, training, state.active)
+    torques = {
+        block.name: state.dictionary.fine_at(block, block.shape, baseline) @ coefficients
+        for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True)
+    }
+    left = problem.data.torque - baseline.torque - np.sum(list(torques.values()), axis=0)
+    return torques, np.asarray(left)
+
+
+def _plain_and_bent(problem: RegressionProblem) -> list[Float]:
+    rich = np.vstack([problem.X, *(c.columns for c in problem.curves)])
+    return [problem.y - _ols(one, problem.y) @ one for one in (problem.X, rich)]
+
+
+def _baseline(problem: RegressionProblem, coefficients: Float) -> Baseline:
+    return problem.nominal.baseline(coefficients)
+
+
+def _ols(columns: Float, y: Float) -> Float:
+    """Coefficients of least squares, columns (p, m)."""
+    scale = np.sqrt(np.mean(columns**2, axis=1))
+    scale = np.where(scale > 0, scale, 1.0)
+    scaled = columns / scale[:, None]
+    return np.asarray(np.linalg.lstsq(scaled @ scaled.T, scaled @ y, rcond=1e-12)[0] / scale)
+
+
+__all__ = ["State", "accepted", "fine_torques", "nominal", "replace", "select", "sizes"]

@@ -1,0 +1,185 @@
+"""What an augmented model leaves: is it noise? One list of checks with one threshold, a share of the residual's power.
+
+Each check finds a structure that no noise has, and what share of the mean square it holds: a curve over a quantity, a
+spectral line in time or along the path, friction that scatters from stroke to stroke, an effect of two sizes in two
+halves of the data (G. C. Chow, Econometrica 28 (1960) 591).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.diagnosis.engine.dictionary import Block
+from friction_audit.diagnosis.engine.gram import Gram, Training
+from friction_audit.diagnosis.engine.selection import PRIOR, occam, split
+from friction_audit.diagnosis.engine.validation import held_out
+from friction_audit.joint_log import Float
+
+SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
+SHARE_OF_NONE = 0.04  # 1 - 1 / 1.02^2: the same where nothing is named
+CHOW_Z = 5.0
+LARGE_CHANGE = 0.5  # of a coefficient from one half of the data to the other
+LINE_P = 1e-5
+SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class ResidualCheck:
+    """A structure in what is left.
+
+    Attributes:
+        code: ``curve``, ``line``, ``scatter`` or ``change``.
+        along: The quantity, or the effect that changes.
+        share: Of the mean square, 0..1.
+        frequency: Of a line: in Hz, or waves per rad; 0 for the others.
+    """
+
+    code: str
+    along: str
+    share: float
+    frequency: float = 0.0
+
+
+def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:
+    """All checks that found more than the threshold, the largest share first."""
+    least = SHARE if active else SHARE_OF_NONE
+    found = [*_curves(gram, active), *_lines(gram, active), *_scatter(gram, active), *_changes(gram, active)]
+    return tuple(sorted((c for c in found if c.share > least), key=lambda c: -c.share))
+
+
+def residual_of(gram: Gram, active: Sequence[Block]) -> Float:
+    """What the model leaves of all samples, in the order of time, shape (m,). [N m]"""
+    fit = Training(gram).fit(active)
+    raw = np.vstack([gram.base_raw[fit.kept], *(b.columns for b in active)])
+    return np.asarray(gram.problem.y - fit.coefficients @ raw)
+
+
+def _curves(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    """Curves that are significant in the whitened residual and predict folds they were not fitted on."""
+    training = Training(gram)
+    fit, n = training.fit(active), training.samples
+    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
+    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+    left = gram.y - fit.projected @ basis
+    rms = held_out(gram, active).rms
+    found = []
+    for curve in gram.problem.curves:
+        white = gram.whiten(curve.columns)
+        white = white - (white @ basis.T) @ basis
+        solution = np.linalg.lstsq(white.T, left, rcond=1e-6)
+        gain = n * float(np.log(fit.rss / max(float(np.sum((left - solution[0] @ white) ** 2)), 1e-9 * fit.rss)))
+        if occam(gain, len(white)) > PRIOR:
+            share = 1.0 - (held_out(gram, active, curve.columns).rms / rms) ** 2
+            found.append(ResidualCheck(code="curve", along=curve.axis.name, share=share))
+    return found
+
+
+def _lines(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    problem, left = gram.problem, residual_of(gram, active)
+    _, dq, _ = problem.kinematics
+    path = problem.at_samples(np.cumsum(np.abs(problem.data.dq) * problem.data.moving)) * problem.data.step_s
+    highest = min(0.9 * problem.samples.corner_hz, 40.0)
+    found = []
+    for along, residual, x, low, high, weight in (
+        ("time", left, problem.samples.t, 0.6, highest, np.ones(len(left))),
+        ("path", left, path, 0.05, 10.0, np.abs(dq)),
+        ("path", np.sign(dq) * left, path, 0.05, 10.0, np.abs(dq)),
+    ):
+        line = spectral_line(residual, x, low, high, weight)
+        if line is not None:
+            found.append(ResidualCheck(code="line", along=along, share=line[1], frequency=line[0]))
+    return found
+
+
+def spectral_line(residual: Float, x: Float, low: float, high: float, weight: Float) -> tuple[float, float] | None:
+    """Frequency at which the periodogram stands out of its neighbours, and its share of the power; None without one.
+
+    Args:
+        residual: Shape (m,).
+        x: Time or path, ascending, shape (m,).
+        low: Lowest frequency that is looked for.
+        high: Highest one.
+        weight: Of each sample, shape (m,).
+    """
+    span = float(x[-1] - x[0])
+    low = max(low, 5.0 / max(span, 1e-9))
+    if span <= 0 or high <= low:
+        return None
+    n = int(2 ** np.ceil(np.log2(max(4 * high * span, 64))))
+    cell = ((x - x[0]) / span * (n // 2 - 1)).astype(int)
+    power = np.abs(np.fft.rfft(np.bincount(cell, weight * residual, n))) ** 2
+    frequency = np.arange(len(power)) * (n // 2 - 1) / span / n
+    inside = (frequency >= low) & (frequency <= high)
+    power, frequency = power[inside], frequency[inside]
+    if len(power) < 20:  # noqa: PLR2004 - no neighbours
+        return None
+    k = int(np.argmax(power))
+    near = np.abs(np.arange(len(power)) - k)
+    level = float(np.median(power[(near > 3) & (near < 60)])) / np.log(2.0)  # noqa: PLR2004
+    if power[k] <= level * np.log(len(power) / LINE_P):
+        return None
+    return float(frequency[k]), float(2.0 * (power[k] - level) / max(np.sum(weight**2) * np.sum(residual**2), 1e-300))
+
+
+def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    """Friction too high or too low for a while: products of samples within a stroke against those across a reversal.
+
+    Noise knows no direction; friction that scatters changes its sign with it.
+    """
+    problem, left = gram.problem, residual_of(gram, active)
+    t, sign = problem.samples.t, np.sign(problem.kinematics[1])
+    step = float(np.median(np.diff(t)))
+    slot = np.round((t - t[0]) / step).astype(int)
+    r, s = np.zeros(slot[-1] + 1), np.zeros(slot[-1] + 1)
+    r[slot], s[slot] = left, sign
+    part, norm = np.zeros(len(r)), 0.0
+    for lag in range(1, int(PAIRS_S / step)):
+        first, second = slice(0, len(r) - lag), slice(lag, None)
+        both = (s[first] != 0) & (s[second] != 0)
+        if np.count_nonzero(both) < 50:  # noqa: PLR2004 - no mean
+            continue
+        agree = s[first] * s[second]
+        usual, weight = float(agree[both].mean()), float(np.exp(-lag * step / SCATTER_S))
+        part[first] += weight * np.where(both, r[first] * r[second] * (agree - usual), 0.0)
+        norm += weight * np.count_nonzero(both) * (1.0 - usual**2)
+    block = np.add.reduceat(part, np.arange(0, len(part), max(int(BLOCK_S / step), 1)))
+    turns = np.count_nonzero(np.diff(sign))
+    if block.sum() <= 3.0 * np.sqrt(np.sum(block**2)) or turns < 12:  # noqa: PLR2004
+        return []
+    share = float(block.sum() / max(norm, 1e-12) / np.mean(left**2))
+    return [ResidualCheck(code="scatter", along="stroke", share=share)]
+
+
+def _changes(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
+    """Effects whose coefficients differ by more than half between two halves of the data."""
+    training = Training(gram)
+    fit = training.fit(active)
+    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
+    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+    left, variance = gram.y - fit.projected @ basis, fit.rss / training.samples
+    _, dq, ddq = gram.problem.kinematics
+    t = gram.problem.samples.t
+    halves = {
+        "direction": dq > 0,
+        "speeding up": dq * ddq > 0,
+        "speed": np.abs(dq) > np.median(np.abs(dq)),
+        "acceleration": np.abs(ddq) > np.median(np.abs(ddq)),
+        "time": t > np.median(t),
+    }
+    power, found = float(np.sum(residual_of(gram, active) ** 2)), []
+    for block, coefficients in zip(active, split(fit, active), strict=True):
+        torque = coefficients @ block.columns
+        for half in halves.values():
+            column = np.where(half, 0.5, -0.5) * torque
+            whole = gram.whiten(column)[0]
+            free = whole - (basis @ whole) @ basis
+            size = float(free @ free)
+            if size < 0.1 * float(whole @ whole):
+                continue
+            change = float(free @ left) / size
+            if abs(change) > LARGE_CHANGE and abs(change) * np.sqrt(size / variance) > CHOW_Z:
+                share = float(np.sum((change * column) ** 2)) / power
+                found.append(ResidualCheck(code="change", along=block.name, share=max(share, 2 * SHARE)))
+                break
+    return found

@@ -1,0 +1,290 @@
+"""Group forward-backward selection by integrated evidence, its stability over folds, and indistinguishable effects.
+
+The evidence of an effect given an active set is 2 ln of its Bayes factor: over the coefficients with the prior that
+suits the data best (E. I. George, D. P. Foster, Biometrika 87 (2000) 731), over the nonlinear parameters as the mean
+over their grid, which is the price of trying them all. One number is the prior against a name.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+
+import numpy as np
+
+from friction_audit.diagnosis.engine.dictionary import Block
+from friction_audit.diagnosis.engine.gram import Fit, Gram, Training
+from friction_audit.diagnosis.engine.problem import FOLDS
+from friction_audit.joint_log import Float
+
+PRIOR = 13.0  # 2 ln of the prior odds against any one effect
+INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
+ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
+CLOSE = 40.0  # effects so near the best one are refined before one is chosen
+REFINED_AT_ONCE = 4
+FEWEST_CYCLES_PER_NUMBER = 2
+LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
+MOST_EFFECTS = 8
+TOLERANCE = 1e-6
+
+Refine = Callable[[Block, Sequence[Block]], Block | None]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Score:
+    """An effect given an active set.
+
+    Attributes:
+        evidence: 2 ln of its Bayes factor, nonlinear parameters integrated.
+        block: Its best point.
+        gain: L = n ln(RSS / RSS with it) there.
+    """
+
+    evidence: float
+    block: Block
+    gain: float
+
+
+def occam(gain: Float | float, numbers: Float | float) -> Float:
+    """2 ln of the Bayes factor of coefficients that gain L, their prior as wide as suits the data best."""
+    gain = np.maximum(gain, 1e-300)
+    return np.where(gain > numbers, gain - numbers - numbers * np.log(gain / numbers), 0.0)
+
+
+@dataclass(eq=False)
+class Search:
+    """Selection on some folds.
+
+    Attributes:
+        training: Scores of the blocks.
+        refine: Moves a block between the points of its grid; None for a search on the grid alone.
+        most_numbers: Numbers that the cycles can carry.
+    """
+
+    training: Training
+    refine: Refine | None = None
+    most_numbers: int = 1000
+    _tried: set[int] = field(default_factory=set)
+    _penalty: dict[int, float] = field(default_factory=dict)
+    _scores: dict[tuple[object, ...], dict[str, Score]] = field(default_factory=dict)
+
+    @property
+    def gram(self) -> Gram:
+        """Products of all columns."""
+        return self.training.gram
+
+    def scores(self, active: Sequence[Block]) -> dict[str, Score]:
+        """Every effect that is not active, by name."""
+        key = (self.gram.version, *sorted(map(id, active)))
+        if key not in self._scores:
+            self._scores[key] = self._integrated(active)
+        return self._scores[key]
+
+    def _integrated(self, active: Sequence[Block]) -> dict[str, Score]:
+        blocks = self.gram.blocks
+        gains, coefficients = self.training.gain(active)
+        factor = occam(gains, np.array([b.p for b in blocks], float))
+        by_name: dict[str, list[int]] = {}
+        for k in np.argsort(-factor, kind="stable"):
+            by_name.setdefault(blocks[k].name, []).append(int(k))
+        found = {}
+        for name in by_name.keys() - {b.name for b in active}:
+            total, best = 0.0, -1
+            for k in by_name[name]:
+                if best >= 0 and factor[k] < factor[best] - 25.0:  # noqa: PLR2004 - adds less than a millionth
+                    break
+                if blocks[k].possible(coefficients[k]):
+                    best = k if best < 0 else best
+                    total += float(np.exp(blocks[k].log_prior + 0.5 * (factor[k] - factor[best])))
+            if best >= 0:
+                evidence = float(factor[best]) + 2.0 * float(np.log(total))
+                self._penalty[id(blocks[best])] = float(factor[best]) - evidence
+                if self.refine is not None:
+                    blocks[best].penalty = float(factor[best]) - evidence
+                found[name] = Score(evidence=evidence, block=blocks[best], gain=float(gains[best]))
+        return found
+
+    def objective(self, active: Sequence[Block]) -> float:
+        """2 ln of the posterior of an active set over that of the nominal model."""
+        if not active:
+            return 0.0
+        n, fit = self.training.samples, self.training.fit(active)
+        total = n * float(np.log(self.training.fit(()).rss / fit.rss))
+        for block in active:
+            gain = n * float(np.log(self.training.fit([b for b in active if b is not block]).rss / fit.rss))
+            total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + self._penalty.get(id(block), block.penalty) + PRIOR
+        return total
+
+    def allowed(self, active: Sequence[Block]) -> bool:
+        """Whether the cycles can carry the numbers of these effects, and all signs are possible."""
+        if sum(b.p + b.numbers for b in active) > self.most_numbers:
+            return False
+        fit = self.training.fit(active)
+        return all(b.possible(c) for b, c in zip(active, split(fit, active), strict=True))
+
+    def best(self, active: Sequence[Block]) -> list[Score]:
+        """Effects given an active set, the best first, the best of them refined."""
+        found = sorted(self.scores(active).values(), key=lambda one: -one.evidence)
+        if self.refine is None or not found:
+            return found
+        least = max(found[0].evidence - CLOSE, 0.5 * found[0].evidence, PRIOR / 2)
+        new = []
+        for one in found[:REFINED_AT_ONCE]:
+            if one.evidence >= least and id(one.block) not in self._tried and not one.block.refined:
+                self._tried.add(id(one.block))
+                moved = self.refine(one.block, active)
+                new += [moved] if moved is not None else []
+        if new:
+            self.gram.add(new)
+            found = sorted(self.scores(active).values(), key=lambda one: -one.evidence)
+        return found
+
+    def run(self, active: Sequence[Block] = ()) -> list[Block]:
+        """Forward selection; after every step effects are deleted, exchanged, split and merged."""
+        chosen = list(active)
+        for _ in range(MOST_EFFECTS):
+            step = next((s for s in self.best(chosen)[:3] if s.evidence >= PRIOR and self.allowed([*chosen, s.block])), None)
+            if step is None:
+                break
+            trial = self.settle([*chosen, step.block])
+            if self.objective(trial) <= self.objective(chosen) + TOLERANCE:
+                break
+            chosen = trial
+        return chosen
+
+    def settle(self, active: Sequence[Block]) -> list[Block]:
+        """Improve an active set of one size by deletion, exchange, two by one and one by two."""
+        chosen = list(active)
+        for _ in range(MOST_EFFECTS):
+            before = self.objective(chosen)
+            for step in (self._delete, self._exchange, self._merge, self._divide):
+                chosen = step(chosen)
+            if self.objective(chosen) <= before + TOLERANCE:
+                break
+        return chosen
+
+    def _delete(self, active: list[Block]) -> list[Block]:
+        for block in list(active):
+            rest = [b for b in active if b is not block]
+            if self.objective(rest) > self.objective(active):
+                active = rest
+        while active and not self.allowed(active):
+            worst = min(active, key=lambda b: -self.objective([x for x in active if x is not b]))
+            active = [b for b in active if b is not worst]
+        return active
+
+    def _better(self, trial: list[Block], active: list[Block], by: float = TOLERANCE) -> bool:
+        return self.objective(trial) > self.objective(active) + by and self.allowed(trial)
+
+    def _exchange(self, active: list[Block]) -> list[Block]:
+        for block in list(active):
+            rest = [b for b in active if b is not block]
+            if len(rest) == len(active):
+                continue
+            for score in self.best(rest)[:2]:
+                if score.block is not block and self._better([*rest, score.block], active):
+                    active = [*rest, score.block]
+                    break
+        return active
+
+    def _merge(self, active: list[Block]) -> list[Block]:
+        for pair in combinations(list(active), 2):
+            rest = [b for b in active if b not in pair]
+            score = next(iter(self.best(rest)), None)
+            if score is not None and self._better([*rest, score.block], active):
+                return [*rest, score.block]
+        return active
+
+    def _divide(self, active: list[Block]) -> list[Block]:
+        for block in list(active):
+            rest = [b for b in active if b is not block]
+            ranked = sorted(self.scores(rest).values(), key=lambda one: -one.evidence)
+            for first in ranked[:6]:
+                if first.block.name == block.name:
+                    continue
+                second = max(self.scores([*rest, first.block]).values(), key=lambda one: one.evidence, default=None)
+                if second is not None and self._better([*rest, first.block, second.block], active, 2.0):
+                    return [*rest, first.block, second.block]
+        return active
+
+
+def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
+    """Coefficients of each block."""
+    ends = np.cumsum([len(fit.kept), *(b.p for b in active)])
+    return [fit.coefficients[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+
+
+def most_numbers(cycles: int) -> int:
+    """Numbers that so many cycles can carry."""
+    return max(cycles // FEWEST_CYCLES_PER_NUMBER, 2)
+
+
+def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
+    """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
+    count = dict.fromkeys((b.name for b in active), 0)
+    for left_out in range(FOLDS):
+        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers)
+        chosen = search.run(search.settle(active))
+        for block in active:
+            same = any(b.name == block.name or alike(gram, b, block) for b in chosen)
+            count[block.name] += same
+    return count
+
+
+def alike(gram: Gram, one: Block, other: Block) -> bool:
+    """Whether two blocks add the same torque given the nominal model."""
+    if one.name == other.name:
+        return True
+    fit = Training(gram).fit(())
+    base = np.linalg.solve(fit.factor, gram.base[fit.kept] / fit.scale[:, None])
+    rows = [gram.of(b) - (gram.of(b) @ base.T) @ base for b in (one, other)]
+    torques = [r.T @ np.linalg.lstsq(r @ r.T, r @ gram.y, rcond=1e-10)[0] for r in rows]
+    size = np.sqrt((torques[0] @ torques[0]) * (torques[1] @ torques[1]))
+    return bool(abs(torques[0] @ torques[1]) > ALIKE * max(size, 1e-300))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Competing:
+    """An effect in the place of a selected one.
+
+    Attributes:
+        name: Its name.
+        behind: How much less evidence there is for it.
+        correlation: Of the two torques given all else, 0..1.
+    """
+
+    name: str
+    behind: float
+    correlation: float
+
+
+def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Competing, ...]:
+    """Effects in the place of a selected one, the closest first."""
+    gram, rest = search.gram, [b for b in active if b is not block]
+    fit = search.training.fit(rest)
+    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in rest)])
+    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+    residual = gram.y - fit.projected @ basis
+
+    def torque(one: Block) -> Float:
+        free = gram.of(one) - (gram.of(one) @ basis.T) @ basis
+        return np.asarray(free.T @ np.linalg.lstsq(free @ free.T, free @ residual, rcond=1e-10)[0])
+
+    scores = search.scores(rest)
+    mine = scores[block.name].evidence if block.name in scores else 0.0
+    own, found = torque(block), []
+    for name, score in scores.items():
+        if name == block.name or score.evidence < 2.0:  # noqa: PLR2004 - hardly anything
+            continue
+        other = torque(score.block)
+        size = float(np.sqrt((own @ own) * (other @ other)))
+        found.append(Competing(name=name, behind=mine - score.evidence, correlation=float(own @ other) / max(size, 1e-300)))
+    return tuple(sorted(found, key=lambda one: one.behind))
+
+
+def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequence[Block]) -> tuple[str, ...]:
+    """Names that the log cannot separate from a selected effect."""
+    names = [c.name for c in competing if c.behind < INDISTINGUISHABLE and c.correlation > ALIKE]
+    names += [name for name in block.effect.same_as if name not in names]
+    others = {b.name for b in active if b is not block}
+    names += [name for name in block.effect.part_of if name in others and name not in names]
+    return tuple(names)

@@ -1,0 +1,115 @@
+"""Held-out validation: every fold is predicted by coefficients that were fitted on the others."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.diagnosis.engine.dictionary import Block
+from friction_audit.diagnosis.engine.gram import Gram, Training
+from friction_audit.diagnosis.engine.problem import FOLDS
+from friction_audit.diagnosis.gap import Gap, measure_gap
+from friction_audit.joint_log import Float
+
+RIDGE = 1e-3  # for curves over quantities that may be copies of each other
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class HeldOut:
+    """What is left of each sample, predicted by the folds that it is not in.
+
+    Attributes:
+        residual: In the order of time, shape (m,). [N m]
+        innovation: Squared innovations summed over each cycle, shape (c,).
+        rms: Root mean square of the residual. [N m]
+    """
+
+    residual: Float
+    innovation: Float
+    rms: float
+
+
+def held_out(gram: Gram, active: Sequence[Block], extra: Float | None = None) -> HeldOut:
+    """Predict every fold from the others.
+
+    Args:
+        gram: Whitened columns.
+        active: The named effects.
+        extra: More columns, shape (k, m), with a slight ridge.
+    """
+    kept = Training(gram).fit(active).kept
+    raw = np.vstack([gram.base_raw[kept], *(b.columns for b in active)])
+    white = np.vstack([gram.base[kept], *(gram.of(b) for b in active)])
+    prior = np.append(gram.precision[kept], np.zeros(len(white) - len(kept)))
+    if extra is not None:
+        more = gram.whiten(extra)
+        raw, white = np.vstack([raw, extra]), np.vstack([white, more])
+        prior = np.append(prior, RIDGE * np.sum(more**2, axis=1))
+    grams = np.stack([white[:, f] @ white[:, f].T for f in gram.slices])
+    rights = np.stack([white[:, f] @ gram.y[f] for f in gram.slices])
+    scale = np.sqrt(np.maximum(np.diag(grams.sum(axis=0)), 1e-300))
+    residual, innovation = np.empty(len(gram.y)), np.empty(len(gram.y))
+    y = gram.problem.y[gram.order]
+    for k, part in enumerate(gram.slices):
+        whole = (grams.sum(axis=0) - grams[k] + np.diag(prior)) / scale[:, None] / scale
+        coefficients = np.linalg.lstsq(whole, (rights.sum(axis=0) - rights[k]) / scale, rcond=1e-11)[0] / scale
+        residual[part] = y[part] - coefficients @ raw[:, gram.order[part]]
+        innovation[part] = gram.y[part] - coefficients @ white[:, part]
+    back = np.empty(len(gram.y))
+    back[gram.order] = residual
+    news = np.empty(len(gram.y))
+    news[gram.order] = innovation
+    place = np.unique(gram.problem.samples.cycle, return_inverse=True)[1]
+    return HeldOut(residual=back, innovation=np.bincount(place, news**2), rms=float(np.sqrt(np.mean(back**2))))
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Gain:
+    """What an effect gains on cycles that its coefficients were not fitted on.
+
+    Attributes:
+        z: Gain of the log likelihood in standard errors over the cycles.
+        p_value: One-sided.
+        shrinks: Whether the residual in torque shrinks too.
+    """
+
+    z: float
+    p_value: float
+    shrinks: bool
+
+
+def gains(gram: Gram, active: Sequence[Block]) -> list[Gain]:
+    """Of each effect given the others (paired over cycles, Student's t; p-values by Holm)."""
+    from scipy.special import stdtr
+    from statsmodels.stats.multitest import multipletests
+
+    if not active:
+        return []
+    whole = held_out(gram, active)
+    found = []
+    for block in active:
+        without = held_out(gram, [b for b in active if b is not block])
+        gain = without.innovation - whole.innovation
+        m = len(gain)
+        error = float(np.std(gain, ddof=1)) * np.sqrt(m)
+        z = float(gain.sum()) / max(error, 1e-300)
+        found.append((z, float(stdtr(m - 1, -z)), without.rms > whole.rms))
+    adjusted = multipletests([p for _, p, _ in found], method="holm")[1]
+    return [Gain(z=z, p_value=float(p), shrinks=s) for (z, _, s), p in zip(found, adjusted, strict=True)]
+
+
+def noise_floor(gram: Gram, active: Sequence[Block]) -> float:
+    """Held-out rms of the best of the model, the model with a curve over one quantity, and with all. [N m]"""
+    curves = [c.columns for c in gram.problem.curves]
+    tried = [None, *curves, *([np.vstack(curves)] if curves else [])]
+    return min(held_out(gram, active, one).rms for one in tried)
+
+
+def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
+    """The gap in torque, and what the nominal and the augmented model leave."""
+    before, after = held_out(gram, ()), held_out(gram, active)
+    floor = noise_floor(gram, active)
+    return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
+
+
+__all__ = ["FOLDS", "Gain", "HeldOut", "gains", "gap", "held_out", "noise_floor"]
