@@ -1,0 +1,205 @@
+"""One joint: from what was prepared to the result."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from friction_audit.diagnosis.against_energy import differences_from_energy
+from friction_audit.diagnosis.candidate import Candidate
+from friction_audit.diagnosis.data_audit import faults
+from friction_audit.diagnosis.decide import motion_to_decide
+from friction_audit.diagnosis.diagnose_joint import Subject
+from friction_audit.diagnosis.displacement import strokes
+from friction_audit.diagnosis.engine import intervals, residual_curves, screening, wording
+from friction_audit.diagnosis.engine.conclusion import Conclusion, Named, conclude
+from friction_audit.diagnosis.engine.gram import Training
+from friction_audit.diagnosis.engine.procedure import State, nominal, select
+from friction_audit.diagnosis.engine.residual_checks import residual_of
+from friction_audit.diagnosis.engine.result import JointDiagnosis, NamedEffect
+from friction_audit.diagnosis.engine.selection import split
+from friction_audit.diagnosis.engine.validation import gap, held_out
+from friction_audit.diagnosis.forward_gap import gap_in_motion
+from friction_audit.diagnosis.result import Effect, Evidence, Profile, Traces
+from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.errors import AnalysisError
+from friction_audit.joint_log import Float
+
+FEWEST_CYCLES = 6
+POWER_Z = 1.28  # normal quantile of 90 % power
+COMPETING_SHOWN = 6
+
+
+def diagnose_joint(subject: Subject, effects: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiagnosis:
+    """Say whether anything is missing in the nominal model of a joint, and what.
+
+    Args:
+        subject: The joint.
+        effects: Effects that may be named.
+        settings: Error probability; its seed is that of the screening test alone.
+    """
+    wrong = faults(subject.findings)
+    if wrong:
+        return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
+    cycles = len(np.unique(make_rows(subject.data).cycle))
+    if cycles < FEWEST_CYCLES:
+        lacking = subject.lacking or "move the joint back and forth, or count slower strokes with --thresholds auto"
+        return _unanswered(
+            subject, "not_testable", f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {lacking}"
+        )
+    try:
+        state = select(subject.data, subject.model, effects)
+        if not state.gram.blocks:
+            return _unanswered(subject, "not_testable", "; ".join(dict.fromkeys(state.dictionary.not_testable.values())))
+        found = _result(subject, state, conclude(state), settings)
+    except (AnalysisError, np.linalg.LinAlgError) as error:
+        return _unanswered(subject, "not_testable", str(error))
+    test = np.unique(state.problem.samples.cycle[state.problem.fold == 0])
+    known = subject.known_inertia_kg_m2
+    return replace(found, simulation=gap_in_motion(found, subject.model, subject.data, test, known_inertia_kg_m2=known))
+
+
+def _unanswered(subject: Subject, verdict: str, message: str) -> JointDiagnosis:
+    return JointDiagnosis(
+        joint=subject.number,
+        name=subject.name,
+        verdict=verdict,  # type: ignore[arg-type]
+        message=message,
+        from_energy=subject.from_energy,
+        findings=subject.findings,
+    )
+
+
+def _result(subject: Subject, state: State, said: Conclusion, settings: DiagnosisSettings) -> JointDiagnosis:
+    gram, problem, active = state.gram, state.problem, state.active
+    closed, before, after = gap(gram, active)
+    baseline = nominal(problem, state.search.training, active)
+    estimates = intervals.of(gram, state.dictionary, active, baseline)
+    plain = estimates if not active else intervals.of(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+    tests = screening.wild_cluster_bootstrap(gram, (), settings.seed)
+    last = screening.wild_cluster_bootstrap(gram, active, settings.seed) if active else tests
+    profiles = residual_curves.profiles_of(problem, before.residual, tests)
+    remaining = residual_curves.profiles_of(problem, after.residual, last) if active else profiles
+    numbers = dict(zip([b.name for b in active], zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True))
+    named, negligible = (
+        tuple(_effect(state, one, numbers[one.block.name], k, group) for k, one in enumerate(group))
+        for group in (said.named, said.negligible)
+    )
+    events = residual_curves.contact_effects(problem, state.contacts, profiles)
+    limit = _detection_limit(state, after.rms, settings.alpha)
+    return JointDiagnosis(
+        joint=subject.number,
+        name=subject.name,
+        verdict=said.verdict,  # type: ignore[arg-type]
+        message=wording.message_of(said, (*named, *events), remaining, limit, bool(negligible)),
+        effects=(*events, *named),
+        declared=plain.nominal,
+        grown=estimates.nominal,
+        from_energy=subject.from_energy,
+        disagreements=differences_from_energy(plain.nominal, subject.from_energy),
+        gap=closed,
+        ladder=_ladder(state, said, closed.before, closed.floor),
+        omnibus_p=tests.p_value,
+        remaining_p=last.p_value,
+        detection_limit_nm=limit,
+        profiles=profiles,
+        remaining=remaining,
+        untestable={k: v for k, v in state.dictionary.not_testable.items() if k not in {b.name for b in active}},
+        findings=subject.findings,
+        traces=_traces(state, before.residual, after.residual),
+        negligible=negligible,
+        checks=said.checks,
+        remainder_share=said.remainder,
+        share_explained=_without_gravity(state, closed.floor),
+    )
+
+
+def _effect(state: State, one: Named, numbers: tuple[dict[str, object], tuple[str, ...]], k: int, group: Sequence[Named]) -> NamedEffect:
+    gram, problem, block = state.gram, state.problem, one.block
+    fit = Training(gram).fit(state.active)
+    torque = dict(zip(map(id, state.active), split(fit, state.active), strict=True))[id(block)] @ block.columns
+    left = residual_of(gram, state.active)
+    upto = [other.block for other in group[:k]]
+    before, after = held_out(gram, upto).rms, held_out(gram, [*upto, block]).rms
+    curve, where = residual_curves.along_effect(problem, left + torque, torque, block.effect.axis)
+    power = float(np.sum(residual_of(gram, ()) ** 2))
+    return NamedEffect(
+        **_common(block.name, block.effect.label, one, numbers[0]),
+        where=where,
+        axis=block.effect.axis,
+        gap_before_nm=before,
+        gap_after_nm=after,
+        partial_nm=one.size_nm,
+        torque=torque,
+        curve=curve,
+        size_nm=one.size_nm,
+        friction_share=one.friction_share,
+        residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
+        grade=one.grade,
+        folds=5,
+        chosen_in=one.folds,
+        not_identifiable=numbers[1],
+    )
+
+
+def _common(name: str, label: str, one: Named, parameters: dict[str, object]) -> dict[str, object]:
+    rivals = (Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN])
+    return {
+        "name": name,
+        "label": label,
+        "alternatives": one.alternatives,
+        "decide": motion_to_decide(name, one.alternatives),
+        "parameters": parameters,
+        "p_value": one.gain.p_value,
+        "evidence": (Evidence(name=name, delta_bic=0.0, correlation=1.0), *rivals),
+    }
+
+
+def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tuple[tuple[str, float], ...]:
+    steps, blocks = [("declared model", before)], []
+    for one in said.named:
+        blocks.append(one.block)
+        steps.append((f"+ {one.block.name}", held_out(state.gram, blocks).rms))
+    return (*steps, ("floor of the noise", floor))
+
+
+def _without_gravity(state: State, floor: float) -> float:
+    """Share of the gap that the effects close, gravity in the model before and after."""
+    gravity = [b for b in state.active if b.name == "gravity_error"]
+    before, after = held_out(state.gram, gravity).rms, held_out(state.gram, state.active).rms
+    return float("nan") if before <= floor else (before - after) / (before - floor)
+
+
+def _detection_limit(state: State, left_nm: float, alpha: float) -> float:
+    """Rms of an effect, free of the nominal model, that would have been seen with 90 % power. [N m]"""
+    from scipy.special import ndtri
+
+    needed = (float(ndtri(1.0 - alpha / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
+    noise = state.gram.noise
+    # The information of an effect as broad as the residual itself: its power per independent sample.
+    time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0
+    worth = noise.effective_samples * max(1.0 - time, 0.05) ** 2 * (noise.scales[-1] * left_nm) ** 2
+    return float(left_nm * np.sqrt(needed / max(worth, 1.0)))
+
+
+def _traces(state: State, before: Float, after: Float) -> Traces:
+    problem, weight = state.problem, state.problem.samples.weight
+    q, dq, _ = problem.kinematics
+    measured = problem.samples.y / weight
+    return Traces(
+        t=problem.samples.t,
+        q=q,
+        dq=dq,
+        displacement=problem.at_samples(strokes(problem.data).displacement),
+        cycle=problem.samples.cycle,
+        locked=np.ones(len(q), bool),
+        measured=measured,
+        before=measured - before / weight,
+        after=measured - after / weight,
+        along={curve.axis.name: curve.values for curve in problem.curves},
+        corner_hz=problem.samples.corner_hz,
+    )
+
+
+__all__ = ["Effect", "Profile", "diagnose_joint"]

@@ -1,0 +1,128 @@
+"""Values of all numbers with 95 % intervals, by a cluster jackknife over cycles.
+
+The model is linearised in its nonlinear parameters at their estimate; leaving out one cycle at a time moves all numbers
+together (A. C. Cameron, D. L. Miller, Journal of Human Resources 50 (2015) 317). A nonlinear parameter whose interval
+spans a decade, or its grid, is not identifiable from the log.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from friction_audit.diagnosis.candidate import Baseline
+from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
+from friction_audit.diagnosis.engine.gram import Gram, Training
+from friction_audit.diagnosis.engine.nonlinear import DIFFERENCE, Scale
+from friction_audit.diagnosis.engine.selection import split
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+CONFIDENCE = 0.95
+WIDEST = float(np.log(10.0)) / 2.0  # half of an interval in the logarithm of a parameter
+WIDEST_STEPS = 4.0  # half of an interval of one that may be zero, in steps of its grid
+PRIOR_STEPS = 10.0  # standard deviation of a parameter in steps of its grid, so that the solve has an answer
+
+
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Estimates:
+    """Numbers with intervals.
+
+    Attributes:
+        nominal: Of the nominal columns as fitted beside the effects, by name.
+        effects: Of each effect, by name: coefficients, then nonlinear parameters.
+        not_identifiable: Of each effect, names of parameters that the log does not hold; their intervals are infinite.
+    """
+
+    nominal: dict[str, Coefficient]
+    effects: tuple[dict[str, Coefficient], ...]
+    not_identifiable: tuple[tuple[str, ...], ...]
+
+
+def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Baseline) -> Estimates:
+    """Intervals of the nominal model and of all effects."""
+    fit = Training(gram).fit(active)
+    scales = [Scale(dictionary, block) for block in active]
+    slopes = [
+        _slopes(gram, dictionary, block, scale, c, baseline)
+        for block, scale, c in zip(active, scales, split(fit, active), strict=True)
+    ]
+    steps = np.concatenate([np.zeros((0, len(gram.y))), *slopes])
+    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active), steps])
+    prior = np.concatenate([
+        gram.precision[fit.kept], np.zeros(len(rows) - len(fit.kept) - len(steps)), np.full(len(steps), PRIOR_STEPS**-2.0)
+    ])
+    half = _jackknife(gram, rows, prior)
+    value = np.append(fit.coefficients, np.zeros(len(steps)))
+    names = gram.problem.nominal.names
+    nominal = {name: _around(value[k], half[k]) for k, name in enumerate(names)}
+    at, step_at = len(fit.kept), len(fit.coefficients)
+    effects, missing = [], []
+    for block, scale in zip(active, scales, strict=True):
+        linear = block.whole(np.ones(block.p)) > 0
+        labels = [name for name, there in zip(coefficient_names(block), linear, strict=True) if there]
+        numbers = {name: _around(value[at + k], half[at + k]) for k, name in enumerate(labels)}
+        fixed = {n: Coefficient(value=v, low=v, high=v) for n, v in block.shape.items() if n not in scale.names}
+        free, unknown = _free(block, scale, half[step_at : step_at + len(scale.names)])
+        effects.append(numbers | {n: (free | fixed)[n] for n in block.shape})
+        missing.append(unknown)
+        at, step_at = at + block.p, step_at + len(scale.names)
+    return Estimates(nominal=nominal, effects=tuple(effects), not_identifiable=tuple(missing))
+
+
+def coefficient_names(block: Block) -> list[str]:
+    """Names of all coefficients of an effect."""
+    term, q = block.effect.term, len(block.there)
+    if term is not None:
+        return [parameter.name for parameter in term.linear[:q]]
+    return [f"factor_{k}_{unit}" for k, unit in enumerate(block.effect.column_units[:q], start=1)]
+
+
+def _around(value: float, half: float) -> Coefficient:
+    return Coefficient(value=float(value), low=float(value - half), high=float(value + half))
+
+
+def _free(block: Block, scale: Scale, half: Float) -> tuple[dict[str, Coefficient], tuple[str, ...]]:
+    """Nonlinear parameters with their intervals, and the names of those that are not identifiable."""
+    free, unknown = {}, []
+    for k, name in enumerate(scale.names):
+        value, reach = block.shape[name], float(half[k] * scale.unit[k])
+        wide = reach > WIDEST if scale.log[k] else half[k] > WIDEST_STEPS
+        if wide or not np.isfinite(reach):
+            unknown.append(name)
+            free[name] = Coefficient(value=value, low=-np.inf, high=np.inf)
+        elif scale.log[k]:
+            free[name] = Coefficient(value=value, low=float(value * np.exp(-reach)), high=float(value * np.exp(reach)))
+        else:
+            free[name] = _around(value, reach)
+    return free, tuple(unknown)
+
+
+def _slopes(
+    gram: Gram, dictionary: Dictionary, block: Block, scale: Scale, coefficients: Float, baseline: Baseline
+) -> Float:
+    """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
+    out = np.empty((len(scale.names), len(gram.y)))
+    for k in range(len(scale.names)):
+        ahead, behind = (np.eye(len(scale.names))[k] * sign * DIFFERENCE * 4 for sign in (1.0, -1.0))
+        columns = [dictionary.columns_at(block, scale.at(x), baseline) for x in (ahead, behind)]
+        out[k] = coefficients @ gram.whiten(columns[0] - columns[1]) / (8.0 * DIFFERENCE)
+    return out
+
+
+def _jackknife(gram: Gram, rows: Float, prior: Float) -> Float:
+    """Half widths of the intervals, Student's t over the cycles, shape (k,)."""
+    from scipy.special import stdtrit
+
+    cycle = gram.problem.samples.cycle[gram.order]
+    order = np.argsort(cycle, kind="stable")
+    ends = np.append(np.flatnonzero(np.diff(cycle[order], prepend=cycle[order][0] - 1)), len(cycle))
+    scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
+    scaled, y = rows[:, order] / scale[:, None], gram.y[order]
+    grams = np.stack([scaled[:, a:b] @ scaled[:, a:b].T for a, b in zip(ends[:-1], ends[1:], strict=True)])
+    rights = np.stack([scaled[:, a:b] @ y[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)])
+    whole = grams.sum(axis=0) + np.diag(prior / scale**2)
+    without = np.linalg.pinv(whole - grams, rcond=1e-12, hermitian=True) @ (rights.sum(axis=0) - rights)[:, :, None]
+    spread = (without[:, :, 0] - without[:, :, 0].mean(axis=0)) / scale
+    m = len(grams)
+    return np.asarray(stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt((m - 1) / m * np.sum(spread**2, axis=0)))

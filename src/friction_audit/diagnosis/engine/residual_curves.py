@@ -1,0 +1,86 @@
+"""The mean residual along each quantity with its bands, and where along it an effect shows itself."""
+
+import numpy as np
+
+from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
+from friction_audit.diagnosis.candidates.contact_event import Contact
+from friction_audit.diagnosis.curves import Curve
+from friction_audit.diagnosis.engine import contact_events
+from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.diagnosis.engine.result import NamedEffect
+from friction_audit.diagnosis.engine.screening import Screening
+from friction_audit.diagnosis.groups import Group
+from friction_audit.diagnosis.profiles import profile_all
+from friction_audit.diagnosis.result import Evidence, Profile
+from friction_audit.diagnosis.shown_along import shows_along
+from friction_audit.friction.history import Coefficient
+from friction_audit.joint_log import Float
+
+CONTACTS_LISTED = 3
+EVERYWHERE = "spread over the whole motion"
+
+
+def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | None) -> tuple[Profile, ...]:
+    """The residual along every quantity, what takes most of it first."""
+    from dataclasses import replace
+
+    curves = [
+        Curve(axis=c.axis, group=Group(name=c.axis.name, shapes=(c.columns.T,)), values=c.values) for c in problem.curves
+    ]
+    found = profile_all(residual, curves, problem.kinematics[1], problem.samples.cycle, None)
+    p = {} if test is None else test.curves
+    return tuple(replace(one, p_value=p.get(one.axis, float("nan"))) for one in found)
+
+
+def along_effect(problem: RegressionProblem, shown: Float, torque: Float, axis: str) -> tuple[Profile, str]:
+    """What an effect and the noise leave along the effect's quantity, and where that is in words."""
+    profiles = profiles_of(problem, shown, None)
+    curve = next((one for one in profiles if one.axis == axis), profiles[0])
+    values = next(c.values for c in problem.curves if c.axis.name == curve.axis)
+    clear = bool(curve.where) and shows_along(torque, values, problem.kinematics[1])
+    return curve, curve.where if clear else EVERYWHERE
+
+
+def contact_effects(
+    problem: RegressionProblem, contacts: tuple[Contact, ...], profiles: tuple[Profile, ...]
+) -> tuple[NamedEffect, ...]:
+    """Contacts as one effect of the answer."""
+    if not contacts:
+        return ()
+    whole = RegressionProblem.build(problem.data, problem.nominal.model)
+    X = problem.X
+    coefficients = np.linalg.lstsq(X @ X.T, X @ problem.y, rcond=1e-12)[0]
+    left = (whole.y - coefficients @ whole.X) / whole.samples.weight
+    inside = contact_events.touched(whole, contacts)
+    before, after = (float(np.sqrt(np.mean(one**2))) for one in (left, left[~inside]))
+    largest = float(left[inside][np.argmax(np.abs(left[inside]))]) if inside.any() else 0.0
+    lengths = [one.stop_s - one.start_s for one in contacts]
+    places = ", ".join(f"at {c.start_s:.1f} s ({c.stop_s - c.start_s:.2g} s long)" for c in contacts[:CONTACTS_LISTED])
+    more = f" and {len(contacts) - CONTACTS_LISTED} more" if len(contacts) > CONTACTS_LISTED else ""
+    numbers = {"contacts": float(len(contacts)), "first_contact_s": contacts[0].start_s,
+               "longest_contact_s": max(lengths), "largest_contact_nm": largest}  # fmt: skip
+    size = float(np.sqrt(max(before**2 - after**2, 0.0)))
+    return (
+        NamedEffect(
+            name=CONTACT.name,
+            label=CONTACT.label,
+            alternatives=(),
+            decide="",
+            parameters={k: Coefficient(value=v, low=float("nan"), high=float("nan")) for k, v in numbers.items()},
+            p_value=float("nan"),
+            where=places + more,
+            axis=CONTACT.axis,
+            gap_before_nm=before,
+            gap_after_nm=after,
+            partial_nm=size,
+            torque=np.zeros(len(problem.y)),
+            curve=next((one for one in profiles if one.axis == CONTACT.axis), profiles[0]),
+            evidence=(Evidence(name=CONTACT.name, delta_bic=0.0, correlation=1.0),),
+            size_nm=size,
+            friction_share=float("nan"),
+            residual_share=(size / before) ** 2 if before > 0 else 0.0,
+            grade="major",
+            folds=0,
+            chosen_in=0,
+        ),
+    )
