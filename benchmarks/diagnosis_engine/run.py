@@ -5,6 +5,7 @@ python -m benchmarks.diagnosis_engine.run FOLDER OUT.csv [--engine joint|old] [-
 
 import argparse
 import csv
+import hashlib
 import pickle
 import time
 import traceback
@@ -15,6 +16,7 @@ import numpy as np
 
 from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
 
 FIELDS = ("name", "truth", "seed", "size", "scenario", "joint", "hidden_here", "outside", "verdict", "sets", "negligible",
@@ -27,8 +29,11 @@ def answer(subject: Subject, engine: str) -> dict[str, Any]:
         found = diagnose_joint(subject, CANDIDATES, DiagnosisSettings())
         return {"verdict": found.verdict, "sets": ";".join("|".join((e.name, *e.alternatives)) for e in found.effects)}
     from friction_audit.diagnosis.engine.conclusion import conclude
+    from friction_audit.diagnosis.engine.diagnose_joint import FEWEST_CYCLES
     from friction_audit.diagnosis.engine.procedure import select
 
+    if len(np.unique(make_rows(subject.data).cycle)) < FEWEST_CYCLES:
+        return {"verdict": "not_testable"}
     state = select(subject.data, subject.model, CANDIDATES)
     said = conclude(state)
     contact = ["contact_event"] if state.contacts else []
@@ -61,6 +66,7 @@ def rows_of(path: Path, engine: str) -> list[dict[str, Any]]:
 
 def rates(rows: list[dict[str, Any]], sets: str, verdict: str) -> dict[str, str]:
     """Rates by kind of log; ``sets`` and ``verdict`` are the columns that are judged."""
+    rows = [row for row in rows if row.get(verdict)]
     kinds: dict[str, list[dict[str, Any]]] = {}
     for row in rows:
         truth, size = row["truth"], float(row["size"])
@@ -73,7 +79,7 @@ def rates(rows: list[dict[str, Any]], sets: str, verdict: str) -> dict[str, str]
     out = {}
     for kind, some in sorted(kinds.items()):
         n = len(some)
-        answers = [[set(one.split("|")) for one in str(r[sets] or "").split(";") if one] for r in some]
+        answers = [[set(one.split("|")) for one in str(r.get(sets) or "").split(";") if one] for r in some]
         wanted = [set(r["truth"].split("+")) for r in some]
         if kind.endswith("none"):
             false = sum(bool(a) or r[verdict] in {"unexplained"} for a, r in zip(answers, some, strict=True))
@@ -107,7 +113,8 @@ def main() -> None:
     asked = parser.parse_args()
     np.seterr(all="ignore")
     which, parts = map(int, asked.part.split("/"))
-    paths = [p for p in sorted(asked.folder.glob("*.pkl")) if asked.match in p.name][which::parts][: asked.limit]
+    every = sorted(asked.folder.glob("*.pkl"), key=lambda p: hashlib.sha1(p.name.encode()).digest())
+    paths = [p for p in every if asked.match in p.name][which::parts][: asked.limit]
     rows = []
     with asked.out.open("w", newline="") as file:
         writer = csv.DictWriter(file, FIELDS)

@@ -121,7 +121,7 @@ def _effect(state: State, one: Named, numbers: tuple[dict[str, object], tuple[st
     torque = dict(zip(map(id, state.active), split(fit, state.active), strict=True))[id(block)] @ block.columns
     left = residual_of(gram, state.active)
     upto = [other.block for other in group[:k]]
-    before, after = held_out(gram, upto).rms, held_out(gram, [*upto, block]).rms
+    before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
     curve, where = residual_curves.along_effect(problem, left + torque, torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
     return NamedEffect(
@@ -160,14 +160,14 @@ def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tupl
     steps, blocks = [("declared model", before)], []
     for one in said.named:
         blocks.append(one.block)
-        steps.append((f"+ {one.block.name}", held_out(state.gram, blocks).rms))
+        steps.append((f"+ {one.block.name}", held_out(state.gram, blocks, replaced=state.active).rms))
     return (*steps, ("floor of the noise", floor))
 
 
 def _without_gravity(state: State, floor: float) -> float:
     """Share of the gap that the effects close, gravity in the model before and after."""
     gravity = [b for b in state.active if b.name == "gravity_error"]
-    before, after = held_out(state.gram, gravity).rms, held_out(state.gram, state.active).rms
+    before, after = held_out(state.gram, gravity, replaced=state.active).rms, held_out(state.gram, state.active).rms
     return float("nan") if before <= floor else (before - after) / (before - floor)
 
 

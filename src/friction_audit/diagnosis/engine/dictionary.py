@@ -13,7 +13,7 @@ from friction_audit.diagnosis.engine.problem import RegressionProblem
 from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.joint_log import Float
 
-EVERY = {"joint_elasticity": 2, "backlash": 2, "frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
+EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
 """Every so many points of a grid: neighbours are refined afterwards."""
 LEAST_BEND = 0.05
 """Share of the log's high speed below which a curve in speed is Coulomb friction with a smoothed sign."""

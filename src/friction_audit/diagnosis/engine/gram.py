@@ -111,7 +111,9 @@ class Training:
     folds: tuple[int, ...] = tuple(range(FOLDS))
     _sums: dict[object, tuple[int, Float]] = field(default_factory=dict)
     _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
-    _own: tuple[int, list[tuple[int, NDArray[np.int64], NDArray[np.int64], Float]]] = (-1, [])
+    _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
+        default_factory=dict
+    )
 
     @property
     def samples(self) -> float:
@@ -139,7 +141,7 @@ class Training:
             return self._fits[key]
         gram, folds = self.gram, list(self.folds)
         names = {b.name for b in active} | set(unpinned)
-        out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if one.replaced_by in names]
+        out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if names & set(one.replaced_by)]
         kept = np.setdiff1d(np.arange(len(gram.base)), out)
         cols = [np.arange(b.start, b.start + b.p) for b in active]
         at = np.concatenate([np.zeros(0, int), *cols]).astype(int)
@@ -171,45 +173,61 @@ class Training:
 
     def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
         """L = n ln(RSS / RSS with the block) of every block beside an active set, and its coefficients."""
-        gains, coefficients = self._gain(active, ())
-        for name in {one.replaced_by for one in self.gram.nuisances} - {"", *(b.name for b in active)}:
-            which = [k for k, b in enumerate(self.gram.blocks) if b.name == name]
-            if which:
-                with_nuisance, without = self.fit(active).rss, self.fit(active, (name,)).rss
-                own, numbers = self._gain(active, (name,))
-                for k in which:
-                    gains[k] = own[k] - self.samples * np.log(without / with_nuisance)
-                    coefficients[k] = numbers[k]
+        blocks = self.gram.blocks
+        gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
+        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
+        apart = {k: b.name for k, b in enumerate(blocks) if b.name in names}
+        self._gain(active, "", [k for k in range(len(blocks)) if k not in apart], gains, coefficients)
+        for name in names & set(apart.values()):
+            which = [k for k, own in apart.items() if own == name]
+            # A nuisance that stands for the effect is left out with it, so that the two compete for the same torque.
+            lost = self.samples * np.log(self.fit(active, (name,)).rss / self.fit(active).rss)
+            self._gain(active, name, which, gains, coefficients)
+            gains[which] -= lost
         return gains, coefficients
 
-    def _gain(self, active: Sequence[Block], unpinned: Sequence[str]) -> tuple[Float, list[Float]]:
-        fit = self.fit(active, unpinned)
+    def _gain(
+        self, active: Sequence[Block], unpinned: str, which: Sequence[int], gains: Float, coefficients: list[Float]
+    ) -> None:
+        """Write gains and coefficients of some blocks."""
+        fit = self.fit(active, (unpinned,) if unpinned else ())
         cross = np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)])
-        inner = np.linalg.solve(fit.factor, cross / fit.scale[:, None])
-        zy = self.gram.zy[list(self.folds)].sum(axis=0) - fit.projected @ inner
-        reduction, coefficients = np.zeros(len(self.gram.blocks)), [np.zeros(b.p) for b in self.gram.blocks]
-        for _, which, cols, own in self._by_width():
-            t = inner[:, cols]
-            left = own - np.einsum("aup,auq->upq", t, t)
+        zy_all = self.gram.zy[list(self.folds)].sum(axis=0)
+        for members, cols, own in self._by_width(unpinned, which):
+            t = scipy_solve(fit.factor, cross[:, cols.ravel()] / fit.scale[:, None]).reshape(-1, *cols.shape)
+            zy = zy_all[cols] - np.einsum("a,aup->up", fit.projected, t)
             size = np.sqrt(np.maximum(np.einsum("upp->up", own), 1e-300))
-            values, vectors = np.linalg.eigh(left / size[:, :, None] / size[:, None, :])
-            along = np.einsum("upe,up->ue", vectors, zy[cols] / size)
-            good = values > COPY
-            solution = np.where(good, along / np.where(good, values, 1.0), 0.0)
-            reduction[which] = (along * solution).sum(axis=1)
-            found = np.einsum("upe,ue->up", vectors, solution) / size
-            for k, one in zip(which, found, strict=True):
+            if cols.shape[1] == 1:
+                left = own[:, 0, 0] - np.einsum("aup,aup->u", t, t)
+                good = left > COPY * own[:, 0, 0]
+                solution = np.where(good, zy[:, 0] / np.where(good, left, 1.0), 0.0)
+                reduction, found = zy[:, 0] * solution, solution[:, None]
+            else:
+                left = own - np.einsum("aup,auq->upq", t, t)
+                values, vectors = np.linalg.eigh(left / size[:, :, None] / size[:, None, :])
+                along = np.einsum("upe,up->ue", vectors, zy / size)
+                good = values > COPY
+                scaled = np.where(good, along / np.where(good, values, 1.0), 0.0)
+                reduction, found = (along * scaled).sum(axis=1), np.einsum("upe,ue->up", vectors, scaled) / size
+            gains[members] = self.samples * np.log(fit.rss / np.maximum(fit.rss - reduction, 1e-12 * fit.rss))
+            for k, one in zip(members, found, strict=True):
                 coefficients[k] = one
-        left_over = np.maximum(fit.rss - reduction, 1e-12 * fit.rss)
-        return self.samples * np.log(fit.rss / left_over), coefficients
 
-    def _by_width(self) -> list[tuple[int, NDArray[np.int64], NDArray[np.int64], Float]]:
-        if self._own[0] != self.gram.version:
+    def _by_width(self, key: str, which: Sequence[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
+        version, found = self._own.get((key, len(which)), (-1, []))
+        if version != self.gram.version:
             blocks, found = self.gram.blocks, []
-            for p in sorted({b.p for b in blocks}):
-                which = np.array([k for k, b in enumerate(blocks) if b.p == p])
-                cols = np.array([blocks[k].start for k in which])[:, None] + np.arange(p)
-                own = np.stack([self.gram.own[k][list(self.folds)].sum(axis=0) for k in which])
-                found.append((p, which, cols, own))
-            self._own = self.gram.version, found
-        return self._own[1]
+            for p in sorted({blocks[k].p for k in which}):
+                members = np.array([k for k in which if blocks[k].p == p])
+                cols = np.array([blocks[k].start for k in members])[:, None] + np.arange(p)
+                own = np.stack([self.gram.own[k][list(self.folds)].sum(axis=0) for k in members])
+                found.append((members, cols, own))
+            self._own[key, len(which)] = self.gram.version, found
+        return found
+
+
+def scipy_solve(factor: Float, right: Float) -> Float:
+    """Solve with a lower triangular factor."""
+    from scipy.linalg import solve_triangular
+
+    return np.asarray(solve_triangular(factor, right, lower=True, check_finite=False))

@@ -17,8 +17,9 @@ from friction_audit.joint_log import Float
 Index = NDArray[np.int64]
 FOLDS = 5
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
-SIGN_WIDTHS_RAD_S = (3e-3, 1e-2)  # a sign smoothed by up to 10 mrad/s is a regularised simulation or drive, no effect
-OFFSET_SHARE = 0.005  # of Coulomb friction: half of what counts as negligible
+SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
+SLOW_RAD_S = 5e-3  # below it the law of friction at a reversal is as uncertain as right behind one
+OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
@@ -31,12 +32,12 @@ class Nuisance:
     Attributes:
         column: On the samples, shape (m,).
         sd: Standard deviation of its coefficient, unit of the coefficient.
-        replaced_by: Effect that stands for the same thing and takes its place; empty where there is none.
+        replaced_by: Effects that stand for the same thing and take its place.
     """
 
     column: Float
     sd: float
-    replaced_by: str = ""
+    replaced_by: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -145,18 +146,29 @@ class RegressionProblem:
     def nuisances(self, baseline: Baseline) -> tuple[Nuisance, ...]:
         """Smoothing of the sign, delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
-        fine = [np.tanh(data.dq / width) - data.way for width in SIGN_WIDTHS_RAD_S]
-        priors = [(coulomb, "")] * len(fine)
+        fine = self._smoothed_sign()
+        priors: list[tuple[float, tuple[str, ...]]] = [(coulomb, ())] * len(fine)
         if data.sample_s > 0:
             fine.append(-np.gradient(baseline.torque, data.step_s))
-            priors.append((SAMPLE_SD * data.sample_s, "time_delay"))
+            priors.append((SAMPLE_SD * data.sample_s, ("time_delay",)))
         fine.append(np.ones(len(data.t)))
-        priors.append((OFFSET_SHARE * coulomb, "torque_bias"))
+        priors.append((OFFSET_SHARE * coulomb, ("torque_bias", "asymmetric_coulomb")))
         columns = self.columns(np.column_stack(fine))
         return tuple(
-            Nuisance(column=column, sd=max(sd, 1e-12), replaced_by=name)
-            for column, (sd, name) in zip(columns, priors, strict=True)
+            Nuisance(column=column, sd=max(sd, 1e-12), replaced_by=names)
+            for column, (sd, names) in zip(columns, priors, strict=True)
         )
+
+    def _smoothed_sign(self) -> list[Float]:
+        """What a smoothed sign differs from the sign by, at the width that fits best, and its change with the width."""
+        from scipy.linalg import lstsq
+
+        data, X = self.data, self.X.T
+        signs = self.columns(np.column_stack([np.tanh(data.dq / w) - data.way for w in SIGN_WIDTHS_RAD_S]))
+        left = [float(np.sum((self.y - (A := np.column_stack([X, c])) @ lstsq(A, self.y)[0]) ** 2)) for c in signs]
+        k = int(np.clip(np.argmin(left), 1, len(left) - 2))
+        low, best, high = (np.tanh(data.dq / SIGN_WIDTHS_RAD_S[j]) for j in (k - 1, k, k + 1))
+        return [best - data.way, 0.5 * (high - low)]
 
     def model_error(self, baseline: Baseline) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
@@ -167,7 +179,8 @@ class RegressionProblem:
             moments = self.data.t[turned]
             k = np.clip(np.searchsorted(moments, t), 1, len(moments) - 1) if len(moments) > 1 else np.zeros(len(t), int)
             nearest = np.minimum(np.abs(t - moments[k]), np.abs(t - moments[np.maximum(k - 1, 0)]))
-        reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * np.exp(-nearest / REVERSAL_S)
+        near = np.maximum(np.exp(-nearest / REVERSAL_S), np.exp(-np.abs(dq) / SLOW_RAD_S))
+        reversal = MODEL_ERROR["reversal"] * abs(baseline.coulomb_nm) * near
         return np.hypot(reversal, MODEL_ERROR["inertia"] * abs(baseline.inertia_kg_m2) * np.abs(ddq))
 
 

@@ -18,13 +18,16 @@ from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
-LEAST_SHARE = 0.13  # rms of an effect over that of what is left: 0.8 % of the rms
+LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 LEAST_OF_LARGER = 0.2  # of a larger effect's rms: what is smaller may be what that one's formula lacks
 EXACT = ("torque_bias", "asymmetric_coulomb")  # effects whose formula cannot be wrong
 FRICTION = ("stribeck", "nonlinear_viscous", "presliding", "load_dependent_friction", "position_dependent_friction",
             "warm_up", "friction_step", "stiction", "asymmetric_viscous")  # fmt: skip
 PLACE = ("torque_bias", "torque_drift", "gravity_error", "cable_spring", "joint_limit_stop")
 REPEATS = 2
+EFFECT_ERROR = 0.1  # of the torque of a named effect
+TRANSMISSION, TRANSMISSION_ERROR = ("joint_elasticity", "backlash"), 0.25  # what is behind it is known roughly
+PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
 
 
@@ -62,10 +65,12 @@ def select(data: object, model: JointModel | None, effects: Sequence[Candidate])
 
 def _selected(problem: RegressionProblem, effects: Sequence[Candidate]) -> State:
     baseline = _baseline(problem, _ols(problem.X, problem.y))
-    nuisances = problem.nuisances(baseline)
-    noise = NoiseModel.fit(problem, _plain_and_bent(problem), problem.model_error(baseline))
+    nuisances = plausible(problem, problem.nuisances(baseline), baseline)
+    noise = NoiseModel.fit(problem, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
     dictionary = Dictionary.build(problem, effects, baseline)
     numbers = selection.most_numbers(len(np.unique(problem.samples.cycle)))
+    # The richer form of an effect enters only where the cycles can carry its numbers.
+    dictionary.blocks = [b for b in dictionary.blocks if b.p + b.numbers <= numbers]
     state = _state(problem, dictionary, nuisances, noise, numbers)
     for _ in range(2):
         state.gram.add(dictionary.scan_orders(residual_checks.residual_of(state.gram, state.active)))
@@ -98,7 +103,7 @@ def _refitted(state: State, numbers: int) -> State:
     problem = state.problem
     baseline = nominal(problem, state.search.training, state.active)
     left = residual_checks.residual_of(state.gram, state.active)
-    noise = NoiseModel.fit(problem, [left], problem.model_error(baseline))
+    noise = NoiseModel.fit(problem, [left], np.hypot(problem.model_error(baseline), effect_error(state)))
     known = [b for b in state.gram.blocks if not b.refined or b in state.active]
     state.dictionary.blocks = known
     before = state.dictionary.baseline.torque
@@ -107,6 +112,29 @@ def _refitted(state: State, numbers: int) -> State:
     made = _state(problem, state.dictionary, state.nuisances, noise, numbers)
     made.active = state.active
     return made
+
+
+def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baseline: Baseline) -> tuple[Nuisance, ...]:
+    """Nuisances that stay within their priors; the others would hide an effect, or cancel one."""
+    kept = list(nuisances)
+    while kept:
+        noise = NoiseModel.fit(problem, _plain_and_bent(problem, kept), problem.model_error(baseline))
+        fit = Training(Gram(problem, noise, kept, ())).fit(())
+        size = np.abs(fit.coefficients[len(problem.X) :]) / [one.sd for one in kept]
+        if size.max() <= PLAUSIBLE_SD:
+            break
+        kept.pop(int(np.argmax(size)))
+    return tuple(kept)
+
+
+def effect_error(state: State) -> Float:
+    """Standard deviation of what the formulas of the named effects get wrong, shape (m,). [N m]"""
+    fit, total = state.search.training.fit(state.active), np.zeros(len(state.problem.y))
+    for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True):
+        if block.name not in EXACT:
+            share = TRANSMISSION_ERROR if block.name in TRANSMISSION else EFFECT_ERROR
+            total = np.hypot(total, share * (coefficients @ block.columns))
+    return total
 
 
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
@@ -120,7 +148,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
             larger = max(
                 (s for s, other in zip(size, kept, strict=True) if other is not block and _covers(other, block)), default=0.0
             )
-            bad = found[k].z < LEAST_Z or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
+            bad = found[k].z < LEAST_Z or not found[k].shrinks or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
             worth.append(found[k].z if bad else np.inf)
         if not np.isfinite(min(worth)):
             break
@@ -159,9 +187,10 @@ def fine_torques(state: State) -> tuple[dict[str, Float], Float]:
     return torques, np.asarray(left)
 
 
-def _plain_and_bent(problem: RegressionProblem) -> list[Float]:
-    rich = np.vstack([problem.X, *(c.columns for c in problem.curves)])
-    return [problem.y - _ols(one, problem.y) @ one for one in (problem.X, rich)]
+def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -> list[Float]:
+    plain = np.vstack([problem.X, *(one.column for one in nuisances)])
+    bent = np.vstack([plain, *(c.columns for c in problem.curves)])
+    return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
 
 
 def _baseline(problem: RegressionProblem, coefficients: Float) -> Baseline:

@@ -17,6 +17,7 @@ from friction_audit.diagnosis.engine.problem import FOLDS
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
+PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds a fifth less evidence, and asks again what was found already
 INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
@@ -58,11 +59,13 @@ class Search:
         training: Scores of the blocks.
         refine: Moves a block between the points of its grid; None for a search on the grid alone.
         most_numbers: Numbers that the cycles can carry.
+        prior: 2 ln of the prior odds against any one effect.
     """
 
     training: Training
     refine: Refine | None = None
     most_numbers: int = 1000
+    prior: float = PRIOR
     _tried: set[int] = field(default_factory=set)
     _penalty: dict[int, float] = field(default_factory=dict)
     _scores: dict[tuple[object, ...], dict[str, Score]] = field(default_factory=dict)
@@ -111,7 +114,7 @@ class Search:
         total = n * float(np.log(self.training.fit(()).rss / fit.rss))
         for block in active:
             gain = n * float(np.log(self.training.fit([b for b in active if b is not block]).rss / fit.rss))
-            total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + self._penalty.get(id(block), block.penalty) + PRIOR
+            total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + self._penalty.get(id(block), block.penalty) + self.prior
         return total
 
     def allowed(self, active: Sequence[Block]) -> bool:
@@ -126,7 +129,7 @@ class Search:
         found = sorted(self.scores(active).values(), key=lambda one: -one.evidence)
         if self.refine is None or not found:
             return found
-        least = max(found[0].evidence - CLOSE, 0.5 * found[0].evidence, PRIOR / 2)
+        least = max(found[0].evidence - CLOSE, 0.5 * found[0].evidence, self.prior / 2)
         new = []
         for one in found[:REFINED_AT_ONCE]:
             if one.evidence >= least and id(one.block) not in self._tried and not one.block.refined:
@@ -142,7 +145,7 @@ class Search:
         """Forward selection; after every step effects are deleted, exchanged, split and merged."""
         chosen = list(active)
         for _ in range(MOST_EFFECTS):
-            step = next((s for s in self.best(chosen)[:3] if s.evidence >= PRIOR and self.allowed([*chosen, s.block])), None)
+            step = next((s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.allowed([*chosen, s.block])), None)
             if step is None:
                 break
             trial = self.settle([*chosen, step.block])
@@ -156,7 +159,9 @@ class Search:
         chosen = list(active)
         for _ in range(MOST_EFFECTS):
             before = self.objective(chosen)
-            for step in (self._delete, self._exchange, self._merge, self._divide):
+            # Without refinement, on some of the folds, deletion and exchange suffice.
+            wide = (self._merge, self._divide) if self.refine is not None else ()
+            for step in (self._delete, self._exchange, *wide):
                 chosen = step(chosen)
             if self.objective(chosen) <= before + TOLERANCE:
                 break
@@ -222,7 +227,7 @@ def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[s
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count = dict.fromkeys((b.name for b in active), 0)
     for left_out in range(FOLDS):
-        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers)
+        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers, PRIOR_OF_FOLDS)
         chosen = search.run(search.settle(active))
         for block in active:
             same = any(b.name == block.name or alike(gram, b, block) for b in chosen)
