@@ -111,7 +111,7 @@ def _stable(state: State) -> None:
         if not unsteady:
             return
         kept = [b for b in state.active if b not in unsteady]
-        state.active = accepted(state, state.search.settle(kept)) if kept else []
+        state.active = accepted(state, kept)
 
 
 def _with_gains(state: State) -> list[tuple[Block, Gain, float]]:

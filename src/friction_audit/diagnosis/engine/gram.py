@@ -67,6 +67,7 @@ class Gram:
             left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[index,call-overload]
             self.cross[key] = np.concatenate([known, self._products(left, new)], axis=2)
         self.blocks += blocks
+        self.names = np.array([b.name for b in self.blocks])
         self.version += 1
 
     def of(self, block: Block) -> Float:
@@ -176,10 +177,11 @@ class Training:
         blocks = self.gram.blocks
         gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
         names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
-        apart = {k: b.name for k, b in enumerate(blocks) if b.name in names}
-        self._gain(active, "", [k for k in range(len(blocks)) if k not in apart], gains, coefficients)
+        known = self.gram.names
+        apart = {k: known[k] for name in names for k in np.flatnonzero(known == name)}
+        self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
         for name in names & set(apart.values()):
-            which = [k for k, own in apart.items() if own == name]
+            which = np.flatnonzero(known == name)
             # A nuisance that stands for the effect is left out with it, so that the two compete for the same torque.
             lost = self.samples * np.log(self.fit(active, (name,)).rss / self.fit(active).rss)
             self._gain(active, name, which, gains, coefficients)
@@ -187,7 +189,7 @@ class Training:
         return gains, coefficients
 
     def _gain(
-        self, active: Sequence[Block], unpinned: str, which: Sequence[int], gains: Float, coefficients: list[Float]
+        self, active: Sequence[Block], unpinned: str, which: NDArray[np.int64], gains: Float, coefficients: list[Float]
     ) -> None:
         """Write gains and coefficients of some blocks."""
         fit = self.fit(active, (unpinned,) if unpinned else ())
@@ -213,7 +215,7 @@ class Training:
             for k, one in zip(members, found, strict=True):
                 coefficients[k] = one
 
-    def _by_width(self, key: str, which: Sequence[int]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
+    def _by_width(self, key: str, which: NDArray[np.int64]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
         version, found = self._own.get((key, len(which)), (-1, []))
         if version != self.gram.version:
             blocks, found = self.gram.blocks, []

@@ -39,8 +39,24 @@ class Scale:
         return {**self.shape, **free}
 
 
-def refine(dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Baseline) -> Block | None:
-    """The block at the nonlinear parameters that fit best beside others; None without any that is free."""
+def refine(
+    dictionary: Dictionary,
+    training: Training,
+    block: Block,
+    others: Sequence[Block],
+    baseline: Baseline,
+    rebuilt: bool = False,
+) -> Block | None:
+    """The block at the nonlinear parameters that fit best beside others; None where they are those it has.
+
+    Args:
+        dictionary: Builds columns.
+        training: What is fitted.
+        block: Where to start.
+        others: The active set without it.
+        baseline: The nominal model that its columns follow from.
+        rebuilt: Whether its columns are compared with those that it has now, of an older nominal model.
+    """
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
@@ -68,6 +84,10 @@ def refine(dictionary: Dictionary, training: Training, block: Block, others: Seq
     x = np.zeros(len(scale.names))
     cost, coefficients, left, columns = solve(x)
     first = cost
+    if rebuilt:
+        before = free_of(block.columns)
+        known = residual - np.linalg.lstsq(before @ before.T, before @ residual, rcond=1e-10)[0] @ before
+        first = n * float(np.log(max(float(known @ known), 1e-300)))
     for _ in range(STEPS):
         if not np.isfinite(cost):
             return None
@@ -105,3 +125,14 @@ def refine(dictionary: Dictionary, training: Training, block: Block, others: Seq
         numbers=block.numbers,
         refined=True,
     )
+
+
+def coefficients_beside(training: Training, others: Sequence[Block], columns: Float) -> Float:
+    """Coefficients of the nominal model and nuisances fitted with some effects and more columns."""
+    gram = training.gram
+    kept = training.fit(others).kept
+    rows = np.vstack([gram.base[kept], *(gram.of(b) for b in others), gram.whiten(columns)])
+    prior = np.diag(np.append(gram.precision[kept], np.zeros(len(rows) - len(kept))))
+    scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
+    whole = (rows @ rows.T + prior) / scale[:, None] / scale
+    return np.asarray(np.linalg.lstsq(whole, rows @ gram.y / scale, rcond=1e-11)[0] / scale)

@@ -11,7 +11,7 @@ from friction_audit.diagnosis.engine import contact_events, residual_checks, sel
 from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
 from friction_audit.diagnosis.engine.gram import Gram, Training
 from friction_audit.diagnosis.engine.noise_model import NoiseModel
-from friction_audit.diagnosis.engine.nonlinear import refine
+from friction_audit.diagnosis.engine.nonlinear import coefficients_beside, refine
 from friction_audit.diagnosis.engine.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.engine.validation import gains
 from friction_audit.effects.joint_model import JointModel
@@ -25,6 +25,7 @@ FRICTION = ("stribeck", "nonlinear_viscous", "presliding", "load_dependent_frict
             "warm_up", "friction_step", "stiction", "asymmetric_viscous")  # fmt: skip
 PLACE = ("torque_bias", "torque_drift", "gravity_error", "cable_spring", "joint_limit_stop")
 REPEATS = 2
+ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION, TRANSMISSION_ERROR = ("joint_elasticity", "backlash"), 0.25  # what is behind it is known roughly
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
@@ -92,7 +93,17 @@ def _state(problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequen
 
     def moved(block: Block, others: Sequence[Block]) -> Block | None:
         beside = [*others, block] if block.effect.leans_on_model else others
-        return refine(dictionary, training, block, others, nominal(problem, training, beside))
+        found = refine(dictionary, training, block, others, nominal(problem, training, beside))
+        # What a spring or a play hands on is the inertia and friction behind it, better known with it in the model.
+        for _ in range(ALTERNATIONS if block.name in TRANSMISSION else 0):
+            if found is None:
+                break
+            numbers = coefficients_beside(training, others, found.columns)[: len(problem.X)]
+            again = refine(dictionary, training, found, others, _baseline(problem, numbers), rebuilt=True)
+            if again is None:
+                break
+            found = again
+        return found
 
     search = selection.Search(training, moved, numbers)
     return State(problem=problem, dictionary=dictionary, nuisances=tuple(nuisances), gram=gram, search=search, active=[])

@@ -18,11 +18,12 @@ from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect
 PRIOR_OF_FOLDS = 0.5 * PRIOR  # a fold less holds a fifth less evidence, and asks again what was found already
+ROUNDS_OF_FOLDS = 2
 INDISTINGUISHABLE = 6.0  # difference in evidence below which two effects cannot be separated (Kass and Raftery 1995)
 ALIKE = 0.7  # correlation of their torques given everything else, from which they are the same thing
 CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
-FEWEST_CYCLES_PER_NUMBER = 2
+FEWEST_CYCLES_PER_NUMBER = 1.25
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
 MOST_EFFECTS = 8
 TOLERANCE = 1e-6
@@ -60,12 +61,14 @@ class Search:
         refine: Moves a block between the points of its grid; None for a search on the grid alone.
         most_numbers: Numbers that the cycles can carry.
         prior: 2 ln of the prior odds against any one effect.
+        rounds: Forward steps, and rounds of improvement after each.
     """
 
     training: Training
     refine: Refine | None = None
     most_numbers: int = 1000
     prior: float = PRIOR
+    rounds: int = MOST_EFFECTS
     _tried: set[int] = field(default_factory=set)
     _penalty: dict[int, float] = field(default_factory=dict)
     _scores: dict[tuple[object, ...], dict[str, Score]] = field(default_factory=dict)
@@ -144,7 +147,7 @@ class Search:
     def run(self, active: Sequence[Block] = ()) -> list[Block]:
         """Forward selection; after every step effects are deleted, exchanged, split and merged."""
         chosen = list(active)
-        for _ in range(MOST_EFFECTS):
+        for _ in range(self.rounds):
             step = next((s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.allowed([*chosen, s.block])), None)
             if step is None:
                 break
@@ -157,7 +160,7 @@ class Search:
     def settle(self, active: Sequence[Block]) -> list[Block]:
         """Improve an active set of one size by deletion, exchange, two by one and one by two."""
         chosen = list(active)
-        for _ in range(MOST_EFFECTS):
+        for _ in range(self.rounds):
             before = self.objective(chosen)
             # Without refinement, on some of the folds, deletion and exchange suffice.
             wide = (self._merge, self._divide) if self.refine is not None else ()
@@ -220,14 +223,14 @@ def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
 
 def most_numbers(cycles: int) -> int:
     """Numbers that so many cycles can carry."""
-    return max(cycles // FEWEST_CYCLES_PER_NUMBER, 2)
+    return max(int(cycles / FEWEST_CYCLES_PER_NUMBER), 2)
 
 
 def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[str, int]:
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count = dict.fromkeys((b.name for b in active), 0)
     for left_out in range(FOLDS):
-        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers, PRIOR_OF_FOLDS)
+        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers, PRIOR_OF_FOLDS, ROUNDS_OF_FOLDS)
         chosen = search.run(search.settle(active))
         for block in active:
             same = any(b.name == block.name or alike(gram, b, block) for b in chosen)
