@@ -147,7 +147,7 @@ def _scatter(gram: Gram, active: Sequence[Block]) -> list[ResidualCheck]:
     turns = np.count_nonzero(np.diff(sign))
     if block.sum() <= 3.0 * np.sqrt(np.sum(block**2)) or turns < 12:  # noqa: PLR2004
         return []
-    share = float(block.sum() / max(norm, 1e-12) / np.mean(left**2))
+    share = min(float(block.sum() / max(norm, 1e-12) / np.mean(left**2)), 1.0)
     return [ResidualCheck(code="scatter", along="stroke", share=share)]
 
 

@@ -25,6 +25,7 @@ CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
 FEWEST_CYCLES_PER_NUMBER = 1.25
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
+CONSTANT, SAME = ("torque_bias", "asymmetric_coulomb"), 0.9
 MOST_EFFECTS = 8
 TOLERANCE = 1e-6
 
@@ -292,6 +293,8 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
 def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequence[Block]) -> tuple[str, ...]:
     """Names that the log cannot separate from a selected effect."""
     names = [c.name for c in competing if c.behind < INDISTINGUISHABLE and c.correlation > ALIKE]
+    # A constant is within what bends little over the range: an offset may be most of it, whatever else is there.
+    names += [c.name for c in competing if c.name in CONSTANT and c.correlation > SAME and c.name not in names]
     names += [name for name in block.effect.same_as if name not in names]
     others = {b.name for b in active if b is not block}
     names += [name for name in block.effect.part_of if name in others and name not in names]
