@@ -26,9 +26,11 @@ Array = np.ndarray
 LOGS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "panda": ("**/panda_excitation.parquet", {}, {"drive": "robot", "robot": "panda"}),
     "panda_no_model": ("**/panda_excitation.parquet", {}, {"drive": "robot", "robot": "panda", "inertia": "none"}),
-    "nnfm_slow": ("**/case4_slow.csv",
-                  {"mapping": {"q": "q7", "dq": "dq7", "tau_interaction": "q7_tau_J_compensate"}, "time_scale": 0.5},
-                  {}),  # fmt: skip
+    "nnfm_slow": (
+        "**/case4_slow.csv",
+        {"mapping": {"q": "q7", "dq": "dq7", "tau_interaction": "q7_tau_J_compensate"}, "time_scale": 0.5},
+        {},
+    ),  # fmt: skip
     "tx40": ("**/tx40_tidy.csv", {}, {"drive": "robot", "robot": "none"}),
     "ur10e_2": ("**/ur10e_2_tidy.csv", {}, {"drive": "robot", "robot": "none"}),
     "ocp": ("**/OCP_T3_0.81s.csv", {}, {"drive": "robot", "robot": "panda"}),
@@ -58,7 +60,7 @@ def injections(t: Array, q: Array, v: Array, torque: Array, rms: float) -> dict[
         "stribeck": np.exp(-((v / (0.15 * fast)) ** 2)) * np.sign(v),
         "torque_bias": np.ones_like(q),
         "torque_ripple": ripple,
-        "position_dependent_friction": np.sign(v) * np.exp(-((((q - np.median(q)) / (0.12 * span))) ** 2)),
+        "position_dependent_friction": np.sign(v) * np.exp(-(((q - np.median(q)) / (0.12 * span)) ** 2)),
         "torque_drift": (t - t.mean()) / np.ptp(t),
         "asymmetric_viscous": np.abs(v),
         "time_delay": np.interp(t - 0.015, t, torque) - torque,

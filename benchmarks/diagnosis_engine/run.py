@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates import CANDIDATES
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.registry import effects
 
 FIELDS = ("name", "truth", "seed", "size", "scenario", "joint", "hidden_here", "outside", "verdict", "sets", "negligible",
           "checks", "folds", "cpu_s", "old_verdict", "old_sets", "error")  # fmt: skip
@@ -26,7 +26,7 @@ FIELDS = ("name", "truth", "seed", "size", "scenario", "joint", "hidden_here", "
 def answer(subject: Subject, engine: str) -> dict[str, Any]:
     """Verdict and sets of names."""
     if engine == "old":
-        found = diagnose_joint(subject, CANDIDATES, DiagnosisSettings())
+        found = diagnose_joint(subject, effects(), DiagnosisSettings())
         return {"verdict": found.verdict, "sets": ";".join("|".join((e.name, *e.alternatives)) for e in found.effects)}
     from friction_audit.diagnosis.engine.conclusion import conclude
     from friction_audit.diagnosis.engine.diagnose_joint import FEWEST_CYCLES
@@ -34,7 +34,7 @@ def answer(subject: Subject, engine: str) -> dict[str, Any]:
 
     if len(np.unique(make_rows(subject.data).cycle)) < FEWEST_CYCLES:
         return {"verdict": "not_testable"}
-    state = select(subject.data, subject.model, CANDIDATES)
+    state = select(subject.data, subject.model, effects())
     said = conclude(state)
     contact = ["contact_event"] if state.contacts else []
     return {

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
+from friction_audit.api import read_log
 from friction_audit.diagnosis import diagnose as stage
 from friction_audit.diagnosis.diagnose_joint import Subject
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.api import read_log
 from friction_audit.effects.model_file import load_model
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog

@@ -124,7 +124,9 @@ def _named(state: State, one: tuple[Block, Gain, float], least_nm: float) -> Nam
     block, gain, size = one
     competing = selection.competing_effects(state.search, state.active, block)
     baseline = nominal(state.problem, state.search.training, state.active)
-    friction = np.abs(baseline.coulomb_nm * state.problem.data.way + baseline.viscous_nms_per_rad * state.problem.data.dq)
+    friction = np.abs(
+        baseline.coulomb_nm * state.problem.data.way + baseline.viscous_nms_per_rad * state.problem.data.dq
+    )
     share = size / max(float(np.sqrt(np.mean(friction[state.problem.data.used] ** 2))), 1e-12)
     grade = "negligible" if share < NEGLIGIBLE or size < least_nm else ("minor" if share < MINOR else "major")
     return Named(

@@ -6,8 +6,9 @@ The detector is a bank of matched filters on the residual (G. L. Turin, IRE Tran
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidates.contact_event import Contact, find_contacts, overlap
 from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.diagnosis.find_contacts import find_contacts
+from friction_audit.effects.contact_event import Contact, overlap
 from friction_audit.joint_log import Float
 
 SHIFTED = 2.0  # times a torque what is left where it is modelled at one moment and comes at another, at most

@@ -6,11 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.against_energy import differences_from_energy
-from friction_audit.diagnosis.candidate import Candidate
 from friction_audit.diagnosis.data_audit import faults
-from friction_audit.diagnosis.decide import motion_to_decide
 from friction_audit.diagnosis.diagnose_joint import Subject
-from friction_audit.diagnosis.displacement import strokes
 from friction_audit.diagnosis.engine import intervals, residual_curves, screening, wording
 from friction_audit.diagnosis.engine.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.engine.gram import Training
@@ -23,6 +20,9 @@ from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.result import Effect, Evidence, Profile, Traces
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import strokes
+from friction_audit.effects.registry import motion_to_decide
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
 
@@ -31,7 +31,7 @@ POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
 
 
-def diagnose_joint(subject: Subject, effects: Sequence[Candidate], settings: DiagnosisSettings) -> JointDiagnosis:
+def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: DiagnosisSettings) -> JointDiagnosis:
     """Say whether anything is missing in the nominal model of a joint, and what.
 
     Args:
@@ -46,12 +46,16 @@ def diagnose_joint(subject: Subject, effects: Sequence[Candidate], settings: Dia
     if cycles < FEWEST_CYCLES:
         lacking = subject.lacking or "move the joint back and forth, or count slower strokes with --thresholds auto"
         return _unanswered(
-            subject, "not_testable", f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {lacking}"
+            subject,
+            "not_testable",
+            f"{cycles} energy cycles with motion; at least {FEWEST_CYCLES} are needed: {lacking}",
         )
     try:
         state = select(subject.data, subject.model, effects)
         if not state.gram.blocks:
-            return _unanswered(subject, "not_testable", "; ".join(dict.fromkeys(state.dictionary.not_testable.values())))
+            return _unanswered(
+                subject, "not_testable", "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
+            )
         found = _result(subject, state, conclude(state), settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
         return _unanswered(subject, "not_testable", str(error))
@@ -76,12 +80,18 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
     closed, before, after = gap(gram, active)
     baseline = nominal(problem, state.search.training, active)
     estimates = intervals.of(gram, state.dictionary, active, baseline)
-    plain = estimates if not active else intervals.of(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+    plain = (
+        estimates
+        if not active
+        else intervals.of(gram, state.dictionary, (), nominal(problem, state.search.training, ()))
+    )
     tests = screening.wild_cluster_bootstrap(gram, (), settings.seed)
     last = screening.wild_cluster_bootstrap(gram, active, settings.seed) if active else tests
     profiles = residual_curves.profiles_of(problem, before.residual, tests)
     remaining = residual_curves.profiles_of(problem, after.residual, last) if active else profiles
-    numbers = dict(zip([b.name for b in active], zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True))
+    numbers = dict(
+        zip([b.name for b in active], zip(estimates.effects, estimates.not_identifiable, strict=True), strict=True)
+    )
     named, negligible = (
         tuple(_effect(state, one, numbers[one.block.name], k, group) for k, one in enumerate(group))
         for group in (said.named, said.negligible)
@@ -115,7 +125,9 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
     )
 
 
-def _effect(state: State, one: Named, numbers: tuple[dict[str, object], tuple[str, ...]], k: int, group: Sequence[Named]) -> NamedEffect:
+def _effect(
+    state: State, one: Named, numbers: tuple[dict[str, object], tuple[str, ...]], k: int, group: Sequence[Named]
+) -> NamedEffect:
     gram, problem, block = state.gram, state.problem, one.block
     fit = Training(gram).fit(state.active)
     torque = dict(zip(map(id, state.active), split(fit, state.active), strict=True))[id(block)] @ block.columns
@@ -144,7 +156,9 @@ def _effect(state: State, one: Named, numbers: tuple[dict[str, object], tuple[st
 
 
 def _common(name: str, label: str, one: Named, parameters: dict[str, object]) -> dict[str, object]:
-    rivals = (Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN])
+    rivals = (
+        Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
+    )
     return {
         "name": name,
         "label": label,

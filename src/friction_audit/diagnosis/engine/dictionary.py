@@ -6,11 +6,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate, Shape
-from friction_audit.diagnosis.candidates.extent import speeds
-from friction_audit.diagnosis.candidates.torque_ripple import order_range
 from friction_audit.diagnosis.engine.problem import RegressionProblem
-from friction_audit.diagnosis.joint_data import JointData
+from friction_audit.effects.effect import Effect, Nonlinear
+from friction_audit.effects.joint_data import JointData, Nominal, speeds
+from friction_audit.effects.torque_ripple import order_range
 from friction_audit.joint_log import Float
 
 EVERY = {"frictional_lag": 3, "presliding": 2, "nonlinear_viscous": 2}
@@ -37,7 +36,7 @@ class Block:
         penalty: 2 ln of the prior's mass that the neighbours of this point share, from the last integration.
     """
 
-    effect: Candidate
+    effect: Effect
     shape: dict[str, float]
     columns: Float
     there: NDArray[np.bool_]
@@ -73,30 +72,30 @@ class Dictionary:
     """All blocks of a joint, and why the log cannot show the other effects."""
 
     problem: RegressionProblem
-    effects: tuple[Candidate, ...]
-    baseline: Baseline
+    effects: tuple[Effect, ...]
+    baseline: Nominal
     blocks: list[Block] = field(default_factory=list)
     not_testable: dict[str, str] = field(default_factory=dict)
 
     @classmethod
-    def build(cls, problem: RegressionProblem, effects: Sequence[Candidate], baseline: Baseline) -> "Dictionary":
+    def build(cls, problem: RegressionProblem, effects: Sequence[Effect], baseline: Nominal) -> "Dictionary":
         """Ask every effect whether the log can show it, and build its columns over its grid."""
         made = cls(problem, tuple(e for e in effects if e.name != EVENT), baseline)
         for effect in made.effects:
-            why = effect.untestable(problem.data, baseline)
+            why = effect.not_identifiable(problem.data, baseline)
             if why is not None:
                 made.not_testable[effect.name] = why
             shapes = grid_of(effect, problem.data, why is None)
             made.blocks += made.build_blocks(effect, shapes)
         return made
 
-    def build_blocks(self, effect: Candidate, shapes: Sequence[Shape], baseline: Baseline | None = None) -> list[Block]:
+    def build_blocks(self, effect: Effect, shapes: Sequence[Nonlinear], baseline: Nominal | None = None) -> list[Block]:
         """Blocks of one effect; without those whose columns are zero."""
         if not shapes:
             return []
         varying = [k for k in {name for s in shapes for name in s} if len({s.get(k) for s in shapes}) > 1]
         out: list[Block | None] = [None] * len(shapes)
-        for place, fine in effect.each(self.problem.data, baseline or self.baseline, shapes):
+        for place, fine in effect.regressors(self.problem.data, baseline or self.baseline, shapes):
             columns = self.problem.columns(fine)
             there = np.abs(columns).max(axis=1) > 0
             if there.any():
@@ -110,22 +109,22 @@ class Dictionary:
                 )
         return [block for block in out if block is not None]
 
-    def rebuild(self, baseline: Baseline) -> None:
+    def rebuild(self, baseline: Nominal) -> None:
         """Build again what follows from the nominal model, whose coefficients are better known."""
         self.baseline = baseline
         for effect in self.effects:
             own = [block for block in self.blocks if block.effect is effect]
-            if effect.leans_on_model and own:
-                for place, fine in effect.each(self.problem.data, baseline, [block.shape for block in own]):
+            if effect.needs_nominal and own:
+                for place, fine in effect.regressors(self.problem.data, baseline, [block.shape for block in own]):
                     own[place].columns = self.problem.columns(fine)[own[place].there]
 
-    def columns_at(self, block: Block, shape: Shape, baseline: Baseline) -> Float:
+    def columns_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """Columns of a block's effect at another point, shape (p, m)."""
         return self.problem.columns(self.fine_at(block, shape, baseline))
 
-    def fine_at(self, block: Block, shape: Shape, baseline: Baseline) -> Float:
+    def fine_at(self, block: Block, shape: Nonlinear, baseline: Nominal) -> Float:
         """The same on the fine grid, shape (n, p)."""
-        return np.asarray(block.effect.columns(self.problem.data, baseline, shape)[:, block.there])
+        return np.asarray(block.effect.regressor(self.problem.data, baseline, shape)[:, block.there])
 
     def drop(self, dropped: NDArray[np.bool_], problem: RegressionProblem) -> None:
         """Leave samples out, shape (m,)."""
@@ -163,12 +162,11 @@ class Dictionary:
     def bounds(self, block: Block) -> dict[str, tuple[float, float]]:
         """From where to where nonlinear parameters may be refined: the grid and half as much again."""
         tried = [s for s in self._grid(block.effect) if set(s) == set(block.shape)] or [block.shape]
-        term = block.effect.term
-        whole = {p.name for p in term.shape if p.whole} if term is not None else set()
+        nonlinear = {p.name: p for p in block.effect.nonlinear}
         found = {}
         for name, value in block.shape.items():
             values = np.array([s[name] for s in tried] + [value])
-            if name in whole or term is None or name not in {p.name for p in term.shape}:
+            if name not in nonlinear or nonlinear[name].whole:
                 continue
             if len(np.unique([s[name] for s in tried])) < 2 and block.name != "torque_ripple":  # noqa: PLR2004
                 continue
@@ -185,13 +183,13 @@ class Dictionary:
         away = away[away > 1e-9 * max(abs(block.shape[name]), 1e-9)]
         return float(away.min()) if len(away) else 0.2 * abs(block.shape[name]) + 1e-9
 
-    def _grid(self, effect: Candidate) -> Sequence[Shape]:
-        return effect.tried(self.problem.data) or effect.shown(self.problem.data)
+    def _grid(self, effect: Effect) -> Sequence[Nonlinear]:
+        return effect.grid(self.problem.data) or effect.identifiable_part(self.problem.data)
 
 
-def grid_of(effect: Candidate, data: JointData, testable: bool) -> Sequence[Shape]:
+def grid_of(effect: Effect, data: JointData, testable: bool) -> Sequence[Nonlinear]:
     """Points of the grid of an effect on a joint."""
-    shapes = list(effect.tried(data) if testable else effect.shown(data))[:: EVERY.get(effect.name, 1)]
+    shapes = list(effect.grid(data) if testable else effect.identifiable_part(data))[:: EVERY.get(effect.name, 1)]
     if effect.name == "nonlinear_viscous":
         least = LEAST_BEND * float(speeds(data, 95.0)[0])
         shapes = [s for s in shapes if s["curved_viscous_exponent"] > 0.0 or s["curved_viscous_speed_rad_s"] >= least]

@@ -19,7 +19,9 @@ ROOM = 64
 class Gram:
     """Whitened columns of the nominal model, the nuisances and all blocks, and their products within each fold."""
 
-    def __init__(self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]):
+    def __init__(
+        self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]
+    ):
         """Whiten everything; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = np.argsort(problem.fold, kind="stable")

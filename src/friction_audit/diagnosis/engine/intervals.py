@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
 from friction_audit.diagnosis.engine.gram import Gram, Training
 from friction_audit.diagnosis.engine.nonlinear import DIFFERENCE, Scale
 from friction_audit.diagnosis.engine.selection import split
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -39,7 +39,7 @@ class Estimates:
     not_identifiable: tuple[tuple[str, ...], ...]
 
 
-def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Baseline) -> Estimates:
+def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Nominal) -> Estimates:
     """Intervals of the nominal model and of all effects."""
     fit = Training(gram).fit(active)
     scales = [Scale(dictionary, block) for block in active]
@@ -49,9 +49,13 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Ba
     ]
     steps = np.concatenate([np.zeros((0, len(gram.y))), *slopes])
     rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active), steps])
-    prior = np.concatenate([
-        gram.precision[fit.kept], np.zeros(len(rows) - len(fit.kept) - len(steps)), np.full(len(steps), PRIOR_STEPS**-2.0)
-    ])
+    prior = np.concatenate(
+        [
+            gram.precision[fit.kept],
+            np.zeros(len(rows) - len(fit.kept) - len(steps)),
+            np.full(len(steps), PRIOR_STEPS**-2.0),
+        ]
+    )
     half = _jackknife(gram, rows, prior)
     value = np.append(fit.coefficients, np.zeros(len(steps)))
     names = gram.problem.nominal.names
@@ -72,10 +76,7 @@ def of(gram: Gram, dictionary: Dictionary, active: Sequence[Block], baseline: Ba
 
 def coefficient_names(block: Block) -> list[str]:
     """Names of all coefficients of an effect."""
-    term, q = block.effect.term, len(block.there)
-    if term is not None:
-        return [parameter.name for parameter in term.linear[:q]]
-    return [f"factor_{k}_{unit}" for k, unit in enumerate(block.effect.column_units[:q], start=1)]
+    return [parameter.name for parameter in block.effect.coefficients[: len(block.there)]]
 
 
 def _around(value: float, half: float) -> Coefficient:
@@ -99,7 +100,7 @@ def _free(block: Block, scale: Scale, half: Float) -> tuple[dict[str, Coefficien
 
 
 def _slopes(
-    gram: Gram, dictionary: Dictionary, block: Block, scale: Scale, coefficients: Float, baseline: Baseline
+    gram: Gram, dictionary: Dictionary, block: Block, scale: Scale, coefficients: Float, baseline: Nominal
 ) -> Float:
     """Whitened derivatives of an effect's torque with respect to its nonlinear parameters, shape (k, m)."""
     out = np.empty((len(scale.names), len(gram.y)))

@@ -39,7 +39,9 @@ class NoiseModel:
 
     def whiten(self, columns: Float) -> Float:
         """Innovations of columns, shape (k, m)."""
-        return _whiten(np.ascontiguousarray(np.atleast_2d(columns) * self.weight), self.predictors, self.scales, self.age)
+        return _whiten(
+            np.ascontiguousarray(np.atleast_2d(columns) * self.weight), self.predictors, self.scales, self.age
+        )
 
     @classmethod
     def fit(cls, problem: RegressionProblem, residuals: Sequence[Float], model_error: Float) -> "NoiseModel":
@@ -47,7 +49,7 @@ class NoiseModel:
 
         Args:
             problem: The joint.
-            residuals: Shape (m,) each; what a model misses remembers longer than the noise.
+            residuals: Nonlinear (m,) each; what a model misses remembers longer than the noise.
             model_error: Standard deviation of the model error, shape (m,). [N m]
         """
         return min((cls._of(problem, r, model_error) for r in residuals), key=lambda one: one[0])[1]
@@ -56,7 +58,10 @@ class NoiseModel:
     def _of(cls, problem: RegressionProblem, residual: Float, model_error: Float) -> tuple[float, "NoiseModel"]:
         # The model error is part of what is left: what remains of the variance where it is small is the noise.
         calm = model_error <= np.median(model_error)
-        variance = max(float(np.mean(residual[calm] ** 2) - np.mean(model_error[calm] ** 2)), 0.25 * float(np.mean(residual[calm] ** 2)))
+        variance = max(
+            float(np.mean(residual[calm] ** 2) - np.mean(model_error[calm] ** 2)),
+            0.25 * float(np.mean(residual[calm] ** 2)),
+        )
         weight = np.sqrt(variance / (variance + model_error**2))
         scaled = residual * weight
         sums = np.array([_at_lag(scaled, problem.age, lag) for lag in range(MOST_LAGS + 1)])

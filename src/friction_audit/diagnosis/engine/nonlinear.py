@@ -7,9 +7,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
 from friction_audit.diagnosis.engine.gram import Training
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 STEPS = 4
@@ -44,7 +44,7 @@ def refine(
     training: Training,
     block: Block,
     others: Sequence[Block],
-    baseline: Baseline,
+    baseline: Nominal,
     rebuilt: bool = False,
 ) -> Block | None:
     """The block at the nonlinear parameters that fit best beside others; None where they are those it has.
@@ -76,9 +76,11 @@ def refine(
         free = free_of(columns)
         coefficients = np.linalg.lstsq(free @ free.T, free @ residual, rcond=1e-10)[0]
         left = residual - coefficients @ free
-        cost = n * float(np.log(max(float(left @ left), 1e-300))) if block.effect.admissible(
-            block.whole(coefficients), scale.at(x)
-        ) else np.inf
+        cost = (
+            n * float(np.log(max(float(left @ left), 1e-300)))
+            if block.effect.admissible(block.whole(coefficients), scale.at(x))
+            else np.inf
+        )
         return cost, coefficients, left, columns
 
     x = np.zeros(len(scale.names))

@@ -7,17 +7,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
-from friction_audit.diagnosis.candidate import Baseline
 from friction_audit.diagnosis.declared import Declared, declare, least_squares
-from friction_audit.diagnosis.joint_data import JointData
 from friction_audit.diagnosis.rows import CORNER_HZ, ROW_HZ, Rows, corner_for, make_rows
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
 FOLDS = 5
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
-SIGN_WIDTHS_RAD_S = np.geomspace(5e-4, 1.2e-2, 9)  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
+SIGN_WIDTHS_RAD_S = np.geomspace(
+    5e-4, 1.2e-2, 9
+)  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
 SLOW_RAD_S = 5e-3  # below it the law of friction at a reversal is as uncertain as right behind one
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
@@ -46,7 +47,7 @@ class Curve:
 
     Attributes:
         axis: The quantity.
-        columns: Shape (k, m).
+        columns: Nonlinear (k, m).
         values: The quantity itself, shape (m,).
     """
 
@@ -113,7 +114,7 @@ class RegressionProblem:
         return self.nominal.y
 
     @cached_property
-    def X(self) -> Float:  # noqa: N802 - the design matrix
+    def X(self) -> Float:
         """Nominal columns, shape (b, m)."""
         return np.ascontiguousarray(self.nominal.columns.T)
 
@@ -143,7 +144,7 @@ class RegressionProblem:
             curves=tuple(replace(c, columns=c.columns[:, kept], values=c.values[kept]) for c in self.curves),
         )
 
-    def nuisances(self, baseline: Baseline) -> tuple[Nuisance, ...]:
+    def nuisances(self, baseline: Nominal) -> tuple[Nuisance, ...]:
         """Smoothing of the sign, delay of the recorder, offset of the sensor."""
         data, coulomb = self.data, abs(baseline.coulomb_nm)
         fine = self._smoothed_sign()
@@ -170,7 +171,7 @@ class RegressionProblem:
         low, best, high = (np.tanh(data.dq / SIGN_WIDTHS_RAD_S[j]) for j in (k - 1, k, k + 1))
         return [best - data.way, 0.5 * (high - low)]
 
-    def model_error(self, baseline: Baseline) -> Float:
+    def model_error(self, baseline: Nominal) -> Float:
         """Standard deviation of what any formula gets wrong: at reversals and in proportion to the inertia, (m,)."""
         turned = np.flatnonzero(np.diff(np.sign(self.data.dq)) != 0)
         t, dq, ddq = self.samples.t, *self.kinematics[1:]

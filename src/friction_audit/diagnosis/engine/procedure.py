@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis.candidate import Baseline, Candidate
-from friction_audit.diagnosis.candidates.contact_event import Contact
 from friction_audit.diagnosis.engine import contact_events, residual_checks, selection
 from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
 from friction_audit.diagnosis.engine.gram import Gram, Training
@@ -14,6 +12,9 @@ from friction_audit.diagnosis.engine.noise_model import NoiseModel
 from friction_audit.diagnosis.engine.nonlinear import coefficients_beside, refine
 from friction_audit.diagnosis.engine.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.engine.validation import gains
+from friction_audit.effects.contact_event import Contact
+from friction_audit.effects.effect import Effect
+from friction_audit.effects.joint_data import Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
@@ -46,7 +47,7 @@ class State:
     folds: dict[str, int] | None = None
 
 
-def select(data: object, model: JointModel | None, effects: Sequence[Candidate]) -> State:
+def select(data: object, model: JointModel | None, effects: Sequence[Effect]) -> State:
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)  # type: ignore[arg-type]
     contacts = contact_events.detect(problem)
@@ -64,7 +65,7 @@ def select(data: object, model: JointModel | None, effects: Sequence[Candidate])
     return state
 
 
-def _selected(problem: RegressionProblem, effects: Sequence[Candidate]) -> State:
+def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
     baseline = _baseline(problem, _ols(problem.X, problem.y))
     nuisances = plausible(problem, problem.nuisances(baseline), baseline)
     noise = NoiseModel.fit(problem, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
@@ -87,12 +88,14 @@ def _selected(problem: RegressionProblem, effects: Sequence[Candidate]) -> State
     return state
 
 
-def _state(problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequence[Nuisance], noise: NoiseModel, numbers: int) -> State:
+def _state(
+    problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequence[Nuisance], noise: NoiseModel, numbers: int
+) -> State:
     gram = Gram(problem, noise, nuisances, dictionary.blocks)
     training = Training(gram)
 
     def moved(block: Block, others: Sequence[Block]) -> Block | None:
-        beside = [*others, block] if block.effect.leans_on_model else others
+        beside = [*others, block] if block.effect.needs_nominal else others
         found = refine(dictionary, training, block, others, nominal(problem, training, beside))
         # What a spring or a play hands on is the inertia and friction behind it, better known with it in the model.
         for _ in range(ALTERNATIONS if block.name in TRANSMISSION else 0):
@@ -106,7 +109,9 @@ def _state(problem: RegressionProblem, dictionary: Dictionary, nuisances: Sequen
         return found
 
     search = selection.Search(training, moved, numbers)
-    return State(problem=problem, dictionary=dictionary, nuisances=tuple(nuisances), gram=gram, search=search, active=[])
+    return State(
+        problem=problem, dictionary=dictionary, nuisances=tuple(nuisances), gram=gram, search=search, active=[]
+    )
 
 
 def _refitted(state: State, numbers: int) -> State:
@@ -125,7 +130,7 @@ def _refitted(state: State, numbers: int) -> State:
     return made
 
 
-def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baseline: Baseline) -> tuple[Nuisance, ...]:
+def plausible(problem: RegressionProblem, nuisances: Sequence[Nuisance], baseline: Nominal) -> tuple[Nuisance, ...]:
     """Nuisances that stay within their priors; the others would hide an effect, or cancel one."""
     kept = list(nuisances)
     while kept:
@@ -157,9 +162,14 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
         worth = []
         for k, block in enumerate(kept):
             larger = max(
-                (s for s, other in zip(size, kept, strict=True) if other is not block and _covers(other, block)), default=0.0
+                (s for s, other in zip(size, kept, strict=True) if other is not block and _covers(other, block)),
+                default=0.0,
             )
-            bad = found[k].z < LEAST_Z or not found[k].shrinks or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
+            bad = (
+                found[k].z < LEAST_Z
+                or not found[k].shrinks
+                or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
+            )
             worth.append(found[k].z if bad else np.inf)
         if not np.isfinite(min(worth)):
             break
@@ -181,7 +191,7 @@ def sizes(gram: Gram, active: Sequence[Block]) -> Float:
     return np.array(found)
 
 
-def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Baseline:
+def nominal(problem: RegressionProblem, training: Training, active: Sequence[Block]) -> Nominal:
     """The nominal model as fitted beside some effects."""
     return _baseline(problem, training.fit(active).coefficients[: len(problem.X)])
 
@@ -204,7 +214,7 @@ def _plain_and_bent(problem: RegressionProblem, nuisances: Sequence[Nuisance]) -
     return [problem.y - _ols(one, problem.y) @ one for one in (plain, bent)]
 
 
-def _baseline(problem: RegressionProblem, coefficients: Float) -> Baseline:
+def _baseline(problem: RegressionProblem, coefficients: Float) -> Nominal:
     return problem.nominal.baseline(coefficients)
 
 

@@ -96,7 +96,7 @@ def spectral_line(residual: Float, x: Float, low: float, high: float, weight: Fl
     """Frequency at which the periodogram stands out of its neighbours, and its share of the power; None without one.
 
     Args:
-        residual: Shape (m,).
+        residual: Nonlinear (m,).
         x: Time or path, ascending, shape (m,).
         low: Lowest frequency that is looked for.
         high: Highest one.

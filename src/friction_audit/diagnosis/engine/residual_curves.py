@@ -2,8 +2,6 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.candidates.contact_event import CANDIDATE as CONTACT
-from friction_audit.diagnosis.candidates.contact_event import Contact
 from friction_audit.diagnosis.curves import Curve
 from friction_audit.diagnosis.engine import contact_events
 from friction_audit.diagnosis.engine.problem import RegressionProblem
@@ -13,6 +11,8 @@ from friction_audit.diagnosis.groups import Group
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import Evidence, Profile
 from friction_audit.diagnosis.shown_along import shows_along
+from friction_audit.effects.contact_event import EFFECT as CONTACT
+from friction_audit.effects.contact_event import Contact
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -25,7 +25,8 @@ def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | N
     from dataclasses import replace
 
     curves = [
-        Curve(axis=c.axis, group=Group(name=c.axis.name, shapes=(c.columns.T,)), values=c.values) for c in problem.curves
+        Curve(axis=c.axis, group=Group(name=c.axis.name, shapes=(c.columns.T,)), values=c.values)
+        for c in problem.curves
     ]
     found = profile_all(residual, curves, problem.kinematics[1], problem.samples.cycle, None)
     p = {} if test is None else test.curves

@@ -97,7 +97,7 @@ class Search:
         for name in by_name.keys() - {b.name for b in active}:
             total, best = 0.0, -1
             for k in by_name[name]:
-                if best >= 0 and factor[k] < factor[best] - 25.0:  # noqa: PLR2004 - adds less than a millionth
+                if best >= 0 and factor[k] < factor[best] - 25.0:
                     break
                 if blocks[k].possible(coefficients[k]):
                     best = k if best < 0 else best
@@ -118,7 +118,12 @@ class Search:
         total = n * float(np.log(self.training.fit(()).rss / fit.rss))
         for block in active:
             gain = n * float(np.log(self.training.fit([b for b in active if b is not block]).rss / fit.rss))
-            total -= block.p + block.p * float(np.log(max(gain, block.p) / block.p)) + self._penalty.get(id(block), block.penalty) + self.prior
+            total -= (
+                block.p
+                + block.p * float(np.log(max(gain, block.p) / block.p))
+                + self._penalty.get(id(block), block.penalty)
+                + self.prior
+            )
         return total
 
     def allowed(self, active: Sequence[Block]) -> bool:
@@ -149,7 +154,10 @@ class Search:
         """Forward selection; after every step effects are deleted, exchanged, split and merged."""
         chosen = list(active)
         for _ in range(self.rounds):
-            step = next((s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.allowed([*chosen, s.block])), None)
+            step = next(
+                (s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.allowed([*chosen, s.block])),
+                None,
+            )
             if step is None:
                 break
             trial = self.settle([*chosen, step.block])
@@ -185,7 +193,7 @@ class Search:
         return self.objective(trial) > self.objective(active) + by and self.allowed(trial)
 
     def _exchange(self, active: list[Block]) -> list[Block]:
-        for block in list(active):
+        for block in active:
             rest = [b for b in active if b is not block]
             if len(rest) == len(active):
                 continue
@@ -231,7 +239,13 @@ def shares_of_folds(gram: Gram, active: Sequence[Block], numbers: int) -> dict[s
     """In how many of the selections without one fold each an effect, or one that stands for it there, is chosen."""
     count = dict.fromkeys((b.name for b in active), 0)
     for left_out in range(FOLDS):
-        search = Search(Training(gram, tuple(k for k in range(FOLDS) if k != left_out)), None, numbers, PRIOR_OF_FOLDS, ROUNDS_OF_FOLDS)
+        search = Search(
+            Training(gram, tuple(k for k in range(FOLDS) if k != left_out)),
+            None,
+            numbers,
+            PRIOR_OF_FOLDS,
+            ROUNDS_OF_FOLDS,
+        )
         chosen = search.run(search.settle(active))
         for block in active:
             same = any(b.name == block.name or alike(gram, b, block) for b in chosen)
@@ -286,7 +300,9 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
             continue
         other = torque(score.block)
         size = float(np.sqrt((own @ own) * (other @ other)))
-        found.append(Competing(name=name, behind=mine - score.evidence, correlation=float(own @ other) / max(size, 1e-300)))
+        found.append(
+            Competing(name=name, behind=mine - score.evidence, correlation=float(own @ other) / max(size, 1e-300))
+        )
     return tuple(sorted(found, key=lambda one: one.behind))
 
 
@@ -295,7 +311,7 @@ def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequ
     names = [c.name for c in competing if c.behind < INDISTINGUISHABLE and c.correlation > ALIKE]
     # A constant is within what bends little over the range: an offset may be most of it, whatever else is there.
     names += [c.name for c in competing if c.name in CONSTANT and c.correlation > SAME and c.name not in names]
-    names += [name for name in block.effect.same_as if name not in names]
+    names += [name for name in block.effect.indistinguishable if name not in names]
     others = {b.name for b in active if b is not block}
     names += [name for name in block.effect.part_of if name in others and name not in names]
     return tuple(names)

@@ -22,7 +22,9 @@ def message_of(
         given = f"beside {names} something" if effects else "something"
         return f"{given} is missing that no effect of the catalogue explains, {at}" + (f": {rest}" if rest else "")
     unsure = "; ".join(
-        f"{e.name} cannot be separated from {', '.join(others_of(e, effects))} in this log" for e in effects if e.alternatives
+        f"{e.name} cannot be separated from {', '.join(others_of(e, effects))} in this log"
+        for e in effects
+        if e.alternatives
     )
     parts = [names + (f": {effects[0].where}" if effects and not unsure else ""), unsure]
     if rest:
