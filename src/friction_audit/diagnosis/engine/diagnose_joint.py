@@ -17,7 +17,7 @@ from friction_audit.diagnosis.engine.result import JointDiagnosis, NamedEffect
 from friction_audit.diagnosis.engine.selection import split
 from friction_audit.diagnosis.engine.validation import gap, held_out
 from friction_audit.diagnosis.forward_gap import gap_in_motion
-from friction_audit.diagnosis.result import Effect, Evidence, Profile, Traces
+from friction_audit.diagnosis.result import Evidence, Traces
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Effect
@@ -214,6 +214,3 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         along={curve.axis.name: curve.values for curve in problem.curves},
         corner_hz=problem.samples.corner_hz,
     )
-
-
-__all__ = ["Effect", "Profile", "diagnose_joint"]

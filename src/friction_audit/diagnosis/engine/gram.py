@@ -1,4 +1,4 @@
-"""One Gram matrix of whitened columns, by folds of whole cycles: every score of the selection is a small solve on it."""
+"""One Gram matrix of whitened columns, by folds of whole cycles: every score of a selection is a small solve on it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ class Gram:
 
     def __init__(
         self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]
-    ):
+    ) -> None:
         """Whiten everything; samples are put in the order of their folds."""
         self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
         self.order = np.argsort(problem.fold, kind="stable")

@@ -7,6 +7,7 @@ spans a decade, or its grid, is not identifiable from the log.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -120,8 +121,8 @@ def _jackknife(gram: Gram, rows: Float, prior: Float) -> Float:
     ends = np.append(np.flatnonzero(np.diff(cycle[order], prepend=cycle[order][0] - 1)), len(cycle))
     scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
     scaled, y = rows[:, order] / scale[:, None], gram.y[order]
-    grams = np.stack([scaled[:, a:b] @ scaled[:, a:b].T for a, b in zip(ends[:-1], ends[1:], strict=True)])
-    rights = np.stack([scaled[:, a:b] @ y[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)])
+    grams = np.stack([scaled[:, a:b] @ scaled[:, a:b].T for a, b in pairwise(ends.tolist())])
+    rights = np.stack([scaled[:, a:b] @ y[a:b] for a, b in pairwise(ends.tolist())])
     whole = grams.sum(axis=0) + np.diag(prior / scale**2)
     without = np.linalg.pinv(whole - grams, rcond=1e-12, hermitian=True) @ (rights.sum(axis=0) - rights)[:, :, None]
     spread = (without[:, :, 0] - without[:, :, 0].mean(axis=0)) / scale

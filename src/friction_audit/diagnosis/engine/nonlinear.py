@@ -4,16 +4,20 @@ G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; the Jacobian of L. 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
 from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
 from friction_audit.diagnosis.engine.gram import Training
+from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float
 
 STEPS = 4
-HALVINGS = 3
+SHORTER = (1.0, 1 / 3, 1 / 9)  # parts of a step that are tried
+LONGEST_STEP = 2.0  # in steps of the grid
 DIFFERENCE = 0.05  # of the spacing of the grid, for finite differences
 DONE = 0.2  # gain in 2 ln of the likelihood below which another step is not worth its columns
 
@@ -21,7 +25,7 @@ DONE = 0.2  # gain in 2 ln of the likelihood below which another step is not wor
 class Scale:
     """A nonlinear parameter as its logarithm where it is above zero, in units of the grid's spacing."""
 
-    def __init__(self, dictionary: Dictionary, block: Block):
+    def __init__(self, dictionary: Dictionary, block: Block) -> None:
         """Take the free parameters of a block."""
         self.bounds = dictionary.bounds(block)
         self.names = list(self.bounds)
@@ -37,6 +41,73 @@ class Scale:
         moved = np.where(self.log, self.start * np.exp(np.clip(x * self.unit, -4, 4)), self.start + x * self.unit)
         free = {n: float(np.clip(v, *self.bounds[n])) for n, v in zip(self.names, moved, strict=True)}
         return {**self.shape, **free}
+
+
+class Projection:
+    """What an effect leaves, as a function of its nonlinear parameters; everything else is partialled out."""
+
+    def __init__(
+        self, dictionary: Dictionary, training: Training, block: Block, others: Sequence[Block], baseline: Nominal
+    ) -> None:
+        """Partial out the nominal model, the nuisances and other effects."""
+        gram, fit = training.gram, training.fit(others)
+        rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in others)])
+        self.basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+        self.residual = gram.y - fit.projected @ self.basis
+        self.dictionary, self.gram, self.block, self.baseline = dictionary, gram, block, baseline
+        self.samples = training.samples
+
+    def free(self, columns: Float) -> Float:
+        """Whitened columns without the rest of the model."""
+        white = self.gram.whiten(columns)
+        return np.asarray(white - (white @ self.basis.T) @ self.basis)
+
+    def columns(self, shape: Nonlinear) -> Float:
+        """Columns of the effect."""
+        return self.dictionary.columns_at(self.block, shape, self.baseline)
+
+    def fit(self, columns: Float) -> tuple[Float, Float]:
+        """Coefficients, and what is left."""
+        free = self.free(columns)
+        coefficients = np.linalg.lstsq(free @ free.T, free @ self.residual, rcond=1e-10)[0]
+        return coefficients, self.residual - coefficients @ free
+
+    def cost(self, left: Float) -> float:
+        """2 ln of the likelihood, with its sign turned, up to a constant."""
+        return self.samples * float(np.log(max(float(left @ left), 1e-300)))
+
+    def at(self, scale: Scale, x: Float) -> "Point":
+        """Fit at a point; the cost is infinite where signs are impossible."""
+        shape = scale.at(x)
+        columns = self.columns(shape)
+        coefficients, left = self.fit(columns)
+        possible = self.block.effect.admissible(self.block.whole(coefficients), shape)
+        return Point(x, self.cost(left) if possible else np.inf, coefficients, left, columns)
+
+    def gauss_newton(self, scale: Scale, point: "Point") -> Float:
+        """A step of Gauss and Newton with Kaufman's Jacobian, damped a little."""
+        inside = np.linalg.qr(self.free(point.columns).T)[0]
+        slopes = np.empty((len(point.x), len(point.left)))
+        for k, unit in enumerate(np.eye(len(point.x))):
+            free_ahead = scale.at(point.x + DIFFERENCE * unit) != scale.at(point.x)
+            ahead = DIFFERENCE if free_ahead else -DIFFERENCE
+            moved = self.columns(scale.at(point.x + ahead * unit))
+            slope = point.coefficients @ self.free(moved - point.columns) / ahead
+            slopes[k] = slope - inside @ (inside.T @ slope)
+        normal = slopes @ slopes.T
+        damping = 1e-3 * np.diag(np.maximum(np.diag(normal), 1e-12))
+        step = np.linalg.lstsq(normal + damping, slopes @ point.left, rcond=1e-12)[0]
+        return np.asarray(np.clip(step, -LONGEST_STEP, LONGEST_STEP))
+
+
+class Point(NamedTuple):
+    """A fit at some nonlinear parameters."""
+
+    x: Float
+    cost: float
+    coefficients: Float
+    left: Float
+    columns: Float
 
 
 def refine(
@@ -60,73 +131,30 @@ def refine(
     scale = Scale(dictionary, block)
     if not scale.names:
         return None
-    gram = training.gram
-    fit = training.fit(others)
-    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in others)])
-    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
-    residual = gram.y - fit.projected @ basis
-    n = training.samples
-
-    def free_of(columns: Float) -> Float:
-        white = gram.whiten(columns)
-        return white - (white @ basis.T) @ basis
-
-    def solve(x: Float) -> tuple[float, Float, Float, Float]:
-        columns = dictionary.columns_at(block, scale.at(x), baseline)
-        free = free_of(columns)
-        coefficients = np.linalg.lstsq(free @ free.T, free @ residual, rcond=1e-10)[0]
-        left = residual - coefficients @ free
-        cost = (
-            n * float(np.log(max(float(left @ left), 1e-300)))
-            if block.effect.admissible(block.whole(coefficients), scale.at(x))
-            else np.inf
-        )
-        return cost, coefficients, left, columns
-
-    x = np.zeros(len(scale.names))
-    cost, coefficients, left, columns = solve(x)
-    first = cost
-    if rebuilt:
-        before = free_of(block.columns)
-        known = residual - np.linalg.lstsq(before @ before.T, before @ residual, rcond=1e-10)[0] @ before
-        first = n * float(np.log(max(float(known @ known), 1e-300)))
+    problem = Projection(dictionary, training, block, others, baseline)
+    point = problem.at(scale, np.zeros(len(scale.names)))
+    first = problem.cost(problem.fit(block.columns)[1]) if rebuilt else point.cost
+    if not np.isfinite(point.cost):
+        return None
     for _ in range(STEPS):
-        if not np.isfinite(cost):
-            return None
-        free = free_of(columns)
-        inside = np.linalg.qr(free.T)[0]
-        slopes = np.empty((len(x), len(left)))
-        for k in range(len(x)):
-            ahead = x.copy()
-            ahead[k] += DIFFERENCE if scale.at(x + DIFFERENCE * np.eye(len(x))[k]) != scale.at(x) else -DIFFERENCE
-            moved = dictionary.columns_at(block, scale.at(ahead), baseline)
-            slope = coefficients @ free_of(moved - columns) / (ahead[k] - x[k])
-            slopes[k] = slope - inside @ (inside.T @ slope)
-        normal = slopes @ slopes.T
-        damping = 1e-3 * np.diag(np.maximum(np.diag(normal), 1e-12))
-        step = np.clip(np.linalg.lstsq(normal + damping, slopes @ left, rcond=1e-12)[0], -2.0, 2.0)
-        for _ in range(HALVINGS):
-            trial = solve(x + step)
-            if trial[0] < cost:
-                break
-            step = step / 3.0
-        else:
-            break
-        gained, x = cost - trial[0], x + step
-        cost, coefficients, left, columns = trial
+        better = _line_search(problem, scale, point)
+        gained = 0.0 if better is None else point.cost - better.cost
+        point = better or point
         if gained < DONE:
             break
-    if first - cost < DONE:
+    if first - point.cost < DONE:
         return None
-    return Block(
-        effect=block.effect,
-        shape=scale.at(x),
-        columns=columns,
-        there=block.there,
-        log_prior=block.log_prior,
-        numbers=block.numbers,
-        refined=True,
-    )
+    return replace(block, shape=scale.at(point.x), columns=point.columns, refined=True, start=0)
+
+
+def _line_search(problem: Projection, scale: Scale, point: Point) -> Point | None:
+    """The first better point along a step; None without one."""
+    step = problem.gauss_newton(scale, point)
+    for part in SHORTER:
+        trial = problem.at(scale, point.x + part * step)
+        if trial.cost < point.cost:
+            return trial
+    return None
 
 
 def coefficients_beside(training: Training, others: Sequence[Block], columns: Float) -> Float:

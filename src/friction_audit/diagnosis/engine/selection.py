@@ -7,7 +7,7 @@ over their grid, which is the price of trying them all. One number is the prior 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 
@@ -227,7 +227,7 @@ class Search:
 def split(fit: Fit, active: Sequence[Block]) -> list[Float]:
     """Coefficients of each block."""
     ends = np.cumsum([len(fit.kept), *(b.p for b in active)])
-    return [fit.coefficients[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+    return [fit.coefficients[a:b] for a, b in pairwise(ends.tolist())]
 
 
 def most_numbers(cycles: int) -> int:

@@ -70,7 +70,7 @@ class Gain:
     """What an effect gains on cycles that its coefficients were not fitted on.
 
     Attributes:
-        z: Slope of what is left without the effect on what the effect predicts there, in cluster-robust standard errors.
+        z: Slope of what is left without the effect on what the effect predicts, in cluster-robust standard errors.
         p_value: One-sided.
         shrinks: Whether the residual in torque shrinks too.
     """
