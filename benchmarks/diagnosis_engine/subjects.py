@@ -115,6 +115,8 @@ KINDS: dict[str, Any] = {
     "effects2": lambda: hidden_effects("effects", lambda _, s: s in (16011, 16012, 16013, 16010)),
     "pairs": lambda: hidden_effects("pairs", lambda _, s: s < 16020),
     "outside": lambda: hidden_effects("outside", lambda _, s: s < 16005),
+    "pairs2": lambda: hidden_effects("pairs", lambda _, s: 16020 <= s < 16034),
+    "outside2": lambda: hidden_effects("outside", lambda _, s: s in (16006, 16007, 16008)),
     "arms": lambda: hidden_effects("arms", lambda _, s: s < 16202),
     "stranger_none": lambda: stranger(["none"], range(20)),
     "stranger": lambda: stranger(STRANGERS, range(1, 3)),

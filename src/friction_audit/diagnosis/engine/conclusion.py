@@ -7,6 +7,7 @@ import numpy as np
 
 from friction_audit.diagnosis.engine import residual_checks, selection
 from friction_audit.diagnosis.engine.dictionary import Block
+from friction_audit.diagnosis.engine.problem import FOLDS
 from friction_audit.diagnosis.engine.procedure import State, accepted, nominal, sizes
 from friction_audit.diagnosis.engine.residual_checks import ResidualCheck
 from friction_audit.diagnosis.engine.validation import Gain, gains
@@ -107,7 +108,7 @@ def _stable(state: State) -> None:
     numbers = state.search.most_numbers
     while state.active:
         state.folds = selection.shares_of_folds(state.gram, state.active, numbers)
-        unsteady = [b for b in state.active if state.folds[b.name] < selection.LEAST_FOLDS * selection.FOLDS]
+        unsteady = [b for b in state.active if state.folds[b.name] < selection.LEAST_FOLDS * FOLDS]
         if not unsteady:
             return
         kept = [b for b in state.active if b not in unsteady]

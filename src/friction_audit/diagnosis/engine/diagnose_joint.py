@@ -11,6 +11,7 @@ from friction_audit.diagnosis.diagnose_joint import Subject
 from friction_audit.diagnosis.engine import intervals, residual_curves, screening, wording
 from friction_audit.diagnosis.engine.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.engine.gram import Training
+from friction_audit.diagnosis.engine.problem import FOLDS
 from friction_audit.diagnosis.engine.procedure import State, nominal, select
 from friction_audit.diagnosis.engine.residual_checks import residual_of
 from friction_audit.diagnosis.engine.result import JointDiagnosis, NamedEffect
@@ -24,6 +25,7 @@ from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import strokes
 from friction_audit.effects.registry import motion_to_decide
 from friction_audit.errors import AnalysisError
+from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 FEWEST_CYCLES = 6
@@ -126,7 +128,7 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
 
 
 def _effect(
-    state: State, one: Named, numbers: tuple[dict[str, object], tuple[str, ...]], k: int, group: Sequence[Named]
+    state: State, one: Named, numbers: tuple[dict[str, Coefficient], tuple[str, ...]], k: int, group: Sequence[Named]
 ) -> NamedEffect:
     gram, problem, block = state.gram, state.problem, one.block
     fit = Training(gram).fit(state.active)
@@ -136,8 +138,17 @@ def _effect(
     before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
     curve, where = residual_curves.along_effect(problem, left + torque, torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
+    rivals = (
+        Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
+    )
     return NamedEffect(
-        **_common(block.name, block.effect.label, one, numbers[0]),
+        name=block.name,
+        label=block.effect.label,
+        alternatives=one.alternatives,
+        decide=motion_to_decide(block.name, one.alternatives),
+        parameters=numbers[0],
+        p_value=one.gain.p_value,
+        evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *rivals),
         where=where,
         axis=block.effect.axis,
         gap_before_nm=before,
@@ -149,25 +160,10 @@ def _effect(
         friction_share=one.friction_share,
         residual_share=min(one.size_nm**2 * len(torque) / max(power, 1e-300), 1.0),
         grade=one.grade,
-        folds=5,
+        folds=FOLDS,
         chosen_in=one.folds,
         not_identifiable=numbers[1],
     )
-
-
-def _common(name: str, label: str, one: Named, parameters: dict[str, object]) -> dict[str, object]:
-    rivals = (
-        Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
-    )
-    return {
-        "name": name,
-        "label": label,
-        "alternatives": one.alternatives,
-        "decide": motion_to_decide(name, one.alternatives),
-        "parameters": parameters,
-        "p_value": one.gain.p_value,
-        "evidence": (Evidence(name=name, delta_bic=0.0, correlation=1.0), *rivals),
-    }
 
 
 def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tuple[tuple[str, float], ...]:

@@ -66,7 +66,7 @@ class Gram:
             own = self.of(block)
             self.own.append(np.stack([own[:, f] @ own[:, f].T for f in self.slices]))
         for key, known in list(self.cross.items()):
-            left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[index,call-overload]
+            left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[call-overload]
             self.cross[key] = np.concatenate([known, self._products(left, new)], axis=2)
         self.blocks += blocks
         self.names = np.array([b.name for b in self.blocks])
@@ -167,7 +167,7 @@ class Training:
             kept=kept,
             coefficients=np.linalg.solve(factor.T, projected) / scale,
             rss=max(total - float(projected @ projected), 1e-12 * total),
-            factor=factor,
+            factor=np.asarray(factor, np.float64),
             scale=scale,
             projected=projected,
         )

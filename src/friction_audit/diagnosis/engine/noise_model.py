@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.diagnosis.engine.problem import Index, RegressionProblem
 from friction_audit.joint_log import Float
 
 MOST_LAGS = 8
@@ -32,7 +32,7 @@ class NoiseModel:
 
     predictors: Float
     scales: Float
-    age: Float
+    age: Index
     weight: Float
     effective_samples: float
     level_nm: float
@@ -99,13 +99,13 @@ def levinson_durbin(covariance: Float) -> tuple[Float, Float]:
     return predictors, errors
 
 
-def _at_lag(residual: Float, age: Float, lag: int) -> float:
+def _at_lag(residual: Float, age: Index, lag: int) -> float:
     later = np.flatnonzero(age >= lag)
     return float(residual[later] @ residual[later - lag]) / max(len(later), 1)
 
 
 @compiled()
-def _whiten(columns: Float, predictors: Float, scales: Float, age: Float) -> Float:
+def _whiten(columns: Float, predictors: Float, scales: Float, age: Index) -> Float:
     out = np.empty_like(columns)
     for k in range(columns.shape[0]):
         for i in range(columns.shape[1]):

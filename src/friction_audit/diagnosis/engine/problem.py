@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.diagnosis.declared import Declared, declare, least_squares
-from friction_audit.diagnosis.rows import CORNER_HZ, ROW_HZ, Rows, corner_for, make_rows
-from friction_audit.effects.joint_data import JointData, Nominal
+from friction_audit.diagnosis.rows import ROW_HZ, Rows, corner_for, make_rows
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 

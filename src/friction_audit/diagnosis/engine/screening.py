@@ -12,6 +12,7 @@ import numpy as np
 
 from friction_audit.diagnosis.engine.dictionary import Block
 from friction_audit.diagnosis.engine.gram import Gram, Training
+from friction_audit.diagnosis.engine.problem import Index
 from friction_audit.joint_log import Float
 
 DRAWS = 399
@@ -40,13 +41,13 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
     """
     fit = Training(gram).fit(active)
     rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in active)])
-    basis = np.linalg.solve(fit.factor, rows / fit.scale[:, None])
+    basis = np.asarray(np.linalg.solve(fit.factor, rows / fit.scale[:, None]), np.float64)
     left = gram.y - fit.projected @ basis
     names, parts = [], [gram.rows[: gram.used]]
     for curve in gram.problem.curves:
         parts.append(gram.whiten(curve.columns))
         names += [curve.axis.name] * len(curve.columns)
-    place = np.unique(gram.problem.samples.cycle[gram.order], return_inverse=True)[1]
+    place = np.unique(gram.problem.samples.cycle[gram.order], return_inverse=True)[1].astype(np.int64)
     scores = np.vstack([_by_cycle(part, basis, left, place) for part in parts])
     norm = np.sqrt(np.maximum(np.sum(scores**2, axis=1), 1e-300))
     sign = np.random.default_rng(seed).choice([-1.0, 1.0], (scores.shape[1], DRAWS))
@@ -61,7 +62,7 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
     return Screening(p_value=p_of(float(seen.max())), curves=curves)
 
 
-def _by_cycle(columns: Float, basis: Float, left: Float, place: Float) -> Float:
+def _by_cycle(columns: Float, basis: Float, left: Float, place: Index) -> Float:
     """Score of each column in each cycle, the model partialled out, shape (k, c)."""
     cycles = int(place.max()) + 1
     weighted = np.stack([left * (place == c) for c in range(cycles)])
