@@ -126,9 +126,13 @@ class Search:
             )
         return total
 
+    def carried(self, active: Sequence[Block]) -> bool:
+        """Whether the cycles can carry the numbers of these effects; a constant, which cannot stand in, is free."""
+        return sum(b.p + b.numbers for b in active if not b.effect.exact) <= self.most_numbers
+
     def allowed(self, active: Sequence[Block]) -> bool:
         """Whether the cycles can carry the numbers of these effects, and all signs are possible."""
-        if sum(b.p + b.numbers for b in active) > self.most_numbers:
+        if not self.carried(active):
             return False
         fit = self.training.fit(active)
         return all(b.possible(c) for b, c in zip(active, split(fit, active), strict=True))
@@ -155,7 +159,7 @@ class Search:
         chosen = list(active)
         for _ in range(self.rounds):
             step = next(
-                (s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.allowed([*chosen, s.block])),
+                (s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.carried([*chosen, s.block])),
                 None,
             )
             if step is None:
@@ -185,7 +189,9 @@ class Search:
             if self.objective(rest) > self.objective(active):
                 active = rest
         while active and not self.allowed(active):
-            worst = min(active, key=lambda b: -self.objective([x for x in active if x is not b]))
+            fit = self.training.fit(active)
+            wrong = [b for b, c in zip(active, split(fit, active), strict=True) if not b.possible(c)]
+            worst = max(wrong or active, key=lambda b: self.objective([x for x in active if x is not b]))
             active = [b for b in active if b is not worst]
         return active
 
