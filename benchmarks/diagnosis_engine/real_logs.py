@@ -6,7 +6,6 @@ The effects that are added are written here by their own formulas, at a multiple
 the torque on tanh(v / vs), v, a, sin q, cos q and 1 leaves. The logs themselves are not part of this project.
 """
 
-import glob
 import pickle
 import sys
 from collections.abc import Iterator
@@ -21,8 +20,10 @@ from benchmarks.diagnosis_engine.subjects import subjects_of
 from friction_audit.api import audit_settings, read_log
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings
 
 Array = np.ndarray
+Prepared = Iterator[tuple[str, dict[str, Any], list[Any]]]
 LOGS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
     "panda": ("**/panda_excitation.parquet", {}, {"drive": "robot", "robot": "panda"}),
     "panda_no_model": ("**/panda_excitation.parquet", {}, {"drive": "robot", "robot": "panda", "inertia": "none"}),
@@ -30,7 +31,7 @@ LOGS: dict[str, tuple[str, dict[str, Any], dict[str, Any]]] = {
         "**/case4_slow.csv",
         {"mapping": {"q": "q7", "dq": "dq7", "tau_interaction": "q7_tau_J_compensate"}, "time_scale": 0.5},
         {},
-    ),  # fmt: skip
+    ),
     "tx40": ("**/tx40_tidy.csv", {}, {"drive": "robot", "robot": "none"}),
     "ur10e_2": ("**/ur10e_2_tidy.csv", {}, {"drive": "robot", "robot": "none"}),
     "ocp": ("**/OCP_T3_0.81s.csv", {}, {"drive": "robot", "robot": "panda"}),
@@ -77,13 +78,30 @@ def with_torque(log: JointLog, joint: int, added: Array) -> JointLog:
     name = "tau_interaction" if log.tau_interaction is not None else "tau_J"
     torque = np.array(getattr(log, name))
     torque[:, joint - 1] += added
-    return replace(log, **{name: torque})
+    changed: dict[str, Any] = {name: torque}
+    return replace(log, **changed)
 
 
-def prepared(root: Path) -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
+def injected(name: str, info: dict[str, Any], log: JointLog, settings: AuditSettings) -> Prepared:
+    """The log with each effect added to the torque of one joint."""
+    for joint in INJECTED_JOINTS.get(name, ()):
+        q, v = log.q[:, joint - 1], log.dq[:, joint - 1]
+        step = float(np.median(np.diff(log.t)))
+        a = savgol_filter(v, 2 * max(round(0.03 / step), 2) + 1, 2, deriv=1, delta=step)
+        torque = (log.tau_interaction if log.tau_interaction is not None else log.tau_J)[:, joint - 1]  # type: ignore[index]
+        rms = regression_residual(q, v, a, torque)
+        for effect, added in injections(log.t, q, v, torque, rms).items():
+            for size in SIZES if effect != "time_delay" else (1.0,):
+                changed = with_torque(log, joint, size * added)
+                found = subjects_of(changed, replace(settings, joints=(joint,)))
+                more = {"truth": effect, "size": size, "scenario": name, "hidden_in": [joint]}
+                yield f"real_{name}_j{joint}_{effect}_{size}", info | more, found
+
+
+def prepared(root: Path) -> Prepared:
     """Whole logs, halves, injections."""
     for name, (pattern, reading, estimating) in LOGS.items():
-        path = next((Path(p) for p in sorted(glob.glob(f"{root}/{pattern}", recursive=True))), None)
+        path = next(iter(sorted(root.glob(pattern))), None)
         if path is None:
             print(name, "not there")
             continue
@@ -102,18 +120,7 @@ def prepared(root: Path) -> Iterator[tuple[str, dict[str, Any], list[Any]]]:
         for half, window in (("first", (0.0, middle)), ("second", (middle, log.duration_s))):
             part = replace(settings, t_start_s=window[0], t_stop_s=window[1])
             yield f"real_{name}_{half}", info | {"scenario": f"{name} {half}"}, subjects_of(log, part)
-        for joint in INJECTED_JOINTS.get(name, ()):
-            q, v = log.q[:, joint - 1], log.dq[:, joint - 1]
-            step = float(np.median(np.diff(log.t)))
-            a = savgol_filter(v, 2 * max(round(0.03 / step), 2) + 1, 2, deriv=1, delta=step)
-            torque = (log.tau_interaction if log.tau_interaction is not None else log.tau_J)[:, joint - 1]  # type: ignore[index]
-            rms = regression_residual(q, v, a, torque)
-            for effect, added in injections(log.t, q, v, torque, rms).items():
-                for size in SIZES if effect != "time_delay" else (1.0,):
-                    changed = with_torque(log, joint, size * added)
-                    found = [s for s in subjects_of(changed, replace(settings, joints=(joint,)))]
-                    more = {"truth": effect, "size": size, "scenario": name, "hidden_in": [joint]}
-                    yield f"real_{name}_j{joint}_{effect}_{size}", info | more, found
+        yield from injected(name, info, log, settings)
 
 
 def main() -> None:

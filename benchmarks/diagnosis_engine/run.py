@@ -15,12 +15,15 @@ from typing import Any
 import numpy as np
 
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
+from friction_audit.diagnosis.engine.conclusion import conclude
+from friction_audit.diagnosis.engine.diagnose_joint import FEWEST_CYCLES
+from friction_audit.diagnosis.engine.procedure import select
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effects
 
-FIELDS = ("name", "truth", "seed", "size", "scenario", "joint", "hidden_here", "outside", "verdict", "sets", "negligible",
-          "checks", "folds", "cpu_s", "old_verdict", "old_sets", "error")  # fmt: skip
+FIELDS = ("name", "truth", "seed", "size", "scenario", "joint", "hidden_here", "outside", "verdict", "sets",
+          "negligible", "checks", "folds", "cpu_s", "old_verdict", "old_sets", "error")  # fmt: skip
 
 
 def answer(subject: Subject, engine: str) -> dict[str, Any]:
@@ -28,10 +31,6 @@ def answer(subject: Subject, engine: str) -> dict[str, Any]:
     if engine == "old":
         found = diagnose_joint(subject, effects(), DiagnosisSettings())
         return {"verdict": found.verdict, "sets": ";".join("|".join((e.name, *e.alternatives)) for e in found.effects)}
-    from friction_audit.diagnosis.engine.conclusion import conclude
-    from friction_audit.diagnosis.engine.diagnose_joint import FEWEST_CYCLES
-    from friction_audit.diagnosis.engine.procedure import select
-
     if len(np.unique(make_rows(subject.data).cycle)) < FEWEST_CYCLES:
         return {"verdict": "not_testable"}
     state = select(subject.data, subject.model, effects())
@@ -82,7 +81,7 @@ def rates(rows: list[dict[str, Any]], sets: str, verdict: str) -> dict[str, str]
         answers = [[set(one.split("|")) for one in str(r.get(sets) or "").split(";") if one] for r in some]
         wanted = [set(r["truth"].split("+")) for r in some]
         if kind.endswith("none"):
-            false = sum(bool(a) or r[verdict] in {"unexplained"} for a, r in zip(answers, some, strict=True))
+            false = sum(bool(a) or r[verdict] == "unexplained" for a, r in zip(answers, some, strict=True))
             named = sum(bool(a) for a in answers)
             out[kind] = f"n {n:3d}  named {named}  named or unexplained {false}"
         elif kind.endswith("outside"):

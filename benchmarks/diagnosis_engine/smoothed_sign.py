@@ -19,7 +19,15 @@ STEP_S, RATE_HZ = 1e-4, 1000.0
 
 
 @njit(cache=True)
-def _integrate(wanted, inertia, coulomb, viscous, width, stiffness, damping):  # type: ignore[no-untyped-def]
+def _integrate(
+    wanted: np.ndarray,
+    inertia: float,
+    coulomb: float,
+    viscous: float,
+    width: float,
+    stiffness: float,
+    damping: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     n = len(wanted)
     q, w, u = np.empty(n), np.empty(n), np.empty(n)
     position, speed = wanted[0], 0.0
@@ -40,7 +48,7 @@ def _motion(rng: np.random.Generator, duration_s: float) -> np.ndarray:
     t = np.arange(round(duration_s / STEP_S)) * STEP_S
     if rng.random() < 0.4:
         rates = rng.uniform(0.1, 0.9, 5)
-        return sum(rng.uniform(0.1, 0.5) * np.sin(2 * np.pi * (f * t + rng.random())) for f in rates)
+        return np.asarray(sum(rng.uniform(0.1, 0.5) * np.sin(2 * np.pi * (f * t + rng.random())) for f in rates))
     out, at, k = np.empty_like(t), 0.0, 0
     while k < len(t):
         length = round(rng.uniform(0.8, 3.0) / STEP_S)

@@ -7,16 +7,26 @@ import csv
 import pickle
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 
+from benchmarks.diagnosis_engine.smoothed_sign import log_of
+from benchmarks.hidden_effects.draw import model_of
+from benchmarks.hidden_effects.outside import OUTSIDE, log_with
+from benchmarks.hidden_effects.run import _log_of, case_of, scaled
+from benchmarks.stranger.draw import SIZES, draw_case
+from benchmarks.stranger.effects import OUTSIDE as STRANGER_OUTSIDE
+from benchmarks.stranger.logs import write_log
 from friction_audit.api import read_log
 from friction_audit.diagnosis import diagnose as stage
 from friction_audit.diagnosis.diagnose_joint import Subject
+from friction_audit.diagnosis.result import JointDiscrepancy
 from friction_audit.diagnosis.settings import DiagnosisSettings
+from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.model_file import load_model
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
@@ -25,33 +35,23 @@ from friction_audit.pipeline import AuditSettings, diagnose_log
 ROWS = Path(__file__).parents[1] / "hidden_effects" / "rows"
 
 
-class _Enough(Exception):
-    """Ends a diagnosis whose joints are prepared."""
-
-
-def subjects_of(log: JointLog, settings: AuditSettings, model: Any = None) -> list[Subject]:
+def subjects_of(log: JointLog, settings: AuditSettings, model: ArmModel | None = None) -> list[Subject]:
     """The joints of a log as the diagnosis prepares them."""
     found: list[Subject] = []
-    original, pooled = stage.diagnose_joint, stage.workers_for
-    stage.diagnose_joint = lambda subject, *_: found.append(subject) or _unanswered(subject)
-    stage.workers_for = lambda _: 1
-    try:
+
+    def keep(subject: Subject, *_: object) -> JointDiscrepancy:
+        found.append(subject)
+        return JointDiscrepancy(joint=subject.number, name=subject.name, verdict="not_testable", message="")
+
+    with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda _: 1):
         diagnose_log(log, settings, DiagnosisSettings(model=model))
-    finally:
-        stage.diagnose_joint, stage.workers_for = original, pooled
     return found
 
 
-def _unanswered(subject: Subject) -> Any:
-    return stage.JointDiscrepancy(joint=subject.number, name=subject.name, verdict="not_testable", message="")
-
-
-def hidden_effects(file: str, wanted: Any) -> Iterator[tuple[str, dict[str, Any], list[Subject]]]:
+def hidden_effects(
+    file: str, wanted: Callable[[str, int], bool]
+) -> Iterator[tuple[str, dict[str, Any], list[Subject]]]:
     """Logs of ``hidden_effects`` with the strengths of the committed rows, and what the committed engine said."""
-    from benchmarks.hidden_effects.draw import model_of
-    from benchmarks.hidden_effects.outside import OUTSIDE, log_with
-    from benchmarks.hidden_effects.run import _log_of, case_of, scaled
-
     kinds = [kind for kind, _ in OUTSIDE]
     rows = list(csv.DictReader((ROWS / f"{file}.csv").open()))
     logs: dict[tuple[str, int], list[dict[str, str]]] = {}
@@ -74,10 +74,6 @@ def hidden_effects(file: str, wanted: Any) -> Iterator[tuple[str, dict[str, Any]
 
 def stranger(truths: list[str], seeds: range) -> Iterator[tuple[str, dict[str, Any], list[Subject]]]:
     """Logs of the foreign generator, one joint each."""
-    from benchmarks.stranger.draw import SIZES, draw_case
-    from benchmarks.stranger.effects import OUTSIDE
-    from benchmarks.stranger.logs import write_log
-
     for seed in seeds:
         for truth in truths:
             names = () if truth == "none" else tuple(truth.split("+"))
@@ -90,14 +86,12 @@ def stranger(truths: list[str], seeds: range) -> Iterator[tuple[str, dict[str, A
                 model = None if file is None else load_model(file)
                 subjects = subjects_of(read_log(path), AuditSettings(), model)
             info = {"truth": truth, "seed": seed, "size": case.size, "scenario": case.motion, "old": {},
-                    "hidden_in": [], "outside": truth in OUTSIDE, "noise": ""}  # fmt: skip
+                    "hidden_in": [], "outside": truth in STRANGER_OUTSIDE, "noise": ""}  # fmt: skip
             yield f"stranger_{truth}_{seed}", info, subjects
 
 
 def smoothed(seeds: range) -> Iterator[tuple[str, dict[str, Any], list[Subject]]]:
     """Clean joints whose sign of velocity is smoothed."""
-    from benchmarks.diagnosis_engine.smoothed_sign import log_of
-
     for seed in seeds:
         log, truth = log_of(seed)
         info = {"truth": "none", "seed": seed, "size": 0.0, "scenario": truth, "old": {}, "hidden_in": [],
@@ -106,8 +100,9 @@ def smoothed(seeds: range) -> Iterator[tuple[str, dict[str, Any], list[Subject]]
 
 
 STRANGERS = ["stribeck", "presliding", "nonlinear_viscous", "asymmetric_viscous", "load_dependent_friction",
-             "position_dependent_friction", "torque_ripple", "gravity_error", "cable_spring", "torque_bias", "torque_drift",
-             "time_delay", "joint_elasticity", "backlash", "warm_up", "friction_step", "contact_event"]  # fmt: skip
+             "position_dependent_friction", "torque_ripple", "gravity_error", "cable_spring", "torque_bias",
+             "torque_drift", "time_delay", "joint_elasticity", "backlash", "warm_up", "friction_step",
+             "contact_event"]  # fmt: skip
 KINDS: dict[str, Any] = {
     "none": lambda: hidden_effects("none", lambda _, s: s < 16030),
     "none2": lambda: hidden_effects("none", lambda _, s: 16100 <= s < 16140),
