@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.compensation.settings import ModelFile, ReplaySettings, Rival
+from friction_audit.compensation.settings import Competitor, ModelFile, ReplaySettings
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, simple_model
 from friction_audit.pipeline import AuditSettings, estimate_log, replay_estimate
 from friction_audit.simulation.bench import BenchSettings, Operator, simulate_bench
@@ -59,8 +59,8 @@ def _removed(effect: FittedTerm | None, seed: int, duration_s: float) -> tuple[f
     given = ModelFile(path="model.toml", model=model)
     asked = (
         ReplaySettings(),
-        ReplaySettings(rival=Rival(name="fixed")),
-        ReplaySettings(rival=Rival(name="model"), joint_model=given),
+        ReplaySettings(competitor=Competitor(name="fixed")),
+        ReplaySettings(competitor=Competitor(name="model"), joint_model=given),
     )
     numbers = [replay_estimate(estimate, one).replay.joints[0].numbers for one in asked]
     energy, fixed, better = numbers

@@ -156,7 +156,7 @@ def summary(truth: str, rows: list[dict[str, object]]) -> str:
         held += wanted <= names
         exact += [sorted(one) for one in sets] == [[name] for name in sorted(wanted)] and row["verdict"] == "named"
         wrong += any(not one & wanted for one in sets) and row["verdict"] in {"named", "ambiguous"}
-        found += row["verdict"] != "none"
+        found += row["verdict"] != "adequate"
     return f"{truth:28s} n {len(rows):3d} found {found:3d} held {held:3d} exact {exact:3d} with a wrong name {wrong:3d}"
 
 

@@ -113,7 +113,7 @@ def by_strength(rows: Sequence[Row]) -> str:
 
 def _strength_line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
     shares = (map(judge, rows) for judge in (held, exact, wrong, misnamed))
-    return (label, str(len(rows)), *map(share, shares), share(row["verdict"] == "none" for row in rows))
+    return (label, str(len(rows)), *map(share, shares), share(row["verdict"] == "adequate" for row in rows))
 
 
 def numbers(rows: Sequence[Row]) -> str:

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any, TypedDict, Unpack
 
 from friction_audit import pipeline as audit
 from friction_audit.compensation.compensators import Compensator
-from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival, energy_compensator
+from friction_audit.compensation.settings import (
+    Competitor,
+    ModelFile,
+    OperatorImpedance,
+    ReplaySettings,
+    energy_compensator,
+)
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.errors import UsageError
@@ -79,7 +85,7 @@ class ReplayOptions(TypedDict, total=False):
 
     assume: str
     compensator: Compensator
-    rival: Rival | None
+    competitor: Competitor | None
     joint_model: ModelFile | None
     operator: OperatorImpedance | None
     max_torque_nm: float | None
@@ -225,7 +231,7 @@ def replay_log(log: JointLog | Estimate, **options: Unpack[ReplayOptions]) -> Lo
 
     Args:
         log: A log, or what ``estimate_log`` made of it.
-        options: ``assume``, ``compensator``, ``rival``, ``joint_model``, ``operator``, ``max_torque_nm``,
+        options: ``assume``, ``compensator``, ``competitor``, ``joint_model``, ``operator``, ``max_torque_nm``,
             ``max_torque_rate_nm_s``.
 
     Raises:

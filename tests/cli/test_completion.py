@@ -37,9 +37,9 @@ def asked(home: Path, words: str) -> list[str]:
 @pytest.mark.skipif(not shutil.which("bash") or not PROGRAM.exists(), reason="no bash, or the program is not installed")
 def test_completion_is_installed_for_bash_and_answers(tmp_path: Path) -> None:
     env = os.environ | {"HOME": str(tmp_path)}
-    done = subprocess.run(
-        [PROGRAM, "--install-completion", "bash"], env=env, capture_output=True, text=True, check=True
-    )
+    # The program looks for the shell among the processes above it; the `;` keeps bash there.
+    install = ["bash", "-c", '"$0" --install-completion; exit $?', str(PROGRAM)]
+    done = subprocess.run(install, env=env, capture_output=True, text=True, check=True)
     assert "bash completion installed" in done.stdout
     assert asked(tmp_path, "friction-audit est") == ["estimate"]
     assert asked(tmp_path, "friction-audit batch-report --fa") == ["--fail-on"]

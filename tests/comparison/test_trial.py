@@ -59,7 +59,7 @@ def test_what_knows_the_friction_keeps_the_energy() -> None:
     assert abs(measure(rigid(told), reference).energy_slope_w) < 0.02 * measure(alone, reference).energy_slope_w
 
 
-def test_a_rival_that_is_unstable_is_caught_and_drawn_up_to_there() -> None:
+def test_a_competitor_that_is_unstable_is_caught_and_drawn_up_to_there() -> None:
     scene = short_joint()
     (method,) = (one for one in METHODS if one.name == "torque_regulation")
     wild: Tuning = method.sweeps[0].at(40.0)

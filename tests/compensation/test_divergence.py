@@ -8,7 +8,7 @@ from friction_audit.compensation.compensators import EnergyCompensator, FixedCom
 from friction_audit.compensation.controller import REVERSALS, SPEED_BOUND_RAD_S, TORQUE_BOUND_NM
 from friction_audit.compensation.replay import run
 from friction_audit.joint_log import Float
-from tests.compensation.rival_bench import feed
+from tests.compensation.competitor_bench import feed
 
 T: Float = np.arange(500.0) * 1e-3
 DQ: Float = np.sin(T)

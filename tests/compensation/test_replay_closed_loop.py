@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from friction_audit.compensation.compensators import EnergyCompensator, TorqueRegulation
-from friction_audit.compensation.settings import OperatorImpedance, ReplaySettings, Rival, energy_compensator
+from friction_audit.compensation.settings import Competitor, OperatorImpedance, ReplaySettings, energy_compensator
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import AuditSettings, LogReplay, replay_log
@@ -98,9 +98,11 @@ def test_over_compensation_is_taken_back_in_closed_loop() -> None:
     assert passivity.violations > 1000
 
 
-def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
-    rival = Rival(name="torque_regulation", desired_inertia_kg_m2=0.02)
-    found = replay(log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=rival)).replay
+def test_a_competitor_that_diverges_is_cut_there_and_said_so() -> None:
+    competitor = Competitor(name="torque_regulation", desired_inertia_kg_m2=0.02)
+    found = replay(
+        log_of(BENCH), ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=competitor)
+    ).replay
     joint = found.joints[0]
     assert joint.numbers is not None
     assert joint.replayed is not None
@@ -111,8 +113,8 @@ def test_a_rival_that_diverges_is_cut_there_and_said_so() -> None:
 
 
 @pytest.mark.parametrize("name", ["fixed", "sigmoid", "lugre", "disturbance_observer", "torque_regulation"])
-def test_rivals_are_tuned_from_the_log(name: str) -> None:
-    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, rival=Rival(name=name))
+def test_competitors_are_tuned_from_the_log(name: str) -> None:
+    settings = ReplaySettings(assume="same-operator", operator=TRUE_HAND, competitor=Competitor(name=name))
     joint = replay(log_of(BENCH), settings).replay.joints[0]
     assert joint.numbers is not None, joint.reason
     assert np.isnan(joint.numbers.diverged_s)
@@ -134,10 +136,10 @@ def test_contradictions_are_refused() -> None:
     with pytest.raises(UsageError, match="--operator"):
         ReplaySettings(operator=TRUE_HAND)
     with pytest.raises(UsageError, match="same-motion holds fixed"):
-        ReplaySettings(rival=Rival(name="disturbance_observer"))
+        ReplaySettings(competitor=Competitor(name="disturbance_observer"))
     with pytest.raises(UsageError, match="same-motion holds fixed"):
         ReplaySettings(compensator=TorqueRegulation(inertia_kg_m2=0.3, desired_inertia_kg_m2=0.2))
     with pytest.raises(UsageError, match="--compensator magic"):
-        Rival(name="magic")
+        Competitor(name="magic")
     with pytest.raises(UsageError, match="--operator -1,9,60"):
         OperatorImpedance(inertia_kg_m2=-1.0, damping_nms_per_rad=9.0, stiffness_nm_per_rad=60.0)

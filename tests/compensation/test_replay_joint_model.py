@@ -12,7 +12,7 @@ from friction_audit.compensation.counterfactual import MovedJoint, modelled_join
 from friction_audit.compensation.feed_forward import UNABLE, feed_friction, feed_of, friction_terms, refusal, straighten
 from friction_audit.compensation.records import fresh_memory
 from friction_audit.compensation.result import JointReplay
-from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival
+from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
 from friction_audit.dynamics.motion import Motion
 from friction_audit.dynamics.torque_tables import tabulate
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, simple_model
@@ -78,7 +78,7 @@ def run(log: JointLog, assume: str, model: JointModel | None, *, applied: bool =
         assume=assume,
         operator=HAND if assume == "same-operator" else None,
         joint_model=file_of(model),
-        rival=Rival(name="model") if applied else None,
+        competitor=Competitor(name="model") if applied else None,
     )
     return replay_estimate(estimate_log(log, AuditSettings()), settings).replay.joints[0]
 
@@ -262,7 +262,7 @@ def test_a_joint_without_friction_to_apply_says_why(model: JointModel | None, me
 
 def test_contradictions_are_refused() -> None:
     with pytest.raises(UsageError, match="give it by --joint-model"):
-        ReplaySettings(rival=Rival(name="model"))
+        ReplaySettings(competitor=Competitor(name="model"))
     with pytest.raises(UsageError, match="not used with --assume same-motion"):
         ReplaySettings(joint_model=file_of(SIMPLE))
     with pytest.raises(UsageError, match="1 joints, and the log has a joint 2"):

@@ -84,7 +84,7 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_
     assert clean.tau_interaction is not None
     noise = coloured(memory, noise_nm, len(clean.t))
     found = diagnosed(replace(clean, tau_interaction=clean.tau_interaction + noise[:, None]))
-    assert (found.verdict, found.effects) == ("none", ())
+    assert (found.verdict, found.effects) == ("adequate", ())
     assert found.gap is not None
     assert found.gap.before == pytest.approx(found.gap.floor, rel=0.03)
     truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}

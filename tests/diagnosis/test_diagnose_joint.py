@@ -45,7 +45,7 @@ def humped() -> JointDiscrepancy:
 
 def test_nothing_hidden_is_none_with_the_size_that_would_have_been_seen() -> None:
     found = diagnose_joint(subject(), TOYS, DiagnosisSettings())
-    assert (found.joint, found.name, found.verdict, found.effects) == (3, "elbow", "none", ())
+    assert (found.joint, found.name, found.verdict, found.effects) == (3, "elbow", "adequate", ())
     assert found.omnibus_p == found.remaining_p > 0.05
     assert 0.05 * NOISE_NM < found.detection_limit_nm < 0.5 * NOISE_NM
     assert {name: one.value for name, one in found.declared.items()} == pytest.approx(TRUTH, rel=0.05)
@@ -78,7 +78,7 @@ def test_traces_hold_measured_and_simulated_torque() -> None:
     assert traces is not None
     assert found.gap is not None
     for simulated, gap in ((traces.before, found.gap.before), (traces.after, found.gap.after)):
-        left = (traces.measured - simulated)[traces.locked]
+        left = (traces.measured - simulated)[traces.held_out]
         assert np.sqrt(np.mean(left**2)) == pytest.approx(gap)
     assert traces.along["time"] == pytest.approx(traces.t)
 
@@ -114,7 +114,7 @@ def test_a_name_with_a_twin_is_ambiguous() -> None:
     assert found.verdict == "ambiguous"
     assert found.effects[0].alternatives == ("gravity_error",)
     assert found.effects[0].decide
-    assert "torque_bias cannot be told from gravity_error in this log" in found.message
+    assert "torque_bias cannot be separated from gravity_error in this log" in found.message
 
 
 def test_a_log_that_shows_none_of_the_effects_asked_for_is_not_testable() -> None:
@@ -154,7 +154,7 @@ def test_a_stated_model_that_holds_the_effect_leaves_nothing() -> None:
     model = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=terms)
     offset = subject(lambda data: np.full(len(data.t), 0.1))
     found = diagnose_joint(replace(offset, model=model), TOYS, DiagnosisSettings())
-    assert found.verdict == "none"
+    assert found.verdict == "adequate"
     assert "inertia_kg_m2" not in found.declared
     assert found.declared["torque_bias_nm"].value == pytest.approx(0.1, rel=0.1)
 

@@ -38,7 +38,7 @@ def scattered(data: JointData) -> Float:
 
 def test_adequate_model_has_no_name_and_the_right_numbers() -> None:
     found = diagnosed(moved_joint(noise_nm=0.02))
-    assert (found.verdict, found.effects, found.negligible) == ("none", (), ())
+    assert (found.verdict, found.effects, found.negligible) == ("adequate", (), ())
     for name, truth in TRUTH.items():
         assert found.declared[name].low <= truth <= found.declared[name].high
     assert found.gap is not None
@@ -49,7 +49,7 @@ def test_smoothed_sign_is_no_effect() -> None:
     def smoothed(data: JointData) -> Float:
         return np.asarray(0.3 * (np.tanh(data.dq / 0.004) - data.way))
 
-    assert diagnosed(moved_joint(smoothed, noise_nm=0.01)).verdict == "none"
+    assert diagnosed(moved_joint(smoothed, noise_nm=0.01)).verdict == "adequate"
 
 
 def test_stribeck_is_named_with_its_numbers_for_every_seed() -> None:

@@ -6,13 +6,14 @@ import pytest
 from friction_audit.diagnosis.beside import Beside
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.jointly import fit_jointly
-from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.dynamics.transmission import FarSide, Transmission
 from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
 from friction_audit.effects.stribeck import EFFECT as STRIBECK
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
+from tests.dynamics.joints import added_torque
 
 FAR = FarSide(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
 GAP_RAD, OFFSET_NM = 8e-3, 0.1

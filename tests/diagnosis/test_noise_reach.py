@@ -9,12 +9,13 @@ from friction_audit.diagnosis.alternatives import Naming
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.naming import Found
 from friction_audit.diagnosis.noise_reach import Reach, reach_of_noise
-from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.dynamics.transmission import FarSide, Transmission
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_elasticity import EFFECT as CANDIDATE
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
+from tests.dynamics.joints import added_torque
 
 FAR = FarSide(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
 STIFFNESS = INERTIA_KG_M2 * (2.0 * np.pi * 12.0) ** 2

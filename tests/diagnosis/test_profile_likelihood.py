@@ -6,11 +6,12 @@ import pytest
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.profile_likelihood import profile_number
 from friction_audit.diagnosis.valleys import FARTHEST
-from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.dynamics.transmission import FarSide, Transmission
 from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
+from tests.dynamics.joints import added_torque
 
 FAR = FarSide(inertia_kg_m2=INERTIA_KG_M2, coulomb_nm=COULOMB_NM, viscous_nms_per_rad=VISCOUS_NMS_PER_RAD)
 GAP_RAD = 8e-4

@@ -11,7 +11,7 @@ from friction_audit.diagnosis.library import Library
 from friction_audit.diagnosis.naming import Found, Names
 from friction_audit.diagnosis.result import Vibration
 from friction_audit.diagnosis.ringing import CORNER_HZ, find_ringing, on_every_sample, rings, shaking
-from friction_audit.dynamics.transmission import FarSide, Transmission, added_torque
+from friction_audit.dynamics.transmission import FarSide, Transmission
 from friction_audit.effects.backlash import EFFECT as BACKLASH
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -19,6 +19,7 @@ from friction_audit.effects.joint_elasticity import EFFECT as ELASTICITY
 from friction_audit.joint_log import Float
 from tests.diagnosis.found_effect import found_effect
 from tests.diagnosis.moved_joint import COULOMB_NM, INERTIA_KG_M2, VISCOUS_NMS_PER_RAD, moved_joint
+from tests.dynamics.joints import added_torque
 
 RINGING_HZ = 33.0
 PLAY = {"gap_rad": 3e-3, "contact_hz": 83.0, "flank_damping_ratio": 0.5}

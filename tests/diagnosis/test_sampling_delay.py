@@ -28,7 +28,7 @@ def diagnosed(sample_s: float, late_s: float = LATE_S) -> JointDiscrepancy:
 @pytest.mark.parametrize("late_s", [LATE_S, -LATE_S])
 def test_less_than_half_a_sample_is_put_on_time_and_told_as_a_number_of_the_data(late_s: float) -> None:
     found = diagnosed(1e-3, late_s)
-    assert (found.verdict, found.effects) == ("none", ())
+    assert (found.verdict, found.effects) == ("adequate", ())
     (finding,) = found.findings
     assert (finding.code, finding.verdict, finding.bound) == ("torque_delay", "fine", 5e-4)
     assert finding.value == pytest.approx(late_s, rel=0.1)
@@ -53,7 +53,7 @@ def turned(early_s: float, sample_s: float) -> JointDiscrepancy:
 
 def test_friction_that_turns_within_a_sample_is_put_on_time_too() -> None:
     found = turned(LATE_S, 1e-3)
-    assert (found.verdict, found.effects) == ("none", ())
+    assert (found.verdict, found.effects) == ("adequate", ())
     (finding,) = found.findings
     assert (finding.code, finding.verdict, finding.bound) == ("friction_delay", "fine", 1e-3)
     assert finding.value == pytest.approx(-LATE_S, rel=0.1)

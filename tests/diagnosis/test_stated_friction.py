@@ -52,7 +52,7 @@ def test_where_friction_is_fitted_it_cannot_be_said(model: JointModel | None) ->
 
 
 def test_without_one_nothing_is_said() -> None:
-    assert diagnosed(moved_joint(noise_nm=0.02), HELD).verdict == "none"
+    assert diagnosed(moved_joint(noise_nm=0.02), HELD).verdict == "adequate"
 
 
 def test_friction_above_what_is_stated_is_none() -> None:

@@ -9,8 +9,8 @@ from markdown_it import MarkdownIt
 from typer.main import get_command
 
 from friction_audit.cli.app import app
+from friction_audit.diagnosis.result import VERDICTS
 from friction_audit.effects.registry import effects
-from friction_audit.reporting.diagnosis import VERDICT_KEYS
 from tests.docs.conftest import Site
 from tests.documented_commands import ROOT
 
@@ -79,7 +79,7 @@ def test_every_command_has_its_page() -> None:
 
 def test_every_verdict_is_explained() -> None:
     headings = re.findall(r"^## `(\w+)`(?:: (.+))?$", (DOCS / "verdicts.md").read_text(), re.MULTILINE)
-    assert [name for name, _ in headings] == list(VERDICT_KEYS.values())
+    assert [name for name, _ in headings] == list(VERDICTS)
 
 
 def test_every_fault_of_the_data_is_explained() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from friction_audit.dynamics.motion import Forward, Motion, Others
 from friction_audit.dynamics.stick_slip import BODY_STEP_S, Step, advance_body, body_forces, make_body
+from friction_audit.dynamics.transmission import FarSide, Transmission, added_torques
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.joint_log import Float
 
@@ -109,3 +110,9 @@ def simulate(model: JointModel, t: Float, drive: Float, *, q: float = 0.0, dq: f
                 taken += lost
         rows[:, i] = q, v, *body_forces(q, v, sign, drive[i], 0.0, body), taken
     return Moved(*rows)
+
+
+def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
+    """Return what one transmission adds to the torque of a rigid joint."""
+    ((_, added),) = added_torques(motion, [far], [transmission])
+    return added

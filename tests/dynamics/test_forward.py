@@ -153,7 +153,7 @@ def test_a_spring_that_stiffens_twists_farther_at_first() -> None:
 
 def test_within_a_play_the_measured_side_is_where_it_was_measured() -> None:
     """The measured side goes to and fro; the other one rests while the play of 0.1 rad is crossed."""
-    term = invent(lambda motion: 0.0 * motion.q, 0.1, forward="play", coefficient="loose_rad")
+    term = invent(lambda motion: 0.0 * motion.q, 0.1, forward="gap", coefficient="loose_rad")
     t = clock(12.0)
     q, inner = 0.3 * np.sin(t), np.zeros(len(t))
     for i in range(1, len(t)):

@@ -14,7 +14,6 @@ from friction_audit.dynamics.transmission import (
     HIGHEST_HZ,
     FarSide,
     Transmission,
-    added_torque,
     bend_of,
     far_side,
     pushed,
@@ -23,6 +22,7 @@ from friction_audit.dynamics.transmission import (
 )
 from friction_audit.errors import AnalysisError
 from friction_audit.joint_log import Float
+from tests.dynamics.joints import added_torque
 
 STEP_S = 0.0025
 PLAIN = FarSide(inertia_kg_m2=0.2, coulomb_nm=0.0, viscous_nms_per_rad=0.0)

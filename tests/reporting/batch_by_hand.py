@@ -86,7 +86,7 @@ def joint_summary(joint: int, session: int, name: str, rng: np.random.Generator)
         temperature_c=31.0 + 2.0 * float(np.sin(1.7 * session)),
         within=within,
         curve=speed_curve(values["coulomb_nm"].value, values["viscous_nms_per_rad"].value),
-        verdict="named" if joint == 3 else "none",
+        verdict="named" if joint == 3 else "adequate",
         effects=("stribeck",) if joint == 3 else (),
     )
 
@@ -200,7 +200,7 @@ def arm(count: int = 24, joints: int = 7, *, robot: str = "panda-1", dated: bool
         reference=tuple(range(min(REFERENCE, count))),
         left_out=left_out,
         joints=tuple(joint_of(sessions, j + 1, compared) for j in range(joints)),
-        warnings=("temperatures are not logged: warm and cold sessions are not told apart",),
+        warnings=("temperatures are not logged: warm and cold sessions are not separated",),
     )
 
 

@@ -31,7 +31,7 @@ def _traces() -> Traces:
         dq=direction * speed,
         displacement=speed,
         cycle=cycle,
-        locked=cycle % 3 == 1,
+        held_out=cycle % 3 == 1,
         measured=after + NOISE_NM * rng.standard_normal(len(place)),
         before=after - MISSING_NM * direction,
         after=after,

@@ -22,7 +22,7 @@ from tests.reporting.conftest import build_estimate
 
 NAN = float("nan")
 LOCKED = 9
-LIMIT = "0.4 s of standstill: an offset of the sensor cannot be told from uneven friction"
+LIMIT = "0.4 s of standstill: an offset of the sensor cannot be separated from uneven friction"
 FAULT = "dq differs from the derivative of q by 12%"
 NO_LOAD = "the load is not known: log gravity"
 ALONE = "no other joint moves: move the neighbours"
@@ -122,7 +122,7 @@ def traces(cycles: int) -> Traces:
         dq=empty,
         displacement=empty,
         cycle=rows,
-        locked=rows < LOCKED,
+        held_out=rows < LOCKED,
         measured=empty,
         before=empty,
         after=empty,
@@ -164,7 +164,7 @@ AMBIGUOUS = JointDiscrepancy(
     joint=2,
     name="panda_joint2",
     verdict="ambiguous",
-    message="torque_bias (what torque_bias does): torque_bias cannot be told from asymmetric_coulomb in this log",
+    message="torque_bias (what torque_bias does): torque_bias cannot be separated from asymmetric_coulomb in this log",
     effects=(BIAS,),
     declared=DECLARED,
     grown=GROWN,
@@ -177,7 +177,7 @@ AMBIGUOUS = JointDiscrepancy(
 NONE = JointDiscrepancy(
     joint=3,
     name="panda_joint3",
-    verdict="none",
+    verdict="adequate",
     message="nothing is missing: an effect of 0.0048 N m rms is detectable",
     declared=DECLARED,
     grown=DECLARED,

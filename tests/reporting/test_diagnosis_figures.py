@@ -90,7 +90,7 @@ def test_held_out_cycles_are_shown_from_the_first_to_the_last() -> None:
     assert (cycles[0], cycles[-1]) == (1, 28)
     ends = [p.place + p.stop - p.start for p in pieces]
     assert all(end < following.place for end, following in zip(ends, pieces[1:], strict=False))
-    two = replace(TRACES, locked=TRACES.cycle < 2)
+    two = replace(TRACES, held_out=TRACES.cycle < 2)
     assert [piece.start for piece in shown_cycles(two, most=4)] == pytest.approx([0.03, 0.43])
 
 
@@ -241,10 +241,10 @@ def test_an_effect_with_an_axis_of_its_own_is_drawn_along_it() -> None:
 
 def test_marks_of_competing_effects() -> None:
     (effect,) = AMBIGUOUS.effects
-    rivals = {name: Evidence(name=name, delta_bic=bic, correlation=0.5) for name, bic in (("a", 41.3), ("b", 2.0))}
+    competitors = {name: Evidence(name=name, delta_bic=bic, correlation=0.5) for name, bic in (("a", 41.3), ("b", 2.0))}
     assert mark_of(effect, effect.evidence[0]) == CHOSEN
-    assert mark_of(effect, replace(rivals["b"], name=effect.alternatives[0])) == ALIKE
-    assert (mark_of(effect, rivals["a"]), mark_of(effect, rivals["b"])) == (BEATEN, ELSEWHERE)
+    assert mark_of(effect, replace(competitors["b"], name=effect.alternatives[0])) == ALIKE
+    assert (mark_of(effect, competitors["a"]), mark_of(effect, competitors["b"])) == (BEATEN, ELSEWHERE)
     pair = ("asymmetric_coulomb", "inertia_error")
     one = replace(effect, alternatives=pair, together=(pair,))
     assert mark_of(one, Evidence(name="inertia_error", delta_bic=126.0, correlation=0.7)) == BEATEN
@@ -259,7 +259,7 @@ def test_evidence_stands_at_its_difference_in_bic_and_the_indistinguishable_stay
     marks = {str(mark.get_label()): float(np.asarray(mark.get_xdata())[0]) for mark in figure.axes[0].lines}
     assert (marks[CHOSEN.label], marks[BEATEN.label], marks[ALIKE.label]) == (0.0, 41.3, 1.5)
     assert "r = 0.31" in words_in(figure)
-    assert [rival.name for rival in nearest(one, most=1)] == ["torque_bias", "asymmetric_coulomb"]
+    assert [competitor.name for competitor in nearest(one, most=1)] == ["torque_bias", "asymmetric_coulomb"]
     names = ("asymmetric_coulomb", "joint_limit_stop", "torque_drift")
     part = replace(one, alternatives=names)
     whole = replace(NAMED.effects[0], name="torque_drift")
@@ -294,7 +294,7 @@ def test_a_verdict_is_written_with_its_names() -> None:
     assert [verdict_words(joint) for joint in ALL.discrepancy.joints] == [
         "named: stribeck",
         "ambiguous: torque_bias or asymmetric_coulomb",
-        "none",
+        "adequate",
         "unexplained",
         "not testable",
         "data fault",

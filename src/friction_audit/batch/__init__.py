@@ -1,1 +1,1 @@
-"""Many logs -> the sessions of a ledger: found, told apart, worked through side by side, each exactly once."""
+"""Many logs -> the sessions of a ledger: found, identified, worked through side by side, each exactly once."""

@@ -12,7 +12,7 @@ from friction_audit.errors import UsageError
 
 if TYPE_CHECKING:
     from friction_audit.compensation.compensators import Coefficients, EnergyCompensator
-    from friction_audit.compensation.settings import ModelFile, OperatorImpedance, ReplaySettings, Rival
+    from friction_audit.compensation.settings import Competitor, ModelFile, OperatorImpedance, ReplaySettings
 
 REPLAY = "Replay"
 
@@ -118,11 +118,11 @@ class ReplayOptions:
         unused = [name for name, given in idle if given]
         if self.fixed is not None and unused:
             raise UsageError(f"--fixed {self.fixed}: nothing is estimated, so leave {', '.join(unused)} away")
-        self._check_rival(unused)
+        self._check_competitor(unused)
         if self.no_passivity and self.max_damping is not None:
             raise UsageError("--no-passivity --max-damping: without the controller nothing is damped; leave one away")
 
-    def _check_rival(self, unused: list[str]) -> None:
+    def _check_competitor(self, unused: list[str]) -> None:
         """Refuse options that the compensator chosen has no use for."""
         paper = (*unused, *(["--fixed"] if self.fixed else []), *(["--max-damping"] if self.max_damping else []))
         paper = (*paper, *(["--no-passivity"] if self.no_passivity else []))
@@ -151,7 +151,7 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
     return ReplaySettings(
         assume=options.assume,
         compensator=_compensator(options, cycles),
-        rival=_rival(options),
+        competitor=_competitor(options),
         joint_model=None if options.joint_model is None else _joint_model(options.joint_model),
         operator=None if options.operator is None else _operator(options.operator),
         max_torque_nm=options.max_torque,
@@ -159,8 +159,8 @@ def replay_settings(options: ReplayOptions, cycles: CycleOptions) -> "ReplaySett
     )
 
 
-def _rival(options: ReplayOptions) -> "Rival | None":
-    from friction_audit.compensation.settings import Rival
+def _competitor(options: ReplayOptions) -> "Competitor | None":
+    from friction_audit.compensation.settings import Competitor
 
     if options.compensator == "energy":
         return None
@@ -170,7 +170,7 @@ def _rival(options: ReplayOptions) -> "Rival | None":
         "desired_inertia_kg_m2": options.desired_inertia,
     }
     given: dict[str, Any] = {name: value for name, value in tuning.items() if value is not None}
-    return Rival(name=options.compensator, **given)
+    return Competitor(name=options.compensator, **given)
 
 
 def _joint_model(path: Path) -> "ModelFile":

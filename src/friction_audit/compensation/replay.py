@@ -110,7 +110,7 @@ def _replay_joint(
         model=model,
         without=without,
     )
-    wanted = settings.compensator if settings.rival is None else tune(settings.rival, found, robot, model)
+    wanted = settings.compensator if settings.competitor is None else tune(settings.competitor, found, robot, model)
     if isinstance(wanted, str):
         return replace(joint, reason=wanted)
     chosen = _in_force(wanted, cycles, column, limits, median_step(recorded.t))

@@ -19,7 +19,7 @@ DEFAULT_WINDOW = {"combined": 4, "coulomb": 2, "viscous": 2}
 
 FEED_BACK = ("disturbance_observer", "torque_regulation")  # without a loop over the motion their result means nothing
 MODEL = "model"  # applies the friction of a model file
-RIVALS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
+COMPETITORS = ("fixed", "sigmoid", "lugre", *FEED_BACK, MODEL)  # compensators other than ``energy``
 
 PANDAS = ("panda", "fr3")  # robots with the limits below (manufacturer's data), as ``Source.robot`` names them
 PANDA_TORQUE_NM = (87.0, 87.0, 87.0, 87.0, 12.0, 12.0, 12.0)
@@ -93,12 +93,12 @@ def limits_of(robot: str, joint: int) -> Limits:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Rival:
+class Competitor:
     """Another compensator than the paper's, tuned from the log.
 
     Attributes:
-        name: One of RIVALS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as published
-            for a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction.
+        name: One of COMPETITORS. ``"fixed"``: the coefficients of the whole log from the start. ``"sigmoid"``: as
+            published for a Panda, else nearest to the log's friction. ``"lugre"``: with the log's friction.
             ``"model"``: the friction of a model file instead of the log's.
         observer_gain_per_s: Of the disturbance observer. [1/s]
         motor_inertia_kg_m2: As the compensator assumes it, or None for the inertia fitted to the log. [kg m^2]
@@ -114,8 +114,8 @@ class Rival:
     desired_inertia_kg_m2: float | None = None
 
     def __post_init__(self) -> None:
-        if self.name not in RIVALS:
-            raise UsageError(f"--compensator {self.name}: expected energy or one of {', '.join(RIVALS)}")
+        if self.name not in COMPETITORS:
+            raise UsageError(f"--compensator {self.name}: expected energy or one of {', '.join(COMPETITORS)}")
 
 
 def energy_compensator(model: str = DEFAULT_MODEL, window: int | None = None, **kept: Any) -> EnergyCompensator:  # noqa: ANN401
@@ -188,9 +188,9 @@ class ReplaySettings:
     Attributes:
         assume: ``"same-motion"``, ``"same-torque"`` or ``"same-operator"``.
         compensator: What runs on every joint; its thresholds give way to those of the segmentation.
-        rival: What runs instead, tuned from the log; None for ``compensator``.
-        joint_model: Models of the joints, which move in place of those fitted to the log, and whose friction the rival
-            ``"model"`` applies; None without a file.
+        competitor: What runs instead, tuned from the log; None for ``compensator``.
+        joint_model: Models of the joints, which move in place of those fitted to the log, and whose friction the
+            competitor ``"model"`` applies; None without a file.
         operator: Impedance of the person with ``"same-operator"``; None to fit it from the log.
         max_torque_nm: Limit of the torque, or None for the arm's own. [N m]
         max_torque_rate_nm_s: Limit of its change, or None for the arm's own. [N m/s]
@@ -201,7 +201,7 @@ class ReplaySettings:
 
     assume: str = SAME_MOTION.name
     compensator: Compensator = field(default_factory=energy_compensator)
-    rival: Rival | None = None
+    competitor: Competitor | None = None
     joint_model: ModelFile | None = None
     operator: OperatorImpedance | None = None
     max_torque_nm: float | None = None
@@ -215,7 +215,7 @@ class ReplaySettings:
                 f"--operator: not used with --assume {self.assume}; leave it away or ask for --assume same-operator"
             )
         self.limits(Limits())
-        name = "" if self.rival is None else self.rival.name
+        name = "" if self.competitor is None else self.competitor.name
         if name == MODEL and self.joint_model is None:
             raise UsageError(
                 f"--compensator {MODEL}: applies the friction of a model file; give it by --joint-model FILE"

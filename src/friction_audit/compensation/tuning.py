@@ -11,34 +11,34 @@ from friction_audit.compensation.compensators import (
 )
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
 from friction_audit.compensation.feed_forward import NO_MODEL, friction_terms, refusal
-from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Rival
+from friction_audit.compensation.settings import FEED_BACK, MODEL, PANDAS, Competitor
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.friction.history import JointFriction
 
 
 def tune(  # noqa: PLR0911 - one per compensator
-    rival: Rival, friction: JointFriction, robot: str, model: JointModel | None
+    competitor: Competitor, friction: JointFriction, robot: str, model: JointModel | None
 ) -> Compensator | str:
     """Return a compensator for one joint, or why it cannot be tuned.
 
     Args:
-        rival: Which one.
+        competitor: Which one.
         friction: What the log says about the joint.
         robot: As ``Source.robot`` names it.
         model: Of a model file, if it has one of this joint.
     """
-    if rival.name == MODEL:
+    if competitor.name == MODEL:
         return _modelled(model)
-    if rival.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):
+    if competitor.name == "sigmoid" and robot in PANDAS and 1 <= friction.joint <= len(PUBLISHED):
         return PUBLISHED[friction.joint - 1]
-    if rival.name in FEED_BACK:
-        return _feed_back(rival, friction)
+    if competitor.name in FEED_BACK:
+        return _feed_back(competitor, friction)
     coulomb, viscous = friction.coulomb.value, friction.viscous.value
     if friction.reason or not (coulomb >= 0.0 and viscous >= 0.0 and coulomb + viscous > 0.0):
         return friction.reason or "the log's friction is negative, and nothing can be tuned to it"
-    if rival.name == "sigmoid":
+    if competitor.name == "sigmoid":
         return fit_sigmoid(coulomb, viscous)
-    if rival.name == "lugre":
+    if competitor.name == "lugre":
         return LugreCompensation(coulomb_nm=coulomb, breakaway_nm=coulomb, viscous_nms_per_rad=viscous)
     forced = Coefficients(coulomb_nm=coulomb, viscous_nms_per_rad=viscous)
     return EnergyCompensator(forced=forced, forced_from_cycle=1, forced_until_acted=False, passivity=False)
@@ -53,13 +53,13 @@ def _modelled(model: JointModel | None) -> Compensator | str:
     return refusal(terms) or JointModelCompensation(terms=terms)
 
 
-def _feed_back(rival: Rival, friction: JointFriction) -> Compensator | str:
-    found, inertia = friction.regression, rival.motor_inertia_kg_m2
+def _feed_back(competitor: Competitor, friction: JointFriction) -> Compensator | str:
+    found, inertia = friction.regression, competitor.motor_inertia_kg_m2
     if inertia is None and found is not None and found.inertia.low > 0.0:
         inertia = found.inertia.value
     if inertia is None:
         return friction.reason or "its inertia is not determined by the log; give --motor-inertia"
-    if rival.name == "disturbance_observer":
-        return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=rival.observer_gain_per_s)
-    desired = rival.desired_inertia_kg_m2
+    if competitor.name == "disturbance_observer":
+        return DisturbanceObserver(inertia_kg_m2=inertia, observer_gain_per_s=competitor.observer_gain_per_s)
+    desired = competitor.desired_inertia_kg_m2
     return TorqueRegulation(inertia_kg_m2=inertia, desired_inertia_kg_m2=0.5 * inertia if desired is None else desired)

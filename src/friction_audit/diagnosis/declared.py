@@ -26,7 +26,7 @@ CONFIDENCE = 0.95
 INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
 """Terms that candidates lean on, with the name of their one number."""
-RINGING = ("spring", "play")
+RINGING = ("spring", "gap")
 """What rings on noise of the position too."""
 
 

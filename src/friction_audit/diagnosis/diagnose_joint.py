@@ -380,7 +380,7 @@ def _verdict(names: Names, first: Omnibus, gap: Gap, alpha: float, *, touched: b
         return "unexplained"
     if not names.found:
         missing = gap.before > (LEAST_OVER_FLOOR if first.p_value <= alpha else OVER_FLOOR) * gap.floor
-        return "unexplained" if missing else ("named" if touched else "none")
+        return "unexplained" if missing else ("named" if touched else "adequate")
     if gap.over_floor > OVER_FLOOR:
         return "unexplained"
     return "ambiguous" if any(f.naming.alternatives for f in names.found) else "named"
@@ -410,7 +410,7 @@ def _traces(ground: Ground, left: tuple[Float, Float]) -> Traces:
         dq=ground.data.dq[::every][used],
         displacement=displacement[::every][used],
         cycle=ground.rows.cycle,
-        locked=ground.locked,
+        held_out=ground.locked,
         measured=ground.rows.y / weight,
         before=(ground.rows.y - left[0]) / weight,
         after=(ground.rows.y - left[1]) / weight,

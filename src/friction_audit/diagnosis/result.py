@@ -12,8 +12,16 @@ from friction_audit.diagnosis.gap import Gap
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
-Verdict = Literal["none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
-VERDICTS: tuple[Verdict, ...] = ("none", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed")
+Verdict = Literal["adequate", "named", "ambiguous", "unexplained", "not_testable", "data_fault", "failed"]
+VERDICTS: tuple[Verdict, ...] = (
+    "adequate",
+    "named",
+    "ambiguous",
+    "unexplained",
+    "not_testable",
+    "data_fault",
+    "failed",
+)
 UNANSWERED: tuple[Verdict, ...] = ("not_testable", "data_fault", "failed")
 """Verdicts that are no answer."""
 CONTACT_EVENT = "contact_event"
@@ -160,7 +168,7 @@ class Traces:
         dq: Velocity. [rad/s]
         displacement: Position less that at the last reversal. [rad]
         cycle: Number of the cycle.
-        locked: Rows of cycles that no choice was made on.
+        held_out: Rows of cycles that no choice was made on.
         measured: Torque. [N m]
         before: Torque of the declared model. [N m]
         after: Torque of the grown model. [N m]
@@ -173,7 +181,7 @@ class Traces:
     dq: Float
     displacement: Float
     cycle: NDArray[np.int64]
-    locked: NDArray[np.bool_]
+    held_out: NDArray[np.bool_]
     measured: Float
     before: Float
     after: Float

@@ -147,12 +147,12 @@ def message_of(
 ) -> str:
     """One or two sentences; ``also`` are phrases on what follows no quantity of the motion."""
     named = " and ".join(f"{e.name} ({e.label})" for e in effects)
-    if verdict == "none" and significant:
+    if verdict == "adequate" and significant:
         return (
             "nothing large enough for a name is missing: the residual is coloured, and no function of the motion "
             f"explains 2 % of it; an effect of {limit_nm:.2g} N m rms is detectable"
         )
-    if verdict == "none":
+    if verdict == "adequate":
         return f"nothing is missing: an effect of {limit_nm:.2g} N m rms is detectable"
     if verdict == "not_testable":
         return "; ".join(dict.fromkeys(untestable.values()))
@@ -162,7 +162,7 @@ def message_of(
         return f"{what} is missing that nothing in the catalogue explains: {'; '.join((at, *also))}"
     if verdict == "ambiguous":
         unsure = "; ".join(
-            f"{e.name} cannot be told from {', '.join(others_of(e, effects))} in this log"
+            f"{e.name} cannot be separated from {', '.join(others_of(e, effects))} in this log"
             for e in effects
             if e.alternatives
         )

@@ -35,7 +35,7 @@ RUNAWAY = 100.0  # a velocity of this multiple of the largest recorded one is no
 # ringing: of that 96 % pass. The rate of the twist multiplies noise of the torque by its frequency.
 SMOOTH_RAD = 0.3
 LEAST_INERTIA = 1e-3  # share of the joint's inertia that terms must leave
-BETWEEN = ("delay", "spring", "play")  # what is between the sensor and the side of friction
+BETWEEN = ("delay", "spring", "gap")  # what is between the sensor and the side of friction
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -168,7 +168,7 @@ def _by_direction(torque: Float, way: Float, t: Float) -> Float:
 
 def _transmission(model: Model, motion: Motion, between: Mapping[Forward, Term]) -> Transmission | None:
     """The spring, the gap, or both in a row, the spring in the place of the flanks; None without either."""
-    spring, backlash = between.get("spring"), between.get("play")
+    spring, backlash = between.get("spring"), between.get("gap")
     share = min(_parameter(term, "far_share", 1.0) for term in (spring, backlash))
     gap_rad = 0.0 if backlash is None else _parameter(backlash, "_rad")
     compliance = 0.0 if spring is None else _parameter(spring, "_rad_per_nm")

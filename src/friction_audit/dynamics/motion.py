@@ -97,7 +97,7 @@ class Motion:
 
 
 # How a term takes part in a forward simulation, see ``effects.effect.Effect.forward``.
-Forward = Literal["instant", "bristle", "delay", "spring", "play"]
+Forward = Literal["instant", "bristle", "delay", "spring", "gap"]
 
 
 class Named(Protocol):

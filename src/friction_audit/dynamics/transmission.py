@@ -131,14 +131,10 @@ def flank_stiffness(inertia_kg_m2: float, contact_hz: float, gap_rad: float, usu
     return max(inertia_kg_m2 * (2.0 * pi * min(contact_hz, HIGHEST_HZ)) ** 2, usual_nm / gap_rad)
 
 
-def added_torque(motion: Motion, far: FarSide, transmission: Transmission) -> Float:
-    """Return what a transmission adds to the torque of a rigid joint; nothing without an inertia. [N m], shape (n,)."""
-    ((_, added),) = added_torques(motion, [far], [transmission])
-    return added
-
-
 def added_torques(motion: Motion, far: Sequence[FarSide], links: Sequence[Transmission]) -> Iterator[tuple[int, Float]]:
-    """Yield the same for pairs of a far side and a transmission: place, in any order, and torque, shape (n,). [N m]
+    """Yield what transmissions, each with its link side, add to the torque of a rigid joint: place and torque. [N m]
+
+    Places come in any order, torques have shape (n,).
 
     A far side is at least as heavy as it must be for its ringing to be followed; one without any inertia adds nothing.
     """

@@ -190,7 +190,7 @@ EFFECT = Backlash(
         FAR_SHARE,
     ),
     traits=Trait.NEEDS_NOMINAL,
-    forward="play",
+    forward="gap",
     record="reverse slowly at least 20 times with hardly any load",
     separate={"contact_event": "reverse again at the same places: a gap opens at every reversal"},
 )

@@ -82,7 +82,7 @@ EFFECT = FrictionalLag(
     nonlinear=(
         Parameter("friction_lag_s", "s", "time by which friction lags", lower=1e-4, upper=10.0),
         Parameter("lagging_excess", "1", "Stribeck friction at rest over Coulomb", lower=0.0, upper=5.0),
-        Parameter("lag_speed_rad_s", "rad/s", "speed at which it fades", lower=1e-4, upper=1e2),
+        Parameter("lag_speed_rad_s", "rad/s", "its Stribeck velocity", lower=1e-4, upper=1e2),
     ),
     traits=Trait.NEEDS_NOMINAL,
     record="repeat strokes of equal speed with different accelerations",

@@ -29,7 +29,7 @@ class Stribeck(Effect):
         return np.asarray(motion.direction * fading)[:, None]
 
     def grid(self, data: JointData) -> tuple[Nonlinear, ...]:
-        """Speeds of fading by the speeds of the log, each with the exponents."""
+        """Stribeck velocities by the speeds of the log, each with the exponents."""
         (fast,) = speeds(data, 95.0)
         fading = np.clip(np.geomspace(LOWEST * fast, HIGHEST * fast, SPEEDS), *self.bounds("stribeck_speed_rad_s"))
         return tuple({"stribeck_speed_rad_s": float(v), "stribeck_exponent": d} for v in fading for d in EXPONENTS)
@@ -43,10 +43,10 @@ EFFECT = Stribeck(
     label="more friction at low speed",
     family="velocity",
     axis="speed",
-    coefficients=(Parameter("stribeck_excess_nm", "N m", "friction above Coulomb at rest", lower=0.0),),
+    coefficients=(Parameter("stribeck_excess_nm", "N m", "static minus Coulomb friction", lower=0.0),),
     nonlinear=(
         Parameter("stribeck_speed_rad_s", "rad/s", "Stribeck velocity", lower=1e-6, upper=10.0),
-        Parameter("stribeck_exponent", "1", "exponent of fading", lower=0.2, upper=5.0),
+        Parameter("stribeck_exponent", "1", "Stribeck exponent", lower=0.2, upper=5.0),
     ),
     traits=Trait.FRICTION | Trait.SPEED_ONLY | Trait.ODD,
     record="move steadily at speeds that differ by a factor of 8, very slow to fast",

@@ -145,7 +145,7 @@ def missing_motion(cycles: EnergyCycles, column: int, settings: FrictionSettings
 
 
 def one_speed(cycles: EnergyCycles) -> str:
-    """Say that Coulomb and viscous friction cannot be told apart because all motion has one speed; empty if they can.
+    """Say that Coulomb and viscous friction cannot be separated because all motion has one speed; empty if they can.
 
     Args:
         cycles: Cycles of one joint that count.

@@ -38,8 +38,7 @@ from friction_audit.reporting.words import (
     joints_label,
 )
 
-VERDICT_KEYS: Mapping[str, str] = {verdict: verdict for verdict in VERDICTS} | {"none": "adequate"}
-WORDS: Mapping[str, str] = {verdict: key.replace("_", " ") for verdict, key in VERDICT_KEYS.items()}
+WORDS: Mapping[str, str] = {verdict: verdict.replace("_", " ") for verdict in VERDICTS}
 """Verdicts in documents and as people read them."""
 TONES: Mapping[str, Tone] = {
     "adequate": "fine",
@@ -191,11 +190,11 @@ DECISION = Record(
         Column("decide", str, get="effect.decide", title="motion", on="p"),
     )
 )
-RIVAL = Record(
+COMPETITOR = Record(
     (
         joint_column("0.joint"),
         Column("effect", str, get="0.effect.name", title="effect", on="p"),
-        Column("rival", str, get="1.name", title="competing effect", on="p"),
+        Column("competitor", str, get="1.name", title="competing effect", on="p"),
         Column("delta_bic", float, get="1.delta_bic", form="+.0f", title="difference in BIC", on="p"),
         Column("correlation", float, get="1.correlation", form=".2f", title="correlation", on="p"),
     )
@@ -292,7 +291,7 @@ JOINT_DIAGNOSIS = Record(
         JOINT,
         NAME,
         joint_column(),
-        Column("verdict", tuple(VERDICT_KEYS.values()), "the answer", lambda joint: VERDICT_KEYS[joint.verdict]),
+        Column("verdict", VERDICTS, "the answer"),
         Column("verdict", str, form=WORDS.__getitem__, title="verdict", tone=TONES.__getitem__, on=PEOPLE),
         Column("message", str, "the answer in one or two sentences"),
         Column("missing", str, get=_missing, title="missing", on="t"),
@@ -389,7 +388,7 @@ RESIDUAL = Record(
     (
         Column("time", get="t", unit="s"),
         Column("cycle", int, get=lambda traces: traces.cycle + 1),
-        Column("held_out", bool, get="locked"),
+        Column("held_out", bool),
         Column("q", get="q", unit="rad"),
         Column("dq", get="dq", unit="rad/s"),
         Column("measured", get="measured", unit="N m"),
@@ -464,7 +463,7 @@ def page_tables(found: Diagnosis) -> tuple[Table, ...]:
     """Return the tables of a diagnosis for the page that have rows."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
     effects = named_effects(joints)
-    rivals = [(row, one) for row in effects for one in row.effect.evidence if one.name != row.effect.name]
+    competitors = [(row, one) for row in effects for one in row.effect.evidence if one.name != row.effect.name]
     tables = (
         JOINT_DIAGNOSIS.people(joints, caption="Residual of the model on held-out cycles (RMS)", unit=unit).filled(),
         EFFECT.people(
@@ -474,8 +473,8 @@ def page_tables(found: Diagnosis) -> tuple[Table, ...]:
             [row for row in effects if row.effect.decide],
             caption="What to record to distinguish effects that this log does not",
         ),
-        RIVAL.people(
-            rivals,
+        COMPETITOR.people(
+            competitors,
             caption="Competing effects in the place of each effect: above zero they explain less, from 6 on clearly",
             folded=True,
         ),

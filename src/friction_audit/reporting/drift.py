@@ -11,7 +11,6 @@ from friction_audit import __version__
 from friction_audit.drift.report import SHAPES, ArmDrift, CoefficientDrift, ControlPoint, DriftReport, JointDrift
 from friction_audit.drift.session import JointSummary, Session
 from friction_audit.friction.history import UNDETERMINED, Coefficient
-from friction_audit.reporting.diagnosis import VERDICT_KEYS
 from friction_audit.reporting.drift_words import (
     TONES,
     UNITS,
@@ -118,7 +117,7 @@ def _values(found: CoefficientDrift) -> Iterator[dict[str, Any]]:
 
 def diagnose_verdict(joint: JointSummary) -> str:
     """Return the verdict of the diagnosis of a joint in a session, empty if it was not asked."""
-    return VERDICT_KEYS.get(joint.verdict or "", "")
+    return joint.verdict or ""
 
 
 def _session(row: Any) -> int:  # noqa: ANN401 - any row with a session

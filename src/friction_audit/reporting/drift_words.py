@@ -78,11 +78,6 @@ def joint_sentence(joint: JointDrift) -> str:
     return joint.message.removeprefix(f"joint {joint.joint}: ")
 
 
-def drifting_joints(arm: ArmDrift) -> tuple[int, ...]:
-    """Return the numbers of the joints that drift."""
-    return tuple(joint.joint for joint in arm.joints if joint_verdict(joint) == DRIFT)
-
-
 def change_text(arm: ArmDrift, change: ChangePoint) -> str:
     """Return a step in words: ``session 13 (12 to 14), 2026-03-04: +15.2 ± 1.9 %``."""
     low, high = change.low + 1, change.high + 1

@@ -248,7 +248,7 @@ SIGNALS = Record(
 )
 REPLAY: Document = Document(
     "replay",
-    1,
+    2,
     "What a friction compensator would have done on one log",
     Record(
         (

@@ -236,7 +236,7 @@ def lead_sentence(report: LogReport) -> str:
 def _missing(found: JointDiscrepancy) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
     return {
-        "none": "the model is adequate",
+        "adequate": "the model is adequate",
         "named": f"the model misses {names}",
         "ambiguous": f"the model misses {names}",
         "unexplained": f"an unexplained effect is missing{f' in addition to {names}' if names else ''}",

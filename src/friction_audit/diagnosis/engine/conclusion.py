@@ -11,12 +11,9 @@ from friction_audit.diagnosis.engine.problem import FOLDS
 from friction_audit.diagnosis.engine.procedure import State, accepted, nominal, sizes
 from friction_audit.diagnosis.engine.residual_checks import ResidualCheck
 from friction_audit.diagnosis.engine.validation import Gain, gains
-from friction_audit.diagnosis.gap import Gap
 
 NEGLIGIBLE = 0.01  # of the joint's friction torque, rms
 MINOR = 0.1
-OVER_FLOOR = 1.05  # a model that leaves more than so many times the noise floor leaves something out
-OVER_FLOOR_OF_NONE = 1.02
 ENOUGH = 0.5  # share of the explainable power that names must explain, or nothing holds
 
 
@@ -89,18 +86,13 @@ def conclude(state: State, least_nm: float = 0.0) -> Conclusion:
 def verdict_of(state: State, named: Sequence[Named], checks: Sequence[ResidualCheck], remainder: float) -> str:
     """The one word."""
     if not named:
-        return "unexplained" if checks else ("named" if state.contacts else "none")
+        return "unexplained" if checks else ("named" if state.contacts else "adequate")
     if checks:
         before, after = (float(np.mean(residual_checks.residual_of(state.gram, a) ** 2)) for a in ((), state.active))
         explained = before - after
         if explained < ENOUGH * (explained + remainder * after):
             return "unexplained"
     return "ambiguous" if any(one.alternatives for one in named) else "named"
-
-
-def beyond_floor(gap: Gap, named: Sequence[Named]) -> bool:
-    """Whether the model leaves more than the noise on held-out cycles."""
-    return gap.over_floor > (OVER_FLOOR if named else OVER_FLOOR_OF_NONE)
 
 
 def _stable(state: State) -> None:

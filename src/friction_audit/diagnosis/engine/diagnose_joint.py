@@ -203,7 +203,7 @@ def _traces(state: State, before: Float, after: Float) -> Traces:
         dq=dq,
         displacement=problem.at_samples(strokes(problem.data).displacement),
         cycle=problem.samples.cycle,
-        locked=np.ones(len(q), bool),
+        held_out=np.ones(len(q), bool),
         measured=measured,
         before=measured - before / weight,
         after=measured - after / weight,

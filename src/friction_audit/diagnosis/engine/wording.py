@@ -12,7 +12,7 @@ def message_of(
     said: Conclusion, effects: Sequence[NamedEffect], remaining: Sequence[Profile], limit_nm: float, negligible: bool
 ) -> str:
     """Cause, size, and what has no name."""
-    if said.verdict == "none":
+    if said.verdict == "adequate":
         small = "; negligible effects are listed apart" if negligible else ""
         return f"the model is adequate: an effect of {limit_nm:.2g} N m rms would have been seen{small}"
     names = " and ".join(f"{e.name} ({e.label}, {e.size_nm:.2g} N m rms)" for e in effects)

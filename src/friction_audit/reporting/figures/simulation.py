@@ -124,7 +124,7 @@ def shown_cycles(traces: Traces, motion: SimulationGap | None = None, most: int 
         motion: The simulated motion, or None; cycles that it holds go before those that it lacks.
         most: Number of cycles.
     """
-    held_out = np.unique(traces.cycle[traces.locked])
+    held_out = np.unique(traces.cycle[traces.held_out])
     if motion is not None:
         begins = np.array([traces.t[traces.cycle == number][0] for number in held_out])
         known = motion.t[np.isfinite(motion.t)]

@@ -203,10 +203,10 @@ def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
             panels.append(partial(write_verdict, joint=one))
             heights.append(0.9)
         for effect in one.effects:
-            rivals = nearest(effect) if sheet else effect.evidence
-            lines = len(fill(not_drawn(effect, rivals, one.effects), TITLE_CHARACTERS[False]).splitlines())
-            panels.append(partial(_draw_rivals, joint=one, effect=effect, rivals=rivals))
-            heights.append(0.45 + 0.14 * lines + 0.17 * len(rivals) if has_rivals(effect) else 0.9)
+            competitors = nearest(effect) if sheet else effect.evidence
+            lines = len(fill(not_drawn(effect, competitors, one.effects), TITLE_CHARACTERS[False]).splitlines())
+            panels.append(partial(_draw_competitors, joint=one, effect=effect, competitors=competitors))
+            heights.append(0.45 + 0.14 * lines + 0.17 * len(competitors) if has_competitors(effect) else 0.9)
     figure, grid_axes = grid(heights, sheet=sheet, across=2, head_in=0.75)
     for axes, draw in zip(grid_axes, panels, strict=True):
         draw(axes)
@@ -218,51 +218,51 @@ def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
 def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     """Return the best competing effects and all that are indistinguishable from an effect."""
     ranked = enumerate(effect.evidence)
-    return tuple(rival for place, rival in ranked if place < most or rival.name in effect.alone)
+    return tuple(competitor for place, competitor in ranked if place < most or competitor.name in effect.alone)
 
 
-def not_drawn(effect: Effect, rivals: Sequence[Evidence], effects: Sequence[Effect]) -> str:
+def not_drawn(effect: Effect, competitors: Sequence[Evidence], effects: Sequence[Effect]) -> str:
     """Return in words the indistinguishable effects that have no line: no recorded motion separates them."""
-    drawn = {rival.name for rival in rivals}
+    drawn = {competitor.name for competitor in competitors}
     others = [other for other in others_of(effect, effects) if other not in drawn]
     return f"also indistinguishable: {', '.join(others)}" if others else ""
 
 
-def has_rivals(effect: Effect) -> bool:
+def has_competitors(effect: Effect) -> bool:
     """Return whether an effect has competing effects; an event that comes once has none."""
-    return any(rival.name != effect.name for rival in effect.evidence)
+    return any(competitor.name != effect.name for competitor in effect.evidence)
 
 
-def mark_of(effect: Effect, rival: Evidence) -> Mark:
+def mark_of(effect: Effect, competitor: Evidence) -> Mark:
     """Return how a competing effect is marked."""
-    if rival.name == effect.name:
+    if competitor.name == effect.name:
         return CHOSEN
-    if rival.name in effect.alone:
+    if competitor.name in effect.alone:
         return ALIKE
-    return ELSEWHERE if rival.delta_bic < STRONG else BEATEN
+    return ELSEWHERE if competitor.delta_bic < STRONG else BEATEN
 
 
-def _draw_rivals(axes: "Axes", joint: JointDiscrepancy, effect: Effect, rivals: Sequence[Evidence]) -> None:
+def _draw_competitors(axes: "Axes", joint: JointDiscrepancy, effect: Effect, competitors: Sequence[Evidence]) -> None:
     """Draw a line per competing effect, the best on top."""
     title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
-    if not has_rivals(effect):
+    if not has_competitors(effect):
         label_panel(axes, title)
         write_message(axes, "it has no competing effect", characters=36, instead=True)
         return
     axes.set_xscale("symlog", linthresh=LINEAR_TO, linscale=1.0)
     axes.axvline(STRONG, color=MUTED, lw=0.7, ls=":", label=f"strong evidence ({STRONG:g})")
-    for place, rival in enumerate(rivals):
-        axes.hlines(place, 0.0, rival.delta_bic, color=MUTED, lw=0.5)
-        _draw_mark(axes, mark_of(effect, rival), rival.delta_bic, place)
+    for place, competitor in enumerate(competitors):
+        axes.hlines(place, 0.0, competitor.delta_bic, color=MUTED, lw=0.5)
+        _draw_mark(axes, mark_of(effect, competitor), competitor.delta_bic, place)
         if place:
             axes.annotate(
-                f"r = {rival.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
+                f"r = {competitor.correlation:.2f}", (1.0, place), (2, 0), xycoords=("axes fraction", "data"),
                 textcoords="offset points", va="center", fontsize=6.5, color=MUTED,
             )  # fmt: skip
-    others = fill(not_drawn(effect, rivals, joint.effects), TITLE_CHARACTERS[is_narrow(axes)])
+    others = fill(not_drawn(effect, competitors, joint.effects), TITLE_CHARACTERS[is_narrow(axes)])
     label_panel(axes, "\n".join(filter(None, (title, others))))
-    _scale_bic(axes, [rival.delta_bic for rival in rivals])
-    _name_rows(axes, [rival.name for rival in rivals])
+    _scale_bic(axes, [competitor.delta_bic for competitor in competitors])
+    _name_rows(axes, [competitor.name for competitor in competitors])
 
 
 def _scale_bic(axes: "Axes", worse: Sequence[float]) -> None:

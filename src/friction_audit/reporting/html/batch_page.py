@@ -10,7 +10,6 @@ from friction_audit.drift.session import Session
 from friction_audit.errors import shortened
 from friction_audit.friction.history import UNDETERMINED, Coefficient
 from friction_audit.reporting.batch_drawings import draw, page_drawings
-from friction_audit.reporting.diagnosis import VERDICT_KEYS
 from friction_audit.reporting.drift import (
     CHANGES,
     FAILED,
@@ -424,7 +423,7 @@ def _diagnosis(arm: ArmDrift, anchor: str) -> Iterator[Section]:
     rows = []
     for joint in arm.joints:
         own = [one for session in arm.sessions for one in session.joints if one.joint == joint.joint and one.verdict]
-        verdicts = [VERDICT_KEYS.get(one.verdict or "", "").replace("_", " ") for one in own]
+        verdicts = [(one.verdict or "").replace("_", " ") for one in own]
         if own:
             rows.append(DiagnosisRow(joint, verdicts, [effect for one in own for effect in one.effects]))
     if rows:

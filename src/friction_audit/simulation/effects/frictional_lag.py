@@ -11,7 +11,7 @@ RELAXING, DELAYED = range(2)
 
 LONGEST_LAG_S = 0.05
 SAMPLE_S = 0.0005
-SLOTS = 104
+SLOTS = 104  # of the longest lag, and room to interpolate
 AGE, NEWEST, PREVIOUS, RING = range(4)
 LAG_MEMORY = RING + SLOTS
 
@@ -23,7 +23,7 @@ class FrictionalLag(HiddenEffect):
     summary = "friction answers late to a change of speed"
     forms = ("relaxing", "delayed")
 
-    lag_s: float = strength(0.03, "time by which friction lags the speed", "s", upper=0.05)
+    lag_s: float = strength(0.03, "time by which friction lags the speed", "s", upper=LONGEST_LAG_S)
     form: int = RELAXING
 
 

@@ -8,7 +8,7 @@ from numpy.testing import assert_allclose
 
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
 from friction_audit.errors import UsageError
-from tests.compensation.rival_bench import feed
+from tests.compensation.competitor_bench import feed
 
 FORWARD = (0.25, 0.39, 0.39, 0.58, 0.37, 0.18, 0.28)
 BACKWARD = (0.30, 0.49, 0.25, 0.70, 0.47, 0.12, 0.29)

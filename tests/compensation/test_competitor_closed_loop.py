@@ -1,4 +1,4 @@
-"""The rivals in the hand of the same person, on the same joint."""
+"""The competitors in the hand of the same person, on the same joint."""
 
 from dataclasses import replace
 from typing import Any
@@ -14,7 +14,7 @@ from friction_audit.compensation.compensators import (
     TorqueRegulation,
 )
 from friction_audit.compensation.compensators.sigmoid import PUBLISHED, fit_sigmoid
-from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, guided, work_j
+from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, guided, work_j
 
 ORACLE = FixedCompensation(coulomb_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
 LUGRE = LugreCompensation(coulomb_nm=COULOMB, breakaway_nm=COULOMB, viscous_nms_per_rad=VISCOUS)
@@ -30,8 +30,8 @@ def uncompensated_j() -> float:
 def test_an_oracle_leaves_no_friction_and_nobody_beats_it(uncompensated_j: float) -> None:
     best = abs(work_j(guided(ORACLE)))
     assert best < 5e-3 * uncompensated_j
-    for rival in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PUBLISHED[0]):
-        assert best < abs(work_j(guided(rival))) < uncompensated_j
+    for competitor in (LUGRE, OBSERVER, REGULATION, fit_sigmoid(COULOMB, VISCOUS), PUBLISHED[0]):
+        assert best < abs(work_j(guided(competitor))) < uncompensated_j
 
 
 @pytest.mark.parametrize("right", [ORACLE, LUGRE, fit_sigmoid(COULOMB, VISCOUS, steepness_s_per_rad=40.0)])

@@ -13,7 +13,7 @@ from friction_audit.compensation.controller import FIND, step
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import JointParameters
-from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, fresh, guided, runs_away, work_j
+from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, fresh, guided, runs_away, work_j
 from tests.compensation.stability import observer_limit
 
 OBSERVER = DisturbanceObserver(inertia_kg_m2=INERTIA, observer_gain_per_s=50.0, dead_band_rad_s=0.0, ramp_rad_s=0.0)

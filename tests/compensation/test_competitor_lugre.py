@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from friction_audit.compensation.compensators.lugre import LugreCompensation
 from friction_audit.errors import UsageError
-from tests.compensation.rival_bench import TICK_S, feed
+from tests.compensation.competitor_bench import TICK_S, feed
 
 LUGRE = LugreCompensation(
     coulomb_nm=0.3,

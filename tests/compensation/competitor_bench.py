@@ -1,4 +1,4 @@
-"""Rivals on the simulator's bench, and step by step."""
+"""Competitors on the simulator's bench, and step by step."""
 
 from typing import Any
 

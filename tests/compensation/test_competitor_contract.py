@@ -27,7 +27,7 @@ from friction_audit.effects.joint_model import FittedTerm
 from friction_audit.errors import UsageError
 from friction_audit.joint_log import Float
 from friction_audit.simulation import PANDA_SENSORS
-from tests.compensation.rival_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, fresh, guided
+from tests.compensation.competitor_bench import COULOMB, INERTIA, TICK_S, VISCOUS, feed, fresh, guided
 
 EXAMPLES: dict[str, Compensator | None] = {
     "none": None,
@@ -39,7 +39,7 @@ EXAMPLES: dict[str, Compensator | None] = {
     "torque_regulation": TorqueRegulation(inertia_kg_m2=INERTIA, desired_inertia_kg_m2=0.15, cutoff_hz=100.0),
     "joint_model": JointModelCompensation(terms=(FittedTerm("coulomb", (COULOMB,)),)),
 }
-RIVALS = [name for name, made in EXAMPLES.items() if hasattr(made, "guard")]
+COMPETITORS = [name for name, made in EXAMPLES.items() if hasattr(made, "guard")]
 each = pytest.mark.parametrize("kind", COMPENSATORS, ids=lambda kind: kind.name)
 
 
@@ -83,7 +83,7 @@ def test_standstill_is_still_under_noise(kind: Any) -> None:
     assert np.abs(motion.compensation_nm[last]).max() < COULOMB + 0.2
 
 
-@pytest.mark.parametrize("name", RIVALS)
+@pytest.mark.parametrize("name", COMPETITORS)
 def test_numbers_of_the_wrong_size_are_refused(name: str) -> None:
     example: Any = EXAMPLES[name]
     for item in fields(example):
@@ -98,16 +98,16 @@ def test_guards_refuse_numbers_below_zero(name: str) -> None:
         replace(Guard(), **{name: -1.0})  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("name", RIVALS)
-def test_rivals_keep_to_their_limits(name: str) -> None:
+@pytest.mark.parametrize("name", COMPETITORS)
+def test_competitors_keep_to_their_limits(name: str) -> None:
     example: Any = replace(EXAMPLES[name], guard=Guard(max_torque_nm=0.05, max_torque_rate_nm_s=10.0))  # type: ignore[type-var]
     torque, _ = feed(example, np.linspace(0.0, 1.0, 100), 2.0)
     assert np.abs(torque).max() == pytest.approx(0.05)
     assert np.abs(np.diff(torque)).max() <= 0.01 + 1e-12
 
 
-@pytest.mark.parametrize("name", RIVALS)
-def test_the_passivity_controller_guards_any_rival(name: str) -> None:
+@pytest.mark.parametrize("name", COMPETITORS)
+def test_the_passivity_controller_guards_any_competitor(name: str) -> None:
     example: Any = EXAMPLES[name]
     dq, against = np.full(200, 0.5), -0.4
     assert feed(example, dq, against)[1]["dissipated_j"] == 0.0

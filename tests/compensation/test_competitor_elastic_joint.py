@@ -12,7 +12,7 @@ from friction_audit.simulation.bench import BenchSettings, simulate_bench
 from friction_audit.simulation.effects.hidden import Hidden
 from friction_audit.simulation.effects.joint_elasticity import JointElasticity
 from friction_audit.simulation.motion import Sinusoid
-from tests.compensation.rival_bench import TICK_S
+from tests.compensation.competitor_bench import TICK_S
 from tests.compensation.stability import ElasticJoint, largest_torque_gain, regulation_limit
 
 INERTIA, HAND = 0.3, 0.3
