@@ -15,9 +15,9 @@ from typing import Any
 import numpy as np
 
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.engine.conclusion import conclude
-from friction_audit.diagnosis.engine.diagnose_joint import FEWEST_CYCLES
-from friction_audit.diagnosis.engine.procedure import select
+from friction_audit.diagnosis.conclusion import conclude
+from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES
+from friction_audit.diagnosis.procedure import select
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import effects

@@ -24,7 +24,7 @@ from benchmarks.stranger.logs import write_log
 from friction_audit.api import read_log
 from friction_audit.diagnosis import diagnose as stage
 from friction_audit.diagnosis.diagnose_joint import Subject
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.model_file import load_model
@@ -39,9 +39,9 @@ def subjects_of(log: JointLog, settings: AuditSettings, model: ArmModel | None =
     """The joints of a log as the diagnosis prepares them."""
     found: list[Subject] = []
 
-    def keep(subject: Subject, *_: object) -> JointDiscrepancy:
+    def keep(subject: Subject, *_: object) -> JointDiagnosis:
         found.append(subject)
-        return JointDiscrepancy(joint=subject.number, name=subject.name, verdict="not_testable", message="")
+        return JointDiagnosis(joint=subject.number, name=subject.name, verdict="not_testable", message="")
 
     with patch.object(stage, "diagnose_joint", keep), patch.object(stage, "workers_for", lambda _: 1):
         diagnose_log(log, settings, DiagnosisSettings(model=model))

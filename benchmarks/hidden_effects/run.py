@@ -22,7 +22,7 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy
+from friction_audit.diagnosis.result import Effect, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
@@ -76,7 +76,7 @@ def _log_of(case: Case) -> JointLog:
     return simulate(settings_of(case, (1.0,) * len(case.effects)), case.seed).log
 
 
-def _row(case: Case, truth: str, joint: JointDiscrepancy) -> dict[str, object]:
+def _row(case: Case, truth: str, joint: JointDiagnosis) -> dict[str, object]:
     gap, motion = joint.gap, joint.simulation
     return {
         "truth": truth, "seed": case.seed, "scenario": case.scenario, "noise": case.noise,

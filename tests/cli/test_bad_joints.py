@@ -8,7 +8,7 @@ import pytest
 
 from friction_audit.diagnosis import diagnose as engine
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.io.writers import write_log
 from friction_audit.reporting import report as log_report
 from tests.cli.conftest import Run
@@ -33,7 +33,7 @@ def dead(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
 def fails(error: type[Exception], number: int) -> object:
     """Return a diagnosis that ends in an error for one joint."""
 
-    def diagnose(subject: Subject, *others: object) -> JointDiscrepancy:
+    def diagnose(subject: Subject, *others: object) -> JointDiagnosis:
         if subject.number == number:
             raise error("by zero")
         return diagnose_joint(subject, *others)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
@@ -19,23 +19,23 @@ EVENTS = draw_events(TOUCHED.hidden[0].contact_event, BENCH.duration_s, make_str
 
 
 @pytest.fixture(scope="module")
-def found() -> JointDiscrepancy:
+def found() -> JointDiagnosis:
     return diagnosed(TOUCHED)
 
 
-def diagnosed(settings: BenchSettings) -> JointDiscrepancy:
+def diagnosed(settings: BenchSettings) -> JointDiagnosis:
     asked = DiagnosisSettings(candidates=("contact_event", "stribeck"))
     (joint,) = diagnose_log(simulate(settings, SEED).log, AuditSettings(), asked).discrepancy.joints
     return joint
 
 
-def test_every_event_is_left_out(found: JointDiscrepancy) -> None:
+def test_every_event_is_left_out(found: JointDiagnosis) -> None:
     assert found.traces is not None
     for start, length, _ in EVENTS:
         assert not np.any((found.traces.t > start) & (found.traces.t < start + length))
 
 
-def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(found: JointDiscrepancy) -> None:
+def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(found: JointDiagnosis) -> None:
     clean = diagnosed(BENCH)
     assert found.verdict == "named"
     assert clean.verdict == "adequate"
@@ -44,7 +44,7 @@ def test_what_is_left_is_what_a_joint_leaves_that_nobody_touches(found: JointDis
     assert found.gap.after < 1.2 * clean.gap.after
 
 
-def test_little_else_is_left_out(found: JointDiscrepancy) -> None:
+def test_little_else_is_left_out(found: JointDiagnosis) -> None:
     assert found.traces is not None
     (effect,) = found.effects
     assert effect.parameters["contacts"].value <= len(EVENTS)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy.signal import butter, lfilter, sosfiltfilt
 
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float, JointLog
 from friction_audit.pipeline import AuditSettings, diagnose_log
@@ -22,12 +22,12 @@ def recorded(*effects: str, scenario: str = "joint", duration_s: float = 60.0, s
     return simulate(hide(replace(settings, duration_s=duration_s), effects), seed).log
 
 
-def diagnosed(log: JointLog, **asked: object) -> JointDiscrepancy:
+def diagnosed(log: JointLog, **asked: object) -> JointDiagnosis:
     (found,) = diagnose_log(log, AuditSettings(), DiagnosisSettings(**asked)).discrepancy.joints  # type: ignore[arg-type]
     return found
 
 
-def said(found: JointDiscrepancy) -> tuple[set[str], ...]:
+def said(found: JointDiagnosis) -> tuple[set[str], ...]:
     """Of each effect all names that it may have."""
     return tuple({effect.name, *effect.alternatives} for effect in found.effects)
 

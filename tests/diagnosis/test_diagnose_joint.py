@@ -12,7 +12,7 @@ from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diag
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.naming import search_library
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
@@ -39,7 +39,7 @@ def subject(missing: Callable[[JointData], Float] | None = None, *, duration_s: 
 
 
 @cache
-def humped() -> JointDiscrepancy:
+def humped() -> JointDiagnosis:
     return diagnose_joint(subject(bump), TOYS, DiagnosisSettings())
 
 

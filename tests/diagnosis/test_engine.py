@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.diagnose_joint import Subject
-from friction_audit.diagnosis.engine.diagnose_joint import diagnose_joint
-from friction_audit.diagnosis.engine.noise_model import levinson_durbin
-from friction_audit.diagnosis.engine.problem import FOLDS, RegressionProblem, folds_of
-from friction_audit.diagnosis.engine.residual_checks import spectral_line
-from friction_audit.diagnosis.engine.result import JointDiagnosis
-from friction_audit.diagnosis.engine.selection import occam
+from friction_audit.diagnosis.diagnose_joint import diagnose_joint
+from friction_audit.diagnosis.noise_model import levinson_durbin
+from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
+from friction_audit.diagnosis.residual_checks import spectral_line
+from friction_audit.diagnosis.result import JointDiagnosis
+from friction_audit.diagnosis.selection import occam
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effects

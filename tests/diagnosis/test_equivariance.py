@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.io.readers import read_log
 from friction_audit.joint_log import Float
@@ -34,7 +34,7 @@ def columns() -> Columns:
     return {"t": t, "q_1": np.round(q / COUNT_RAD) * COUNT_RAD, "dq_1": dq, "tau_1": 0.2 * ddq + friction + noise}
 
 
-def diagnosed(log: Columns, folder: Path) -> JointDiscrepancy:
+def diagnosed(log: Columns, folder: Path) -> JointDiagnosis:
     path = folder / "log.csv"
     np.savetxt(path, np.column_stack(list(log.values())), "%.17g", ",", header=",".join(log), comments="")
     (found,) = diagnose_log(
@@ -44,7 +44,7 @@ def diagnosed(log: Columns, folder: Path) -> JointDiscrepancy:
 
 
 @pytest.fixture(scope="module")
-def as_written(tmp_path_factory: pytest.TempPathFactory) -> JointDiscrepancy:
+def as_written(tmp_path_factory: pytest.TempPathFactory) -> JointDiagnosis:
     return diagnosed(columns(), tmp_path_factory.mktemp("as_written"))
 
 
@@ -68,7 +68,7 @@ def in_another_order(log: Columns) -> Columns:
     return {name: log[name] for name in ("tau_1", "dq_1", "t", "q_1")}
 
 
-def numbers(found: JointDiscrepancy, factor: float) -> dict[str, float]:
+def numbers(found: JointDiagnosis, factor: float) -> dict[str, float]:
     """All numbers told of a joint, those that are torques as if they were those of the joint as written."""
     assert found.gap is not None
     told = {name: one.value for effect in found.effects for name, one in effect.parameters.items()}
@@ -90,7 +90,7 @@ def numbers(found: JointDiscrepancy, factor: float) -> dict[str, float]:
     ],
 )
 def test_a_joint_written_down_otherwise_has_the_same_diagnosis(
-    as_written: JointDiscrepancy, change: Callable[[Columns], Columns], factor: float, close: float, tmp_path: Path
+    as_written: JointDiagnosis, change: Callable[[Columns], Columns], factor: float, close: float, tmp_path: Path
 ) -> None:
     found = diagnosed(change(columns()), tmp_path)
     assert [effect.name for effect in as_written.effects] == ["stribeck"]

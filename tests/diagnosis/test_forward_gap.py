@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy, Profile
+from friction_audit.diagnosis.result import Effect, JointDiagnosis, Profile
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.friction.history import Coefficient
@@ -144,8 +144,8 @@ def missing_stribeck() -> Effect:
 SIMPLE = exactly(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 
 
-def diagnosed(**grown: float) -> JointDiscrepancy:
-    return JointDiscrepancy(
+def diagnosed(**grown: float) -> JointDiagnosis:
+    return JointDiagnosis(
         joint=1,
         name="joint1",
         verdict="named",

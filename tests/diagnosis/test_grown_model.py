@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from friction_audit.diagnosis.grown_model import grow_models
-from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.effects.model_file import load_model, save_model
 from tests.reporting.conftest import build_estimate
@@ -16,7 +16,7 @@ LOG = build_estimate(3, count=4, rate=100.0).log
 STRIBECK_TERM = FittedTerm("stribeck", (0.2, 0.05, 1.0))
 
 
-def grown(*joints: JointDiscrepancy, declared: ArmModel | None = None) -> ArmModel:
+def grown(*joints: JointDiagnosis, declared: ArmModel | None = None) -> ArmModel:
     result = grow_models(Discrepancy(joints=joints), LOG, declared)
     assert result.lacking == ()
     return result.model

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import mean_sign
 from friction_audit.effects.presliding import EFFECT as PRESLIDING
@@ -16,7 +16,7 @@ from tests.diagnosis.moved_joint import TRUTH, moved_joint
 LATE_S = 4e-4
 
 
-def diagnosed(sample_s: float, late_s: float = LATE_S) -> JointDiscrepancy:
+def diagnosed(sample_s: float, late_s: float = LATE_S) -> JointDiagnosis:
     exact, noisy = moved_joint(), moved_joint(noise_nm=0.002)
     late = np.interp(exact.t - late_s, exact.t, exact.torque) - exact.torque
     data = replace(noisy, torque=noisy.torque + late, sample_s=sample_s)
@@ -41,7 +41,7 @@ def test_half_a_sample_and_more_is_an_effect(sample_s: float) -> None:
     assert found.findings == ()
 
 
-def turned(early_s: float, sample_s: float) -> JointDiscrepancy:
+def turned(early_s: float, sample_s: float) -> JointDiagnosis:
     """A joint whose friction alone turns before its velocity does."""
     data = moved_joint(noise_nm=0.002)
     early = TRUTH["coulomb_nm"] * (mean_sign(data.t, data.dq + early_s * data.ddq, data.ddq) - data.way)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects import stribeck, unlogged_compensation
 from friction_audit.effects.joint_data import JointData
@@ -30,7 +30,7 @@ def rising(data: JointData) -> Float:
     return np.asarray(0.15 * np.sign(data.dq) * np.exp(-((data.dq / WIDTH_RAD_S) ** 2)))
 
 
-def diagnosed(data: JointData, model: JointModel | None) -> JointDiscrepancy:
+def diagnosed(data: JointData, model: JointModel | None) -> JointDiagnosis:
     one = Subject(data=data, number=1, name="elbow", findings=(), from_energy={}, model=model)
     return diagnose_joint(one, (stribeck.EFFECT, unlogged_compensation.EFFECT), DiagnosisSettings())
 

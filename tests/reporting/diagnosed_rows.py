@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy, SimulationGap, Traces
+from friction_audit.diagnosis.result import Effect, JointDiagnosis, SimulationGap, Traces
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from tests.reporting import diagnosis_by_hand as by_hand
@@ -47,7 +47,7 @@ def effect_of(effect: Effect) -> Effect:
     return replace(effect, torque=MISSING_NM * np.sign(TRACES.dq))
 
 
-def _with_rows(joint: JointDiscrepancy) -> JointDiscrepancy:
+def _with_rows(joint: JointDiagnosis) -> JointDiagnosis:
     """Return the joint with samples, where it was diagnosed."""
     if joint.gap is None:
         return joint
@@ -74,5 +74,5 @@ NAMED = replace(NAMED, simulation=moved())
 ALL = by_hand.diagnosis((NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT))
 
 
-def of(joint: JointDiscrepancy) -> Diagnosis:
+def of(joint: JointDiagnosis) -> Diagnosis:
     return by_hand.diagnosis((joint,))

@@ -8,7 +8,7 @@ from friction_audit.diagnosis.result import (
     Discrepancy,
     Effect,
     Evidence,
-    JointDiscrepancy,
+    JointDiagnosis,
     Profile,
     SimulationGap,
     Traces,
@@ -131,7 +131,7 @@ def traces(cycles: int) -> Traces:
     )
 
 
-NAMED = JointDiscrepancy(
+NAMED = JointDiagnosis(
     joint=1,
     name="panda_joint1",
     verdict="named",
@@ -160,7 +160,7 @@ NAMED = JointDiscrepancy(
     findings=(finding("dq_noise", "fine", ""), finding("standstill", "limit", LIMIT)),
     traces=traces(30),
 )
-AMBIGUOUS = JointDiscrepancy(
+AMBIGUOUS = JointDiagnosis(
     joint=2,
     name="panda_joint2",
     verdict="ambiguous",
@@ -174,7 +174,7 @@ AMBIGUOUS = JointDiscrepancy(
     detection_limit_nm=0.004,
     findings=(finding("standstill", "limit", LIMIT),),
 )
-NONE = JointDiscrepancy(
+NONE = JointDiagnosis(
     joint=3,
     name="panda_joint3",
     verdict="adequate",
@@ -186,7 +186,7 @@ NONE = JointDiscrepancy(
     remaining_p=0.7,
     detection_limit_nm=0.0048,
 )
-UNEXPLAINED = JointDiscrepancy(
+UNEXPLAINED = JointDiagnosis(
     joint=4,
     name="panda_joint4",
     verdict="unexplained",
@@ -199,20 +199,20 @@ UNEXPLAINED = JointDiscrepancy(
     profiles=(profile("speed", 0.6),),
     vibration=Vibration(frequency_hz=13.0, low_hz=11.0, high_hz=15.5, rms_nm=0.04),
 )
-NOT_TESTABLE = JointDiscrepancy(
+NOT_TESTABLE = JointDiagnosis(
     joint=5,
     name="panda_joint5",
     verdict="not_testable",
     message="0 energy cycles with motion; at least 10 are needed: move the joint back and forth",
 )
-DATA_FAULT = JointDiscrepancy(
+DATA_FAULT = JointDiagnosis(
     joint=6,
     name="panda_joint6",
     verdict="data_fault",
     message=FAULT,
     findings=(finding("dq_scale", "fault", FAULT),),
 )
-FAILED = JointDiscrepancy(
+FAILED = JointDiagnosis(
     joint=6,
     name="panda_joint6",
     verdict="failed",
@@ -223,7 +223,7 @@ VERDICTS_BY_HAND = (NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAUL
 
 
 def diagnosis(
-    joints: tuple[JointDiscrepancy, ...] = VERDICTS_BY_HAND, settings: DiagnosisSettings | None = None
+    joints: tuple[JointDiagnosis, ...] = VERDICTS_BY_HAND, settings: DiagnosisSettings | None = None
 ) -> Diagnosis:
     return Diagnosis(
         estimate=build_estimate(6),

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from friction_audit import __version__
-from friction_audit.diagnosis.result import VERDICTS, JointDiscrepancy
+from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_model import ArmModel, simple_model
 from friction_audit.pipeline import Estimate
@@ -152,7 +152,7 @@ def test_every_verdict_has_a_joint_by_hand() -> None:
 
 
 @pytest.mark.parametrize("joint", [*VERDICTS_BY_HAND, FAILED], ids=lambda joint: joint.verdict)
-def test_each_verdict_keeps_to_the_schema(joint: JointDiscrepancy) -> None:
+def test_each_verdict_keeps_to_the_schema(joint: JointDiagnosis) -> None:
     (found,) = checked(diagnose_document(diagnosis((joint,))))["joints"]
     assert found["verdict"] == joint.verdict
     assert found["message"] == joint.message

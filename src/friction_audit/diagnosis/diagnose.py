@@ -7,7 +7,7 @@ from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.known_load import known_inertias
 from friction_audit.diagnosis.likely_work import longest_first
 from friction_audit.diagnosis.prepare import prepare
-from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.registry import effects
@@ -55,11 +55,11 @@ def diagnose(
             lacking=friction.joints[data.joint].reason,
         )
 
-    def one(k: int) -> JointDiscrepancy:
+    def one(k: int) -> JointDiagnosis:
         """Diagnose a joint; an error is the result of this joint and not the end of the others."""
         data = prepared[k]
         unanswered = partial(
-            JointDiscrepancy,
+            JointDiagnosis,
             joint=interaction.joint_numbers[data.joint],
             name=interaction.joint_names[data.joint],
             from_energy=_from_energy(friction, data.joint),

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.grown_model import grow_model
-from friction_audit.diagnosis.result import JointDiscrepancy, SimulationGap
+from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, Provenance
@@ -28,7 +28,7 @@ any error of the torque at once."""
 
 
 def gap_in_motion(
-    joint: JointDiscrepancy,
+    joint: JointDiagnosis,
     declared: JointModel | None,
     data: JointData,
     cycles: NDArray[np.int64],

@@ -1,180 +1,237 @@
-"""Cross products of columns: of those of one candidate with each other, and of a few columns with all.
+"""One Gram matrix of whitened columns, by folds of whole cycles: every score of a selection is a small solve on it."""
 
-Columns that lie one behind the other in one array are multiplied at one go: what takes the time is to read them.
-"""
-
-from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.noise_model import NoiseModel
+from friction_audit.diagnosis.problem import FOLDS, Nuisance, RegressionProblem
 from friction_audit.joint_log import Float
 
-Index = NDArray[np.int64]
-Kept = NDArray[np.bool_] | None
-"""Samples that count, all if None, shape (n,)."""
-SAMPLES_AT_A_TIME = 4096
-"""So many of a candidate's columns fit the cache that cores share."""
+COPY = 1e-5  # eigenvalue of a block given everything else, over its own size, of what is a copy of that
+RIDGE = 1e-10
+ROOM = 64
 
 
-def products_within(columns: Sequence[Float], kept: Kept, known: Float | None = None) -> Float:
-    """Products of the columns of some arrays, shape (n, p) each or (n,), with each other, shape (k, k).
+class Gram:
+    """Whitened columns of the nominal model, the nuisances and all blocks, and their products within each fold."""
 
-    Args:
-        columns: The arrays.
-        kept: Samples that count.
-        known: Those of arrays that are known, not numbers at the others, shape (k, k).
+    def __init__(
+        self, problem: RegressionProblem, noise: NoiseModel, nuisances: Sequence[Nuisance], blocks: Sequence[Block]
+    ) -> None:
+        """Whiten everything; samples are put in the order of their folds."""
+        self.problem, self.noise, self.nuisances = problem, noise, tuple(nuisances)
+        self.order = np.argsort(problem.fold, kind="stable")
+        self.ends = np.searchsorted(problem.fold[self.order], np.arange(FOLDS + 1))
+        self.base_raw = np.vstack([problem.X, *(one.column[None] for one in nuisances)])
+        self.precision = np.append(np.zeros(len(problem.X)), [1.0 / one.sd**2 for one in nuisances])
+        self.y, self.base = self.whiten(problem.y)[0], self.whiten(self.base_raw)
+        self.yy = np.array([self.y[f] @ self.y[f] for f in self.slices])
+        self.by = np.stack([self.base[:, f] @ self.y[f] for f in self.slices])
+        self.bb = np.stack([self.base[:, f] @ self.base[:, f].T for f in self.slices])
+        self.rows = np.empty((sum(b.p for b in blocks) + ROOM, len(self.y)))
+        self.blocks: list[Block] = []
+        self.used = 0
+        self.zy = np.empty((FOLDS, 0))
+        self.own: list[Float] = []
+        self.cross: dict[object, Float] = {"base": np.empty((FOLDS, len(self.base), 0))}
+        self.version = 0
+        self.add(blocks)
+
+    @property
+    def slices(self) -> list[slice]:
+        """Columns of each fold."""
+        return [slice(a, b) for a, b in zip(self.ends[:-1], self.ends[1:], strict=True)]
+
+    def whiten(self, columns: Float) -> Float:
+        """Innovations in the order of the folds, shape (k, m)."""
+        return np.asarray(self.noise.whiten(columns)[:, self.order])
+
+    def add(self, blocks: Sequence[Block]) -> None:
+        """Append blocks."""
+        first, need = self.used, sum(b.p for b in blocks)
+        if first + need > len(self.rows):
+            self.rows = np.vstack([self.rows[:first], np.empty((need + ROOM, len(self.y)))])
+        for block in blocks:
+            block.start = self.used
+            self.used += block.p
+        if blocks:
+            self.rows[first : self.used] = self.whiten(np.vstack([b.columns for b in blocks]))
+        new = self.rows[first : self.used]
+        self.zy = np.hstack([self.zy, np.stack([new[:, f] @ self.y[f] for f in self.slices])])
+        for block in blocks:
+            own = self.of(block)
+            self.own.append(np.stack([own[:, f] @ own[:, f].T for f in self.slices]))
+        for key, known in list(self.cross.items()):
+            left = self.base if key == "base" else self.of(self.blocks[key])  # type: ignore[call-overload]
+            self.cross[key] = np.concatenate([known, self._products(left, new)], axis=2)
+        self.blocks += blocks
+        self.names = np.array([b.name for b in self.blocks])
+        self.version += 1
+
+    def of(self, block: Block) -> Float:
+        """Whitened columns of a block, shape (p, m)."""
+        return self.rows[block.start : block.start + block.p]
+
+    def products(self, block: Block) -> Float:
+        """Products of a block with all others within each fold, shape (folds, p, columns)."""
+        key = next(k for k, one in enumerate(self.blocks) if one is block)
+        if key not in self.cross:
+            self.cross[key] = self._products(self.of(block), self.rows[: self.used])
+        return self.cross[key]
+
+    def _products(self, left: Float, right: Float) -> Float:
+        return np.stack([left[:, f] @ right[:, f].T for f in self.slices])
+
+
+@dataclass(eq=False)
+class Fit:
+    """The model with some blocks, fitted on some folds.
+
+    Attributes:
+        kept: Rows of the base that take part: nuisances that a block replaces do not.
+        coefficients: Of these and of the blocks, one after the other.
+        rss: Weighted residual sum of squares, priors included.
+        factor, scale, projected: Cholesky factor of the scaled Gram matrix, its scale, and the response in its terms.
     """
-    widths = _widths(columns)
-    gram = np.full((widths.sum(),) * 2, np.nan) if known is None else known.copy()
-    lacks = _any_of(~np.isfinite(np.diag(gram)), widths)
-    old, new = np.flatnonzero(~lacks).tolist(), np.flatnonzero(lacks).tolist()
-    if new:
-        added = _places(lacks, widths)
-        gram[np.ix_(added, added)] = _among([columns[k] for k in new], kept)
-    if old and new:
-        here = _places(~lacks, widths)
-        both = _with_all(_counted(np.concatenate([_across(columns[k]) for k in new]), kept), [columns[k] for k in old])
-        gram[np.ix_(added, here)], gram[np.ix_(here, added)] = both, both.T
-    return gram
+
+    kept: NDArray[np.int64]
+    coefficients: Float
+    rss: float
+    factor: Float
+    scale: Float
+    projected: Float
 
 
-def fill_in(gram: Float, columns: Sequence[Float], wanted: list[int], kept: Kept, scale: Float | None = None) -> None:
-    """Write the products of some columns with all others that lack one of them.
+@dataclass(eq=False)
+class Training:
+    """What some of the folds say: scores of all blocks given an active set."""
 
-    Args:
-        gram: Products over the scales, no numbers where they are not known, shape (k, k).
-        columns: All arrays, shape (n, p) each or (n,).
-        wanted: Numbers of columns.
-        kept: Samples that count.
-        scale: Of each column, shape (k,); 1 if None.
-    """
-    widths = _widths(columns)
-    lacks = _any_of(np.asarray(np.isnan(gram[wanted]).any(axis=0)), widths)
-    lacking = np.flatnonzero(lacks).tolist()
-    if not lacking:
-        return
-    there = _places(lacks, widths)
-    rows = _with_all(_counted(_rows_of(columns, wanted), kept), [columns[k] for k in lacking])
-    if scale is not None:
-        rows /= scale[wanted, None] * scale[there]
-    here = np.asarray(wanted)
-    gram[np.ix_(here, there)], gram[np.ix_(there, here)] = rows, rows.T
+    gram: Gram
+    folds: tuple[int, ...] = tuple(range(FOLDS))
+    _sums: dict[object, tuple[int, Float]] = field(default_factory=dict)
+    _fits: dict[tuple[object, ...], Fit] = field(default_factory=dict)
+    _own: dict[tuple[str, int], tuple[int, list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]]] = field(
+        default_factory=dict
+    )
 
+    @property
+    def samples(self) -> float:
+        """Effective samples."""
+        gram = self.gram
+        share = sum(gram.ends[k + 1] - gram.ends[k] for k in self.folds) / max(len(gram.y), 1)
+        return float(gram.noise.effective_samples * share) - len(gram.problem.X)
 
-def _rows_of(columns: Sequence[Float], wanted: list[int]) -> Float:
-    """Some columns, by their number among those of all arrays, as rows, shape (w, n)."""
-    ends = np.cumsum(_widths(columns))
-    arrays = np.searchsorted(ends, wanted, side="right").tolist()
-    own = [_across(columns[k])[column - int(ends[k])] for k, column in zip(arrays, wanted, strict=True)]
-    return np.stack(own)
+    def _sum(self, key: object, by_fold: Float) -> Float:
+        version, total = self._sums.get(key, (-1, np.zeros(0)))
+        if version != self.gram.version:
+            total = by_fold[list(self.folds)].sum(axis=0)
+            self._sums[key] = self.gram.version, total
+        return total
 
+    def _cross(self, block: Block | None) -> Float:
+        if block is None:
+            return self._sum("base", self.gram.cross["base"])
+        return self._sum(id(block), self.gram.products(block))
 
-def places_of(columns: Sequence[Float]) -> list[Index]:
-    """Where each array has its columns among those of all."""
-    ends = np.append(0, np.cumsum(_widths(columns)))
-    every = np.arange(ends[-1])
-    return [every[i:j] for i, j in pairwise(ends.tolist())]
+    def fit(self, active: Sequence[Block], unpinned: Sequence[str] = ()) -> Fit:
+        """Fit the nominal model, nuisances and some blocks; nuisances of some names are left out."""
+        key = (*map(id, active), "|", *unpinned)
+        if key in self._fits:
+            return self._fits[key]
+        gram, folds = self.gram, list(self.folds)
+        names = {b.name for b in active} | set(unpinned)
+        out = [len(gram.problem.X) + k for k, one in enumerate(gram.nuisances) if names & set(one.replaced_by)]
+        kept = np.setdiff1d(np.arange(len(gram.base)), out)
+        cols = [np.arange(b.start, b.start + b.p) for b in active]
+        at = np.concatenate([np.zeros(0, int), *cols]).astype(int)
+        bb = gram.bb[folds].sum(axis=0)[np.ix_(kept, kept)] + np.diag(gram.precision[kept])
+        rows = [self._cross(b)[:, at] for b in active]
+        whole = np.zeros((len(kept) + len(at),) * 2)
+        b = len(kept)
+        whole[:b, :b] = bb
+        whole[:b, b:] = self._cross(None)[kept][:, at]
+        whole[b:, :b] = whole[:b, b:].T
+        if rows:
+            whole[b:, b:] = np.vstack(rows)
+        right = np.append(gram.by[folds].sum(axis=0)[kept], gram.zy[folds].sum(axis=0)[at])
+        scale = np.sqrt(np.diag(whole))
+        scale[scale == 0] = 1.0
+        factor = np.linalg.cholesky(whole / scale[:, None] / scale + RIDGE * np.eye(len(whole)))
+        projected = np.linalg.solve(factor, right / scale)
+        total = float(gram.yy[folds].sum())
+        fit = Fit(
+            kept=kept,
+            coefficients=np.linalg.solve(factor.T, projected) / scale,
+            rss=max(total - float(projected @ projected), 1e-12 * total),
+            factor=np.asarray(factor, np.float64),
+            scale=scale,
+            projected=projected,
+        )
+        self._fits[key] = fit
+        return fit
 
+    def gain(self, active: Sequence[Block]) -> tuple[Float, list[Float]]:
+        """L = n ln(RSS / RSS with the block) of every block beside an active set, and its coefficients."""
+        blocks = self.gram.blocks
+        gains, coefficients = np.zeros(len(blocks)), [np.zeros(0)] * len(blocks)
+        names = {n for one in self.gram.nuisances for n in one.replaced_by} - {b.name for b in active}
+        known = self.gram.names
+        apart = {k: known[k] for name in names for k in np.flatnonzero(known == name)}
+        self._gain(active, "", np.flatnonzero(~np.isin(known, list(names))), gains, coefficients)
+        for name in names & set(apart.values()):
+            which = np.flatnonzero(known == name)
+            # A nuisance that stands for the effect is left out with it, so that the two compete for the same torque.
+            lost = self.samples * np.log(self.fit(active, (name,)).rss / self.fit(active).rss)
+            self._gain(active, name, which, gains, coefficients)
+            gains[which] -= lost
+        return gains, coefficients
 
-def _widths(columns: Sequence[Float]) -> Index:
-    """How many columns each array has."""
-    return np.array([1 if column.ndim == 1 else column.shape[1] for column in columns], int)
+    def _gain(
+        self, active: Sequence[Block], unpinned: str, which: NDArray[np.int64], gains: Float, coefficients: list[Float]
+    ) -> None:
+        """Write gains and coefficients of some blocks."""
+        fit = self.fit(active, (unpinned,) if unpinned else ())
+        cross = np.vstack([self._cross(None)[fit.kept], *(self._cross(b) for b in active)])
+        zy_all = self.gram.zy[list(self.folds)].sum(axis=0)
+        for members, cols, own in self._by_width(unpinned, which):
+            t = scipy_solve(fit.factor, cross[:, cols.ravel()] / fit.scale[:, None]).reshape(-1, *cols.shape)
+            zy = zy_all[cols] - np.einsum("a,aup->up", fit.projected, t)
+            size = np.sqrt(np.maximum(np.einsum("upp->up", own), 1e-300))
+            if cols.shape[1] == 1:
+                left = own[:, 0, 0] - np.einsum("aup,aup->u", t, t)
+                good = left > COPY * own[:, 0, 0]
+                solution = np.where(good, zy[:, 0] / np.where(good, left, 1.0), 0.0)
+                reduction, found = zy[:, 0] * solution, solution[:, None]
+            else:
+                left = own - np.einsum("aup,auq->upq", t, t)
+                values, vectors = np.linalg.eigh(left / size[:, :, None] / size[:, None, :])
+                along = np.einsum("upe,up->ue", vectors, zy / size)
+                good = values > COPY
+                scaled = np.where(good, along / np.where(good, values, 1.0), 0.0)
+                reduction, found = (along * scaled).sum(axis=1), np.einsum("upe,ue->up", vectors, scaled) / size
+            gains[members] = self.samples * np.log(fit.rss / np.maximum(fit.rss - reduction, 1e-12 * fit.rss))
+            for k, one in zip(members, found, strict=True):
+                coefficients[k] = one
 
-
-def _any_of(true: NDArray[np.bool_], widths: Index) -> NDArray[np.bool_]:
-    """Whether something is true of any column of an array, for each array."""
-    so_far = np.append(0, np.cumsum(true))
-    ends = np.cumsum(widths)
-    return np.asarray(so_far[ends] > so_far[ends - widths])
-
-
-def _places(chosen: NDArray[np.bool_], widths: Index) -> Index:
-    """Where the columns of chosen arrays lie among those of all."""
-    return np.flatnonzero(np.repeat(chosen, widths))
-
-
-def _across(column: Float) -> Float:
-    """An array (n, p) or (n,) as rows, shape (p, n)."""
-    rows = np.asarray(column, float)
-    return rows[None] if rows.ndim == 1 else rows.T
-
-
-def _counted(rows: Float, kept: Kept) -> Float:
-    """Rows (w, n) with zeros at samples that do not count: no other array need be thinned out."""
-    if kept is not None:
-        rows[:, ~kept] = 0.0
-    return rows
-
-
-def _with_all(rows: Float, columns: Sequence[Float]) -> Float:
-    return np.concatenate([rows @ stack.T for stack in _stacks(columns)], axis=1)
-
-
-def _among(columns: Sequence[Float], kept: Kept) -> Float:
-    """Products of columns with each other, (k, k); some samples at a time, for memory that is new is slow."""
-    stacks = list(_stacks(columns))
-    many = sum(map(len, stacks))
-    gram = np.zeros((many, many))
-    stretches = _stretches(np.ones(stacks[0].shape[1], bool) if kept is None else kept)
-    block = np.empty((many, max((samples for _, samples in stretches), default=0)))
-    for some, samples in stretches:
-        own = block[:, :samples]
-        at = 0
-        for i, j in some:
-            first = 0
-            for stack in stacks:
-                own[first : first + len(stack), at : at + j - i] = stack[:, i:j]
-                first += len(stack)
-            at += j - i
-        gram += own @ own.T
-    return gram
-
-
-def _stretches(kept: NDArray[np.bool_]) -> list[tuple[list[tuple[int, int]], int]]:
-    """Stretches of samples that count, from and to, as many together as make a block; and how many samples it has."""
-    blocks: list[tuple[list[tuple[int, int]], int]] = []
-    for begin, end in np.flatnonzero(np.diff(kept, prepend=False, append=False)).reshape(-1, 2).tolist():
-        for i in range(begin, end, SAMPLES_AT_A_TIME):
-            j = min(i + SAMPLES_AT_A_TIME, end)
-            if not blocks or blocks[-1][1] + j - i > SAMPLES_AT_A_TIME:
-                blocks.append(([], 0))
-            some, samples = blocks[-1]
-            blocks[-1] = ([*some, (i, j)], samples + j - i)
-    return blocks
-
-
-def _stacks(columns: Sequence[Float]) -> Iterator[Float]:
-    """All columns as rows, shape (k, n), as many in one array as lie one behind the other."""
-    run: list[Float] = []
-    end = 0
-    for column in columns:
-        own = _across(column)
-        begin = _address(own) if _whole(own) else 0
-        if run and not (begin and begin == end and own.base is run[0].base and own.shape[1] == run[0].shape[1]):
-            yield _joined(run)
-            run = []
-        run.append(own)
-        end = begin + own.nbytes if begin else 0
-    if run:
-        yield _joined(run)
-
-
-def _whole(rows: Float) -> bool:
-    """Whether rows are whole rows of an array that may hold others behind them."""
-    base = rows.base
-    return base is not None and base.flags.c_contiguous and rows.flags.c_contiguous and base.shape[-1] == rows.shape[1]
+    def _by_width(self, key: str, which: NDArray[np.int64]) -> list[tuple[NDArray[np.int64], NDArray[np.int64], Float]]:
+        version, found = self._own.get((key, len(which)), (-1, []))
+        if version != self.gram.version:
+            blocks, found = self.gram.blocks, []
+            for p in sorted({blocks[k].p for k in which}):
+                members = np.array([k for k in which if blocks[k].p == p])
+                cols = np.array([blocks[k].start for k in members])[:, None] + np.arange(p)
+                own = np.stack([self.gram.own[k][list(self.folds)].sum(axis=0) for k in members])
+                found.append((members, cols, own))
+            self._own[key, len(which)] = self.gram.version, found
+        return found
 
 
-def _joined(run: Sequence[Float]) -> Float:
-    """Rows that lie one behind the other in one array as one view of it."""
-    first = run[0]
-    if len(run) == 1 or first.base is None:
-        return first
-    row = (_address(first) - _address(first.base)) // (first.shape[1] * first.itemsize)
-    return np.asarray(first.base.reshape(-1, first.shape[1])[row : row + sum(map(len, run))])
+def scipy_solve(factor: Float, right: Float) -> Float:
+    """Solve with a lower triangular factor."""
+    from scipy.linalg import solve_triangular
 
-
-def _address(array: Float) -> int:
-    return int(array.__array_interface__["data"][0])
+    return np.asarray(solve_triangular(factor, right, lower=True, check_finite=False))

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import Discrepancy, JointDiscrepancy
+from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.effects.parameter import Parameter
@@ -50,7 +50,7 @@ def grow_models(found: Discrepancy, log: JointLog, declared: ArmModel | None) ->
     return Grown(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
 
 
-def grow_model(joint: JointDiscrepancy, declared: JointModel | None, origin: Provenance) -> JointModel:
+def grow_model(joint: JointDiagnosis, declared: JointModel | None, origin: Provenance) -> JointModel:
     """Return the grown model of one joint that was fitted.
 
     Args:
@@ -100,10 +100,10 @@ def _shape(term: Effect, declared: JointModel | None) -> tuple[float, ...]:
     return () if values is None else values[len(term.coefficients) :]
 
 
-def _strangers(joint: JointDiscrepancy) -> list[str]:
+def _strangers(joint: JointDiagnosis) -> list[str]:
     known = {term.name for term in terms()}
     return [effect.name for effect in joint.effects if effect.name not in known]
 
 
-def _count_cycles(joint: JointDiscrepancy) -> int:
+def _count_cycles(joint: JointDiagnosis) -> int:
     return 0 if joint.traces is None else len(np.unique(joint.traces.cycle))

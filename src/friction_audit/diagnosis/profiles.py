@@ -1,12 +1,11 @@
 """Where a residual lies: its mean along every axis, and which axes it depends on."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.curves import Curve
-from friction_audit.diagnosis.omnibus import Omnibus
+from friction_audit.diagnosis.problem import Curve
 from friction_audit.diagnosis.result import Profile
 from friction_audit.joint_log import Float
 
@@ -24,7 +23,7 @@ def profile_all(
     curves: Sequence[Curve],
     dq: Float,
     cycle: NDArray[np.int64],
-    test: Omnibus | None,
+    p_values: Mapping[str, float],
 ) -> tuple[Profile, ...]:
     """The residual along each axis, what takes most of it first.
 
@@ -33,10 +32,9 @@ def profile_all(
         curves: A curve per axis.
         dq: Velocity, shape (m,). [rad/s]
         cycle: Number of the cycle of each row, shape (m,).
-        test: The test that the curves took part in; None where there was none.
+        p_values: That nothing depends on an axis, by its name; NaN where it was not tested.
     """
-    p = {} if test is None else dict(zip(test.names, test.adjusted_p.tolist(), strict=True))
-    found = [_profile(residual, curve, dq, cycle, p.get(curve.axis.name, float("nan"))) for curve in curves]
+    found = [_profile(residual, curve, dq, cycle, p_values.get(curve.axis.name, float("nan"))) for curve in curves]
     return tuple(sorted(found, key=lambda profile: -profile.share))
 
 
@@ -56,7 +54,7 @@ def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64],
         backwards=backwards,
         forwards_se=forwards_se,
         backwards_se=backwards_se,
-        share=_share(residual, curve.group.shapes[0], cycle),
+        share=_share(residual, curve.columns.T, cycle),
         p_value=p_value,
         where=_where(curve.axis.name, edges, forwards, forwards_se, backwards, backwards_se),
     )

@@ -59,20 +59,20 @@ class Profile:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Vibration:
-    """A hump in the residual's spectrum in time.
+class ResidualCheck:
+    """A structure in what is left.
 
     Attributes:
-        frequency_hz: Where it is highest. [Hz]
-        low_hz: Where it begins. [Hz]
-        high_hz: Where it ends. [Hz]
-        rms_nm: Root mean square of the torque in it. [N m]
+        code: ``curve``, ``line``, ``scatter`` or ``change``.
+        along: The quantity, or the effect that changes.
+        share: Of the mean square, 0..1.
+        frequency: Of a line: in Hz, or waves per rad; 0 for the others.
     """
 
-    frequency_hz: float
-    low_hz: float
-    high_hz: float
-    rms_nm: float
+    code: str
+    along: str
+    share: float
+    frequency: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -112,14 +112,13 @@ class OwnAxis:
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Effect:
-    """An effect that the declared model misses.
+class NamedEffect:
+    """An effect that the nominal model misses.
 
     Attributes:
         name: From the vocabulary.
         label: A few words for people.
         alternatives: Names that this log does not tell apart from it.
-        together: Pairs of these that may be it only together.
         decide: The motion that would decide between them; empty without alternatives.
         parameters: Values with 95 % intervals by name, unit behind it: linear factors, then shape.
         p_value: Family-wise p-value of its improvement on cycles that no choice was made on.
@@ -127,11 +126,17 @@ class Effect:
         axis: The quantity on which it shows itself.
         gap_before_nm: Residual on locked cycles without it, all stronger effects added. [N m]
         gap_after_nm: The same with it. [N m]
-        partial_nm: Root mean square of its torque free of all else in the model. [N m]
         torque: Its torque at the rows, shape (m,). [N m]
         curve: What the grown model leaves plus this torque, along the axis: the effect as the log shows it.
         evidence: The candidates in its place, the best first.
         own: The axis that it is drawn along; None where ``axis`` shows it.
+        size_nm: Rms of its torque free of the nominal model. [N m]
+        friction_share: Of the rms of the joint's friction torque.
+        residual_share: Of the residual's power, with the nominal model alone, that it takes.
+        grade: ``major``, ``minor`` or ``negligible``.
+        folds: Selections, each without one fold of the cycles.
+        chosen_in: Those that chose it, or what is the same thing there.
+        not_identifiable: Names of its parameters that this log does not hold.
     """
 
     name: str
@@ -144,18 +149,17 @@ class Effect:
     axis: str
     gap_before_nm: float
     gap_after_nm: float
-    partial_nm: float
     torque: Float
     curve: Profile
     evidence: tuple[Evidence, ...]
-    together: tuple[tuple[str, str], ...] = ()
+    size_nm: float
+    friction_share: float
+    residual_share: float
+    grade: str
+    folds: int
+    chosen_in: int
+    not_identifiable: tuple[str, ...] = ()
     own: OwnAxis | None = None
-
-    @property
-    def alone(self) -> tuple[str, ...]:
-        """The alternatives that may be it by themselves."""
-        in_pairs = set[str]().union(*self.together)
-        return tuple(name for name in self.alternatives if name not in in_pairs)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -227,16 +231,15 @@ class ContactTrace:
     spans_s: tuple[tuple[float, float], ...]
 
 
-def others_of(effect: Effect, effects: Sequence[Effect]) -> tuple[str, ...]:
-    """Return what an effect may be instead, in words: another name, two, or a part of what is in the answer itself."""
+def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str, ...]:
+    """Return what an effect may be instead, in words: another name, or a part of what is in the answer itself."""
     there = {one.name for one in effects}
-    names = [name for name in effect.alone if name not in there]
-    parts = [f"a part of {name}" for name in effect.alone if name in there]
-    return (*names, *map(" with ".join, effect.together), *parts)
+    names = [name for name in effect.alternatives if name not in there]
+    return (*names, *(f"a part of {name}" for name in effect.alternatives if name in there))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class JointDiscrepancy:
+class JointDiagnosis:
     """What a diagnosis says of one joint.
 
     Attributes:
@@ -257,8 +260,10 @@ class JointDiscrepancy:
         detection_limit_nm: Smallest root mean square of an effect that would have been seen with 90 % power. [N m]
         profiles: The residual of the declared model against every axis, the most telling first.
         remaining: The residual of the grown model likewise.
-        vibration: A hump in the spectrum of what the grown model leaves; None where there is none.
-        scatter_nm: By how much friction changes from stroke to stroke, following nothing; None without. [N m]
+        negligible: Effects that stand and are too small to count.
+        checks: Structures in what the augmented model leaves.
+        remainder_share: Share of the residual's power without a name, 0..1.
+        share_explained: Share of the gap that the effects close, gravity in the model before and after.
         untestable: Why the log cannot show an effect, by name of the effect.
         findings: What the audit of the data found.
         traces: Measured against simulated; None where nothing was fitted.
@@ -271,7 +276,7 @@ class JointDiscrepancy:
     name: str
     verdict: Verdict
     message: str
-    effects: tuple[Effect, ...] = ()
+    effects: tuple[NamedEffect, ...] = ()
     declared: dict[str, Coefficient] = field(default_factory=dict)
     grown: dict[str, Coefficient] = field(default_factory=dict)
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
@@ -284,8 +289,10 @@ class JointDiscrepancy:
     detection_limit_nm: float = float("nan")
     profiles: tuple[Profile, ...] = ()
     remaining: tuple[Profile, ...] = ()
-    vibration: Vibration | None = None
-    scatter_nm: float | None = None
+    negligible: tuple[NamedEffect, ...] = ()
+    checks: tuple[ResidualCheck, ...] = ()
+    remainder_share: float = 0.0
+    share_explained: float = float("nan")
     untestable: dict[str, str] = field(default_factory=dict)
     findings: tuple[DataFinding, ...] = ()
     traces: Traces | None = None
@@ -293,7 +300,7 @@ class JointDiscrepancy:
     traceback: str = ""
 
     @property
-    def added(self) -> tuple[Effect, ...]:
+    def added(self) -> tuple[NamedEffect, ...]:
         """The effects of the augmented model: contact events are in no model, their samples are left out."""
         return tuple(effect for effect in self.effects if effect.name != CONTACT_EVENT)
 
@@ -302,4 +309,4 @@ class JointDiscrepancy:
 class Discrepancy:
     """What a diagnosis says of a log: one entry per joint."""
 
-    joints: tuple[JointDiscrepancy, ...]
+    joints: tuple[JointDiagnosis, ...]

@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.prewhitening import Prewhitening, response
 from friction_audit.effects.breakaway import Breakaways, find_breakaways, torque_known
 from friction_audit.effects.joint_data import CORNER_HZ, JointData
 from friction_audit.joint_log import Float
@@ -47,7 +46,6 @@ class Rows:
         breakaways: Moments at which the joint left a standstill, k of them.
         breakaway_row: Row, of all that the filter gives, of each of them, shape (k,).
         breakaway_weight: Torque and columns of these rows are multiplied by this, that they be as noisy as the others.
-        prewhitening: What makes news of torque and columns; None where they are as they were measured.
     """
 
     kernel: Float
@@ -60,7 +58,6 @@ class Rows:
     breakaways: Breakaways
     breakaway_row: NDArray[np.int64]
     breakaway_weight: float
-    prewhitening: Prewhitening | None = None
 
     @property
     def weight(self) -> Float:
@@ -74,26 +71,11 @@ class Rows:
         """Spacing of rows that follow each other. [s]"""
         return float(np.min(np.diff(self.t))) if len(self.t) > 1 else 0.0
 
-    @property
-    def whole_kernel(self) -> Float:
-        """Weights of the filter and, behind them, of the news where rows follow each other, shape (k,)."""
-        if self.prewhitening is None:
-            return self.kernel
-        news = response(self.prewhitening.noise)
-        apart = np.zeros(self.every * len(news))
-        apart[:: self.every] = news
-        return np.convolve(self.kernel, apart)
-
-    def back(self, residual: Float) -> Float:
-        """What the filter's rows, times a column, add up to with a residual that has this for its news, shape (m,)."""
-        return residual if self.prewhitening is None else self.prewhitening.back(residual)
-
     def keep(self, kept: NDArray[np.bool_]) -> "Rows":
         """Some of the rows, shape (m,)."""
         used = self.used.copy()
         used[used] = kept
-        news = None if self.prewhitening is None else self.prewhitening.keep(kept)
-        return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept], prewhitening=news)
+        return replace(self, used=used, t=self.t[kept], y=self.y[kept], cycle=self.cycle[kept])
 
     def of(self, columns: Float, out: Float | None = None) -> Float:
         """Filter and thin out columns of the fine grid, shape (n,) or (n, p), to shape (m,) or (m, p).
@@ -106,8 +88,6 @@ class Rows:
             there = self.used[self.breakaway_row]
             place = np.searchsorted(wanted, self.breakaway_row[there])
             filtered[place] = self.breakaway_weight * self.breakaways.of(columns)[there]
-        if self.prewhitening is not None:
-            self.prewhitening.in_place(filtered)
         return filtered
 
 

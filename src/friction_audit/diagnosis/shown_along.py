@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from friction_audit.diagnosis.profiles import BINS, bin_means
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy, OwnAxis, Profile, Traces
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
 
 STRETCHES = 24
@@ -40,7 +40,7 @@ SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own ang
 OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
 
 
-def with_own_axes(joint: JointDiscrepancy) -> JointDiscrepancy:
+def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
     """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
     if joint.traces is None:
         return joint
@@ -49,7 +49,7 @@ def with_own_axes(joint: JointDiscrepancy) -> JointDiscrepancy:
     return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
 
 
-def own_axis(effect: Effect, traces: Traces) -> OwnAxis | None:
+def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
     """Return what an effect is drawn along; None where the axis of its curve shows it.
 
     A ripple is drawn over one wave, for bins in place would average it away. What follows several joints, or is no

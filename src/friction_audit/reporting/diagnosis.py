@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.result import VERDICTS, Effect, JointDiscrepancy, Profile, others_of
+from friction_audit.diagnosis.result import VERDICTS, JointDiagnosis, NamedEffect, Profile, others_of
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
@@ -80,24 +80,24 @@ EVIDENCE = Record(
 )
 
 
-class NamedEffect(NamedTuple):
+class EffectRow(NamedTuple):
     """An effect of a joint and its place among those of the joint, from 1."""
 
-    joint: JointDiscrepancy
+    joint: JointDiagnosis
     rank: int
-    effect: Effect
+    effect: NamedEffect
 
 
-def named_effects(joints: Iterable[JointDiscrepancy]) -> list[NamedEffect]:
+def named_effects(joints: Iterable[JointDiagnosis]) -> list[EffectRow]:
     """Return the effects of joints, the strongest of each first."""
-    return [NamedEffect(joint, rank, one) for joint in joints for rank, one in enumerate(joint.effects, start=1)]
+    return [EffectRow(joint, rank, one) for joint in joints for rank, one in enumerate(joint.effects, start=1)]
 
 
-def _names(row: NamedEffect) -> str:
+def _names(row: EffectRow) -> str:
     return names_of(row.effect, row.joint.effects)
 
 
-def _steps(joint: JointDiscrepancy) -> list[dict[str, Any]]:
+def _steps(joint: JointDiagnosis) -> list[dict[str, Any]]:
     return [{"step": step, "label": label, "rms_nm": rms} for step, (label, rms) in enumerate(joint.ladder)]
 
 
@@ -109,7 +109,7 @@ def _profiles(profiles: Sequence[Profile]) -> list[dict[str, Any]]:
     ]
 
 
-def _bins(joint: JointDiscrepancy) -> list[dict[str, Any]]:
+def _bins(joint: JointDiagnosis) -> list[dict[str, Any]]:
     names = ("centre", "forwards_nm", "forwards_se_nm", "backwards_nm", "backwards_se_nm")
     every = [("nominal", one) for one in joint.profiles] + [("augmented", one) for one in joint.remaining]
     return [
@@ -119,15 +119,15 @@ def _bins(joint: JointDiscrepancy) -> list[dict[str, Any]]:
     ]
 
 
-def _findings(joints: Iterable[JointDiscrepancy]) -> list[tuple[JointDiscrepancy, DataFinding]]:
+def _findings(joints: Iterable[JointDiagnosis]) -> list[tuple[JointDiagnosis, DataFinding]]:
     return [(joint, finding) for joint in joints for finding in joint.findings]
 
 
-def _values(row: NamedEffect) -> dict[str, float]:
+def _values(row: EffectRow) -> dict[str, float]:
     return {name: number.value for name, number in row.effect.parameters.items()}
 
 
-def _intervals(row: NamedEffect) -> dict[str, tuple[float, float]]:
+def _intervals(row: EffectRow) -> dict[str, tuple[float, float]]:
     return {name: (number.low, number.high) for name, number in row.effect.parameters.items()}
 
 
@@ -140,10 +140,7 @@ EFFECT = Record(
         Column("effect", str, get=lambda r: f"{_names(r)}: {r.effect.label}", title="effect", on="p"),
         Column("label", str, "in words", "effect.label"),
         Column("alternatives", [str], "indistinguishable effects", "effect.alternatives", on="j"),
-        Column(
-            "alternatives", str, get=lambda r: " ".join((*r.effect.alone, *map("+".join, r.effect.together))), on="f"
-        ),
-        Column("alternatives_together", [[str]], "pairs of these", "effect.together", on="j"),
+        Column("alternatives", str, get=lambda r: " ".join(r.effect.alternatives), on="f"),
         Column("decide", str, "the motion that would distinguish them", "effect.decide", null=True, on="j"),
         Column("parameters", {"*": float}, "values by name with the unit", _values, on="j"),
         Column("parameters_ci95", {"*": INTERVAL}, "their 95 % intervals", _intervals, on="j"),
@@ -165,7 +162,7 @@ EFFECT = Record(
         Column("decide", str, get="effect.decide", on="f"),
         Column("numbers", str, get=lambda r: effect_numbers(r.effect), title="parameters", on="p"),
         Column("axis", str, "the quantity on which it shows", "effect.axis", on="j"),
-        Column("partial_rms", float, "RMS of its torque alone", "effect.partial_nm", unit="N m", on="j"),
+        Column("size", float, "RMS of its torque free of the nominal model", "effect.size_nm", unit="N m", on="j"),
         Column("evidence", [EVIDENCE], "the effect and others in its place", "effect.evidence", on="j"),
         Column("curve", CURVE, "mean of what it explains over `axis`", "effect.curve", on="j"),
     ),
@@ -234,12 +231,12 @@ SIMULATION = Record(
         Column("unit", str, "unit of both"),
     )
 )
-VIBRATION = Record(
+CHECK = Record(
     (
-        Column("frequency", float, "of its top", unit="Hz"),
-        Column("low", float, "lower end", unit="Hz"),
-        Column("high", float, "upper end", unit="Hz"),
-        Column("rms", float, "torque in it", unit="N m"),
+        Column("code", ("curve", "line", "scatter", "change"), "what the residual holds"),
+        Column("along", str, "the quantity, or the effect that changes"),
+        Column("share", float, "of the mean square"),
+        Column("frequency", float, "of a line: in Hz over time, else in waves per rad", null=True),
     )
 )
 FINDING = Record(
@@ -263,7 +260,7 @@ FINDING = Record(
 )
 
 
-def _augmented(path: str) -> Callable[[JointDiscrepancy], float | None]:
+def _augmented(path: str) -> Callable[[JointDiagnosis], float | None]:
     """Return what gets a number of the augmented model, None where no effect was added."""
     one, _, name = path.partition(".")
     return lambda joint: getattr(getattr(joint, one), name, None) if joint.effects else None
@@ -273,7 +270,7 @@ def _percent(share: float) -> str:
     return f"{100 * share:.1f}"
 
 
-def _missing(joint: JointDiscrepancy) -> str:
+def _missing(joint: JointDiagnosis) -> str:
     """Return the effects with their alternatives and sizes, a line each."""
     lines = []
     for effect in joint.effects:
@@ -362,8 +359,7 @@ JOINT_DIAGNOSIS = Record(
         Column(
             "remaining", [PROFILE], "the same of the augmented model", lambda joint: _profiles(joint.remaining), on="j"
         ),
-        Column("vibration", VIBRATION, "a peak in the spectrum of the residual", on="j", null=True),
-        Column("scatter", float, "RMS of the variation of friction between strokes", unit="N m", on="j"),
+        Column("checks", [CHECK], "structures in what the augmented model leaves", on="j"),
         Column("untestable", {"*": str}, "effects that this log cannot show, with the motion that it lacks", on="j"),
         Column("findings", [FINDING], "the audit of the data", lambda joint: _findings([joint]), on="j"),
     ),
@@ -444,7 +440,7 @@ def diagnose_document(found: Diagnosis, reading: Mapping[str, object] = NO_OPTIO
 def diagnose_tables(found: Diagnosis) -> tuple[TidyTable, ...]:
     """Return the tables of a diagnosis for files."""
     joints, unit = found.discrepancy.joints, found.estimate.log.source.torque_unit
-    rows: tuple[tuple[Record, Callable[[JointDiscrepancy], Any]], ...] = (
+    rows: tuple[tuple[Record, Callable[[JointDiagnosis], Any]], ...] = (
         (JOINT_DIAGNOSIS, lambda joint: [joint]),
         (EFFECT, lambda joint: named_effects([joint])),
         (
@@ -496,7 +492,7 @@ def data_tables(found: Diagnosis | None) -> tuple[Table, ...]:
     return tuple(table for table in tables if table.rows)
 
 
-def _untestable(joints: Iterable[JointDiscrepancy]) -> Iterator[tuple[JointDiscrepancy, list[str], str]]:
+def _untestable(joints: Iterable[JointDiagnosis]) -> Iterator[tuple[JointDiagnosis, list[str], str]]:
     """Yield joint, effects that its log cannot show, and why: effects with the same reason together."""
     for joint in joints:
         reasons: dict[str, list[str]] = {}
@@ -528,16 +524,16 @@ def diagnose_lines(found: Diagnosis, *, verbose: bool = False) -> list[str]:
     return lines
 
 
-def _alike(joints: Sequence[JointDiscrepancy], *, together: bool) -> list[list[JointDiscrepancy]]:
+def _alike(joints: Sequence[JointDiagnosis], *, together: bool) -> list[list[JointDiagnosis]]:
     """Return the joints, those with the same answer together."""
-    groups: dict[object, list[JointDiscrepancy]] = {}
+    groups: dict[object, list[JointDiagnosis]] = {}
     for joint in joints:
         alone = joint.effects or joint.simulation is not None or not together
         groups.setdefault(joint.joint if alone else joint.message, []).append(joint)
     return list(groups.values())
 
 
-def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
+def _sentences(joints: Sequence[JointDiagnosis]) -> Iterator[str]:
     """Yield the message of joints with the same answer, each effect in numbers, the simulated motion."""
     first = joints[0]
     yield f"{joints_label(joint.joint for joint in joints)}: {first.message}"
@@ -558,7 +554,7 @@ def _sentences(joints: Sequence[JointDiscrepancy]) -> Iterator[str]:
         yield f"  forward-simulation velocity error {error.before:.3g} -> {error.after:.3g} {error.unit} RMS"
 
 
-def _details(joint: JointDiscrepancy) -> Iterator[str]:
+def _details(joint: JointDiagnosis) -> Iterator[str]:
     for row in named_effects([joint]):
         for one in row.effect.evidence:
             if one.name != row.effect.name:

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-from friction_audit.diagnosis.result import Effect, JointDiscrepancy, others_of
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, others_of
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import terms
 from friction_audit.effects.warm_up import UNFELT_PER_K
@@ -24,12 +24,12 @@ IDLE = {"warm_up_per_k": UNFELT_PER_K}
 CHOICE = re.compile(r"(-?\d+|else) ([^,]+)")
 
 
-def names_of(effect: Effect, effects: Sequence[Effect]) -> str:
+def names_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> str:
     """Return the name of one of some effects and of those indistinguishable from it."""
     return " or ".join((effect.name, *others_of(effect, effects)))
 
 
-def verdict_words(joint: JointDiscrepancy) -> str:
+def verdict_words(joint: JointDiagnosis) -> str:
     """Return a verdict with the names it gives."""
     word = joint.verdict.replace("_", " ")
     named = " and ".join(names_of(effect, joint.effects) for effect in joint.effects)
@@ -46,15 +46,15 @@ def nominal_model(model: ArmModel | None) -> str:
     return "as given, its friction fitted again" + (f" except {', '.join(held)}, which it holds" if held else "")
 
 
-def effect_size(effect: Effect) -> str:
+def effect_size(effect: NamedEffect) -> str:
     """Return the number that is an effect's size; of several coefficients the RMS of its torque given all else."""
     names = [name for name in SIZES.get(effect.name, COEFFICIENTS.get(effect.name, ())) if name in effect.parameters]
     if len(names) == 1:
         return format_quantity(effect.parameters[names[0]], PARAMETERS_BY_NAME[names[0]].unit)
-    return f"{format_torque(effect.partial_nm)} N m rms"
+    return f"{format_torque(effect.size_nm)} N m rms"
 
 
-def effect_numbers(effect: Effect) -> str:
+def effect_numbers(effect: NamedEffect) -> str:
     """Return the parameters in words; more than people can read are left to the document."""
     words = [_parameter(name, number) for name, number in effect.parameters.items()]
     if len(words) > MOST_NUMBERS:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 from friction_audit.compensation.result import JointReplay
 from friction_audit.compensation.settings import ReplaySettings
-from friction_audit.diagnosis.result import JointDiscrepancy
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import NAMES
 from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentence, traced
@@ -44,7 +44,7 @@ class JointReport:
     """What is reported of one joint, None where a part has no answer."""
 
     friction: JointFriction
-    discrepancy: JointDiscrepancy | None
+    discrepancy: JointDiagnosis | None
     replay: JointReplay | None
 
     @property
@@ -233,7 +233,7 @@ def lead_sentence(report: LogReport) -> str:
     return f"{estimated} {_as_sentence(parts)}" if parts else estimated
 
 
-def _missing(found: JointDiscrepancy) -> str:
+def _missing(found: JointDiagnosis) -> str:
     names = enumerate_words(names_of(effect, found.effects) for effect in found.effects) if found.effects else ""
     return {
         "adequate": "the model is adequate",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import CONTACT_EVENT, Effect, JointDiscrepancy, OwnAxis, Profile, Traces
+from friction_audit.diagnosis.result import CONTACT_EVENT, JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import effect_numbers
 from friction_audit.reporting.figures.panels import (
@@ -57,13 +57,13 @@ POINTS = 60  # stretches with equally many samples over which a fitted torque is
 class Row(NamedTuple):
     """A row of the figure: a joint and its residual before and after; None where there is nothing."""
 
-    joint: JointDiscrepancy
+    joint: JointDiagnosis
     before: Profile | None
     after: Profile | None
     own: OwnAxis | None = None
 
 
-def rows_of(joint: JointDiscrepancy) -> list[Row]:
+def rows_of(joint: JointDiagnosis) -> list[Row]:
     """Return one row per axis that shows a named effect, and one for what is left unexplained."""
 
     def along(axis: str) -> Row:
@@ -196,7 +196,7 @@ def draw_effects(found: "Diagnosis", joint: int | None) -> "Figure":
     return figure
 
 
-def _effect_panels(joint: JointDiscrepancy, effect: Effect, *, sheet: bool) -> "list[Callable[[Axes], None]]":
+def _effect_panels(joint: JointDiagnosis, effect: NamedEffect, *, sheet: bool) -> "list[Callable[[Axes], None]]":
     if effect.name != CONTACT_EVENT or joint.contacts is None:
         return [partial(_draw_effect, joint=joint, effect=effect)]
     t, residual, spans = joint.contacts.t, joint.contacts.residual_nm, joint.contacts.spans_s
@@ -209,7 +209,7 @@ def _effect_panels(joint: JointDiscrepancy, effect: Effect, *, sheet: bool) -> "
     return list(panels)
 
 
-def _draw_effect(axes: "Axes", joint: JointDiscrepancy, effect: Effect) -> None:
+def _draw_effect(axes: "Axes", joint: JointDiagnosis, effect: NamedEffect) -> None:
     """Draw the effect as the log shows it, and as it was fitted."""
     traces, own = joint.traces, effect.own
     assert traces is not None
@@ -228,7 +228,7 @@ def _draw_effect(axes: "Axes", joint: JointDiscrepancy, effect: Effect) -> None:
         )  # fmt: skip
 
 
-def _draw_fitted(axes: "Axes", traces: Traces, effect: Effect, along: Float) -> None:
+def _draw_fitted(axes: "Axes", traces: Traces, effect: NamedEffect, along: Float) -> None:
     """Draw the fitted torque along the axis, a line for each direction."""
     for which, dashes, name in ((traces.dq > 0, "-", "forwards"), (traces.dq <= 0, DASHED, "backwards")):
         x, y = mean_along(along[which], effect.torque[which])
@@ -246,7 +246,7 @@ ASIDE_S = 1.0  # what is shown before and after the largest contact
 LEAST_WIDTH = 0.004  # share of a panel that a contact is drawn wide at least
 
 
-def _draw_contacts(axes: "Axes", joint: JointDiscrepancy, title: str, ends: tuple[float, float]) -> None:
+def _draw_contacts(axes: "Axes", joint: JointDiagnosis, title: str, ends: tuple[float, float]) -> None:
     """Draw what the augmented model leaves over time, contacts shaded."""
     contacts, traces = joint.contacts, joint.traces
     assert contacts is not None

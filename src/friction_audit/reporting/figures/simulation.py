@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import JointDiscrepancy, SimulationGap, Traces
+from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap, Traces
 from friction_audit.joint_log import Float
 from friction_audit.reporting.figures.panels import (
     add_legend,
@@ -80,7 +80,7 @@ def draw_simulation(found: "Diagnosis", joint: int | None) -> "Figure":
     return figure
 
 
-def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiscrepancy, *, alone: bool) -> None:
+def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis, *, alone: bool) -> None:
     """Draw torque, residual and motion of one joint."""
     motion, traces = joint.simulation, joint.traces
     drawn = panels[: 1 if traces is None else 2 if motion is None else 3]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Effect, Evidence, JointDiscrepancy, others_of
+from friction_audit.diagnosis.result import CONTACT_EVENT, UNANSWERED, Evidence, JointDiagnosis, NamedEffect, others_of
 from friction_audit.reporting.diagnosis_words import verdict_words
 from friction_audit.reporting.figures.panels import (
     add_legend,
@@ -59,7 +59,7 @@ MOST_LINES = 3
 WIDER = 1.3  # times the largest and the smallest torque up to which the axis reaches
 
 
-def write_verdict(axes: "Axes", joint: JointDiscrepancy) -> None:
+def write_verdict(axes: "Axes", joint: JointDiagnosis) -> None:
     """Fill a panel with the verdict on a joint that has nothing to draw there."""
     label_panel(axes, joint_title(joint.joint, joint.name))
     sentence = f"{joint.verdict.replace('_', ' ')}: {joint.message.partition(';')[0]}"
@@ -89,13 +89,13 @@ def draw_verdicts(found: "Diagnosis", joint: int | None) -> "Figure":
     return figure
 
 
-def said_of(joint: JointDiscrepancy) -> str:
+def said_of(joint: JointDiagnosis) -> str:
     """Return the verdict and names, and where there is no answer, the message."""
     words = verdict_words(joint)
     return f"{words}: {joint.message}" if joint.verdict in UNANSWERED else words
 
 
-def _draw_torques(axes: "Axes", place: int, joint: JointDiscrepancy) -> None:
+def _draw_torques(axes: "Axes", place: int, joint: JointDiagnosis) -> None:
     """Draw a line from the residual of the nominal model to that of the augmented one."""
     gap = joint.gap
     if gap is None:
@@ -116,7 +116,7 @@ def _name_rows(axes: "Axes", names: Sequence[str]) -> None:
     axes.tick_params(axis="y", length=0)
 
 
-def _scale_torques(axes: "Axes", joints: Sequence[JointDiscrepancy]) -> None:
+def _scale_torques(axes: "Axes", joints: Sequence[JointDiagnosis]) -> None:
     """Let a logarithmic axis hold all that is drawn, with plain numbers at 1 and 3 times the powers of ten."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -151,7 +151,7 @@ def draw_ladder(found: "Diagnosis", joint: int | None) -> "Figure":
     return figure
 
 
-def _draw_steps(axes: "Axes", joint: JointDiscrepancy) -> None:
+def _draw_steps(axes: "Axes", joint: JointDiagnosis) -> None:
     """Draw a bar per step, the largest on top, and a line at the noise floor."""
     if not joint.ladder or joint.gap is None:
         write_verdict(axes, joint)
@@ -169,7 +169,7 @@ def _draw_steps(axes: "Axes", joint: JointDiscrepancy) -> None:
     axes.set_xlim(0.0, ROOM * max(values))
 
 
-def explained_words(joint: JointDiscrepancy) -> str:
+def explained_words(joint: JointDiagnosis) -> str:
     """Return the share explained of what is above the noise floor, on how many cycles, and without what."""
     gap = joint.gap
     assert gap is not None
@@ -215,34 +215,36 @@ def draw_evidence(found: "Diagnosis", joint: int | None) -> "Figure":
     return figure
 
 
-def nearest(effect: Effect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
+def nearest(effect: NamedEffect, most: int = ON_SHEET) -> tuple[Evidence, ...]:
     """Return the best competing effects and all that are indistinguishable from an effect."""
     ranked = enumerate(effect.evidence)
-    return tuple(competitor for place, competitor in ranked if place < most or competitor.name in effect.alone)
+    return tuple(competitor for place, competitor in ranked if place < most or competitor.name in effect.alternatives)
 
 
-def not_drawn(effect: Effect, competitors: Sequence[Evidence], effects: Sequence[Effect]) -> str:
+def not_drawn(effect: NamedEffect, competitors: Sequence[Evidence], effects: Sequence[NamedEffect]) -> str:
     """Return in words the indistinguishable effects that have no line: no recorded motion separates them."""
     drawn = {competitor.name for competitor in competitors}
     others = [other for other in others_of(effect, effects) if other not in drawn]
     return f"also indistinguishable: {', '.join(others)}" if others else ""
 
 
-def has_competitors(effect: Effect) -> bool:
+def has_competitors(effect: NamedEffect) -> bool:
     """Return whether an effect has competing effects; an event that comes once has none."""
     return any(competitor.name != effect.name for competitor in effect.evidence)
 
 
-def mark_of(effect: Effect, competitor: Evidence) -> Mark:
+def mark_of(effect: NamedEffect, competitor: Evidence) -> Mark:
     """Return how a competing effect is marked."""
     if competitor.name == effect.name:
         return CHOSEN
-    if competitor.name in effect.alone:
+    if competitor.name in effect.alternatives:
         return ALIKE
     return ELSEWHERE if competitor.delta_bic < STRONG else BEATEN
 
 
-def _draw_competitors(axes: "Axes", joint: JointDiscrepancy, effect: Effect, competitors: Sequence[Evidence]) -> None:
+def _draw_competitors(
+    axes: "Axes", joint: JointDiagnosis, effect: NamedEffect, competitors: Sequence[Evidence]
+) -> None:
     """Draw a line per competing effect, the best on top."""
     title = f"{joint_title(joint.joint, joint.name)}: {effect.name}"
     if not has_competitors(effect):

@@ -6,14 +6,14 @@ halves of the data (G. C. Chow, Econometrica 28 (1960) 591).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.engine.dictionary import Block
-from friction_audit.diagnosis.engine.gram import Gram, Training
-from friction_audit.diagnosis.engine.selection import PRIOR, occam, split
-from friction_audit.diagnosis.engine.validation import held_out
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.result import ResidualCheck
+from friction_audit.diagnosis.selection import PRIOR, occam, split
+from friction_audit.diagnosis.validation import held_out
 from friction_audit.joint_log import Float
 
 SHARE = 0.093  # 1 - 1 / 1.05^2: with an effect named the residual is 5 % above its floor
@@ -22,23 +22,6 @@ CHOW_Z = 5.0
 LARGE_CHANGE = 0.5  # of a coefficient from one half of the data to the other
 LINE_P = 1e-5
 SCATTER_S, PAIRS_S, BLOCK_S = 0.3, 0.9, 1.2  # memory of friction within a stroke, longest distance of a pair, blocks
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
-class ResidualCheck:
-    """A structure in what is left.
-
-    Attributes:
-        code: ``curve``, ``line``, ``scatter`` or ``change``.
-        along: The quantity, or the effect that changes.
-        share: Of the mean square, 0..1.
-        frequency: Of a line: in Hz, or waves per rad; 0 for the others.
-    """
-
-    code: str
-    along: str
-    share: float
-    frequency: float = 0.0
 
 
 def run(gram: Gram, active: Sequence[Block]) -> tuple[ResidualCheck, ...]:

@@ -2,10 +2,8 @@
 
 from collections.abc import Sequence
 
-from friction_audit.diagnosis.engine.conclusion import Conclusion
-from friction_audit.diagnosis.engine.residual_checks import ResidualCheck
-from friction_audit.diagnosis.engine.result import NamedEffect
-from friction_audit.diagnosis.result import Profile, others_of
+from friction_audit.diagnosis.conclusion import Conclusion
+from friction_audit.diagnosis.result import NamedEffect, Profile, ResidualCheck, others_of
 
 
 def message_of(

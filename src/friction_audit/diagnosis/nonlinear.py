@@ -9,8 +9,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
-from friction_audit.diagnosis.engine.gram import Training
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.gram import Training
 from friction_audit.effects.effect import Nonlinear
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.joint_log import Float

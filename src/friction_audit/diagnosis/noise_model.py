@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from friction_audit.compiled import compiled
-from friction_audit.diagnosis.engine.problem import Index, RegressionProblem
+from friction_audit.diagnosis.problem import Index, RegressionProblem
 from friction_audit.joint_log import Float
 
 MOST_LAGS = 8

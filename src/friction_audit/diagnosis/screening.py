@@ -10,9 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.engine.dictionary import Block
-from friction_audit.diagnosis.engine.gram import Gram, Training
-from friction_audit.diagnosis.engine.problem import Index
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.problem import Index
 from friction_audit.joint_log import Float
 
 DRAWS = 399

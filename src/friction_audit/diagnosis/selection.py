@@ -11,9 +11,9 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from friction_audit.diagnosis.engine.dictionary import Block
-from friction_audit.diagnosis.engine.gram import Fit, Gram, Training
-from friction_audit.diagnosis.engine.problem import FOLDS
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.gram import Fit, Gram, Training
+from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.joint_log import Float
 
 PRIOR = 13.0  # 2 ln of the prior odds against any one effect

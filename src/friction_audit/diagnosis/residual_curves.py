@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from friction_audit.diagnosis.curves import Curve
-from friction_audit.diagnosis.engine import contact_events
-from friction_audit.diagnosis.engine.problem import RegressionProblem
-from friction_audit.diagnosis.engine.result import NamedEffect
-from friction_audit.diagnosis.engine.screening import Screening
-from friction_audit.diagnosis.groups import Group
+from friction_audit.diagnosis import contact_events
+from friction_audit.diagnosis.problem import RegressionProblem
+from friction_audit.diagnosis.procedure import State, fine_torques
 from friction_audit.diagnosis.profiles import profile_all
-from friction_audit.diagnosis.result import Evidence, Profile
+from friction_audit.diagnosis.result import ContactTrace, Evidence, NamedEffect, Profile
+from friction_audit.diagnosis.rows import filter_rows
+from friction_audit.diagnosis.screening import Screening
 from friction_audit.diagnosis.shown_along import shows_along
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.effects.contact_event import Contact
@@ -22,15 +21,8 @@ EVERYWHERE = "spread over the whole motion"
 
 def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | None) -> tuple[Profile, ...]:
     """The residual along every quantity, what takes most of it first."""
-    from dataclasses import replace
-
-    curves = [
-        Curve(axis=c.axis, group=Group(name=c.axis.name, shapes=(c.columns.T,)), values=c.values)
-        for c in problem.curves
-    ]
-    found = profile_all(residual, curves, problem.kinematics[1], problem.samples.cycle, None)
-    p = {} if test is None else test.curves
-    return tuple(replace(one, p_value=p.get(one.axis, float("nan"))) for one in found)
+    p_values = {} if test is None else test.curves
+    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, p_values)
 
 
 def along_effect(problem: RegressionProblem, shown: Float, torque: Float, axis: str) -> tuple[Profile, str]:
@@ -73,7 +65,6 @@ def contact_effects(
             axis=CONTACT.axis,
             gap_before_nm=before,
             gap_after_nm=after,
-            partial_nm=size,
             torque=np.zeros(len(problem.y)),
             curve=next((one for one in profiles if one.axis == CONTACT.axis), profiles[0]),
             evidence=(Evidence(name=CONTACT.name, delta_bic=0.0, correlation=1.0),),
@@ -84,4 +75,19 @@ def contact_effects(
             folds=0,
             chosen_in=0,
         ),
+    )
+
+
+def contact_trace(state: State) -> ContactTrace | None:
+    """What the augmented model leaves over the whole log, samples of contacts included; None without contacts."""
+    if not state.contacts:
+        return None
+    data, samples = state.problem.data, state.problem.samples
+    _, fine = fine_torques(state)
+    left = filter_rows(fine, samples.kernel, samples.every)
+    seen = (data.moving & data.valid)[:: samples.every]
+    return ContactTrace(
+        t=data.t[:: samples.every],
+        residual_nm=np.where(seen, left, np.nan),
+        spans_s=tuple((contact.start_s, contact.stop_s) for contact in state.contacts),
     )

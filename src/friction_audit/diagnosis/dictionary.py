@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.engine.problem import RegressionProblem
+from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal, speeds
 from friction_audit.effects.torque_ripple import order_range

@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.engine import residual_checks, selection
-from friction_audit.diagnosis.engine.dictionary import Block
-from friction_audit.diagnosis.engine.problem import FOLDS
-from friction_audit.diagnosis.engine.procedure import State, accepted, nominal, sizes
-from friction_audit.diagnosis.engine.residual_checks import ResidualCheck
-from friction_audit.diagnosis.engine.validation import Gain, gains
+from friction_audit.diagnosis import residual_checks, selection
+from friction_audit.diagnosis.dictionary import Block
+from friction_audit.diagnosis.problem import FOLDS
+from friction_audit.diagnosis.procedure import State, accepted, nominal, sizes
+from friction_audit.diagnosis.result import ResidualCheck, Verdict
+from friction_audit.diagnosis.validation import Gain, gains
 
 NEGLIGIBLE = 0.01  # of the joint's friction torque, rms
 MINOR = 0.1
@@ -54,7 +54,7 @@ class Conclusion:
         remainder: Share of the residual's power without a name, 0..1.
     """
 
-    verdict: str
+    verdict: Verdict
     named: tuple[Named, ...]
     negligible: tuple[Named, ...]
     checks: tuple[ResidualCheck, ...]
@@ -83,7 +83,7 @@ def conclude(state: State, least_nm: float = 0.0) -> Conclusion:
     )
 
 
-def verdict_of(state: State, named: Sequence[Named], checks: Sequence[ResidualCheck], remainder: float) -> str:
+def verdict_of(state: State, named: Sequence[Named], checks: Sequence[ResidualCheck], remainder: float) -> Verdict:
     """The one word."""
     if not named:
         return "unexplained" if checks else ("named" if state.contacts else "adequate")

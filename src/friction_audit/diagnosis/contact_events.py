@@ -6,8 +6,8 @@ The detector is a bank of matched filters on the residual (G. L. Turin, IRE Tran
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.engine.problem import RegressionProblem
 from friction_audit.diagnosis.find_contacts import find_contacts
+from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.effects.contact_event import Contact, overlap
 from friction_audit.joint_log import Float
 

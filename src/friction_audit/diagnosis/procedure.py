@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis.engine import contact_events, residual_checks, selection
-from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
-from friction_audit.diagnosis.engine.gram import Gram, Training
-from friction_audit.diagnosis.engine.noise_model import NoiseModel
-from friction_audit.diagnosis.engine.nonlinear import coefficients_beside, refine
-from friction_audit.diagnosis.engine.problem import Nuisance, RegressionProblem
-from friction_audit.diagnosis.engine.validation import gains
+from friction_audit.diagnosis import contact_events, residual_checks, selection
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.noise_model import NoiseModel
+from friction_audit.diagnosis.nonlinear import coefficients_beside, refine
+from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
+from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import Nominal

@@ -11,10 +11,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from friction_audit.diagnosis.engine.dictionary import Block, Dictionary
-from friction_audit.diagnosis.engine.gram import Gram, Training
-from friction_audit.diagnosis.engine.nonlinear import DIFFERENCE, Scale
-from friction_audit.diagnosis.engine.selection import split
+from friction_audit.diagnosis.dictionary import Block, Dictionary
+from friction_audit.diagnosis.gram import Gram, Training
+from friction_audit.diagnosis.nonlinear import DIFFERENCE, Scale
+from friction_audit.diagnosis.selection import split
 from friction_audit.effects.joint_data import Nominal
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float

@@ -1,1 +1,0 @@
-"""The diagnosis by one likelihood: generalised least squares, group selection, held-out validation."""
