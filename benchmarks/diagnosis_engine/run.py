@@ -14,9 +14,8 @@ from typing import Any
 
 import numpy as np
 
-from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.conclusion import conclude
-from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES
+from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.procedure import select
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.settings import DiagnosisSettings

@@ -16,6 +16,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
+from friction_audit.diagnosis.ground import Ground, make_ground
+from friction_audit.diagnosis.ranking import BY_CHANCE
 from numpy.typing import NDArray
 from scipy.special import chdtri
 
@@ -23,9 +25,7 @@ from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_o
 from benchmarks.hidden_effects.run import SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared, scales_for
 from benchmarks.hidden_effects.table import CLEAR, Row, held, sets_of, share, table
-from friction_audit.diagnosis.declared import declare, least_squares
-from friction_audit.diagnosis.ground import Ground, make_ground
-from friction_audit.diagnosis.ranking import BY_CHANCE
+from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.rows import Rows, make_rows
 from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
@@ -87,7 +87,7 @@ def _torque_alone(case: Case, which: int, ground: Ground) -> Float:
     model, joint = model_of(case), case.number - 1
     data = prepared(simulate(settings_of(case, scales, ideal=True), case.seed).log)[joint]
     rows = make_rows(data, ground.rows.corner_hz)
-    declared = declare(data, rows, None if model is None else model.joints[joint])
+    declared = nominal_model(data, rows, None if model is None else model.joints[joint])
     torque = np.zeros(len(ground.y))
     here, there = same_moments(ground.rows, rows)
     torque[here] = (declared.y - declared.columns @ least_squares(declared.columns, declared.y))[there]

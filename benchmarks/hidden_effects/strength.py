@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 import numpy as np
+from friction_audit.diagnosis.ground import make_ground
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from friction_audit.diagnosis.declared import declare, least_squares
-from friction_audit.diagnosis.ground import make_ground
+from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
@@ -35,7 +35,7 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
     """
     data, stated = prepared(log)[joint], None if model is None else model.joints[joint]
     rows = make_ground(data, stated, 0).rows if corner_hz is None else make_rows(data, corner_hz)
-    declared = declare(data, rows, stated)
+    declared = nominal_model(data, rows, stated)
     left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
     return float(np.sqrt(np.mean(left**2)))
 

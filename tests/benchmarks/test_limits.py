@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from friction_audit.diagnosis.ground import make_ground
 
 from benchmarks.hidden_effects.limits import PRICE, held_by, judged, same_moments, summary
-from friction_audit.diagnosis.ground import make_ground
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import moved_joint

@@ -5,7 +5,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from friction_audit.diagnosis.beside import Beside
-from friction_audit.diagnosis.declared import least_squares
+from friction_audit.diagnosis.nominal_model import least_squares
 
 
 def test_by_hand() -> None:

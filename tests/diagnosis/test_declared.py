@@ -5,11 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from friction_audit.diagnosis.ground import make_ground
 from scipy.signal import butter, sosfiltfilt
 from statsmodels.api import OLS
 
-from friction_audit.diagnosis.declared import coefficients, declare, least_squares
-from friction_audit.diagnosis.ground import make_ground
+from friction_audit.diagnosis.nominal_model import coefficients, least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_model import FittedTerm, JointModel
@@ -26,7 +26,7 @@ SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 
 def test_exact_data_give_the_exact_factors() -> None:
-    declared = declare(EXACT, ROWS, None)
+    declared = nominal_model(EXACT, ROWS, None)
     factors = least_squares(declared.columns, declared.y)
     assert dict(zip(declared.names, factors, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
     for one, truth in zip(coefficients(declared.columns, declared.y, ROWS.cycle), TRUTH.values(), strict=True):
@@ -34,7 +34,7 @@ def test_exact_data_give_the_exact_factors() -> None:
 
 
 def test_what_candidates_lean_on_is_the_fit() -> None:
-    declared = declare(EXACT, ROWS, None)
+    declared = nominal_model(EXACT, ROWS, None)
     baseline = declared.baseline(np.array([COULOMB_NM, VISCOUS_NMS_PER_RAD, INERTIA_KG_M2]))
     assert baseline.torque == pytest.approx(EXACT.torque)
     assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad, baseline.inertia_kg_m2) == (0.3, 0.07, 0.2)
@@ -43,7 +43,7 @@ def test_what_candidates_lean_on_is_the_fit() -> None:
 
 def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None:
     model = JointModel(inertia_kg_m2=0.5 * INERTIA_KG_M2, terms=SIMPLE)
-    declared = declare(EXACT, ROWS, model)
+    declared = nominal_model(EXACT, ROWS, model)
     assert declared.names == ("coulomb_nm", "viscous_nms_per_rad")
     assert declared.stated == pytest.approx(0.1 * EXACT.ddq)
     assert declared.y == pytest.approx(ROWS.y - ROWS.of(0.1 * EXACT.ddq))
@@ -54,7 +54,7 @@ def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
-    declared = declare(EXACT, ROWS, held)
+    declared = nominal_model(EXACT, ROWS, held)
     assert declared.names == ("viscous_nms_per_rad",)
     assert declared.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
     baseline = declared.baseline(np.array([0.07]))
@@ -66,14 +66,14 @@ def test_a_term_that_is_held_is_stated_and_no_column() -> None:
 def test_a_model_that_holds_everything_leaves_nothing_to_fit() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=SIMPLE, held=("coulomb", "viscous"))
     with pytest.raises(AnalysisError, match="both held"):
-        declare(EXACT, ROWS, held)
+        nominal_model(EXACT, ROWS, held)
 
 
 def test_terms_of_a_model_file_are_columns_with_their_stated_shape() -> None:
     stribeck = FittedTerm("stribeck", (0.2, 0.15, 1.0))
     model = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(*SIMPLE, stribeck))
     data = moved_joint(lambda d: stribeck.torque(d.motion()), duration_s=30.0)
-    declared = declare(data, make_rows(data), model)
+    declared = nominal_model(data, make_rows(data), model)
     factors = dict(zip(declared.names, least_squares(declared.columns, declared.y), strict=True))
     assert factors["stribeck_excess_nm"] == pytest.approx(0.2, rel=1e-6)
     assert factors["coulomb_nm"] == pytest.approx(0.3, rel=1e-6)
@@ -120,7 +120,7 @@ def test_intervals_cover_at_their_rate() -> None:
     for seed in range(60):
         data = moved_joint(noise_nm=0.05, duration_s=20.0, seed=seed)
         rows = make_rows(data)
-        declared = declare(data, rows, None)
+        declared = nominal_model(data, rows, None)
         found = coefficients(declared.columns, declared.y, rows.cycle)
         inside += [one.low <= TRUTH[name] <= one.high for name, one in zip(declared.names, found, strict=True)]
     # 95 % of 60 are 57; fewer than 51 come less than twice in a thousand times.
@@ -144,10 +144,10 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
 
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    declared = declare(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    declared = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
     assert "gravity_cos_nm" in declared.names
     assert "gravity_across_2_m_s2" in declared.names
     assert not [name for name in declared.names if name.startswith(("next", "last"))]
     several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
-    declared = declare(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    declared = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
     assert [name for name in declared.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]

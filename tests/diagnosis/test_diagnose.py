@@ -88,7 +88,7 @@ def test_nothing_hidden_has_no_name_in_noise_of_any_colour(memory: float, noise_
     assert found.gap is not None
     assert found.gap.before == pytest.approx(found.gap.floor, rel=0.03)
     truth = {"coulomb_nm": 0.30, "viscous_nms_per_rad": 0.07, "inertia_kg_m2": 0.30}
-    for name, one in found.declared.items():
+    for name, one in found.nominal.items():
         assert one.low - 0.02 * truth[name] <= truth[name] <= one.high + 0.02 * truth[name], name
 
 

@@ -6,12 +6,12 @@ from functools import cache
 
 import numpy as np
 import pytest
-
-from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.ground import make_ground
 from friction_audit.diagnosis.library import build_library
 from friction_audit.diagnosis.naming import search_library
+
+from friction_audit.diagnosis.data_audit import DataFinding
+from friction_audit.diagnosis.diagnose_joint import FEWEST_CYCLES, Subject, diagnose_joint
 from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.effect import Nonlinear
@@ -48,7 +48,7 @@ def test_nothing_hidden_is_none_with_the_size_that_would_have_been_seen() -> Non
     assert (found.joint, found.name, found.verdict, found.effects) == (3, "elbow", "adequate", ())
     assert found.omnibus_p == found.remaining_p > 0.05
     assert 0.05 * NOISE_NM < found.detection_limit_nm < 0.5 * NOISE_NM
-    assert {name: one.value for name, one in found.declared.items()} == pytest.approx(TRUTH, rel=0.05)
+    assert {name: one.value for name, one in found.nominal.items()} == pytest.approx(TRUTH, rel=0.05)
     assert found.untestable == {"locked_out": "move the moon"}
 
 
@@ -127,7 +127,7 @@ def test_few_cycles_are_not_testable() -> None:
     assert found.verdict == "not_testable"
     assert f"at least {FEWEST_CYCLES} are needed: move the joint back and forth" in found.message
     assert "--thresholds auto" in found.message
-    assert (found.declared, found.traces, found.gap) == ({}, None, None)
+    assert (found.nominal, found.traces, found.gap) == ({}, None, None)
     assert found.from_energy is ENERGY
 
 
@@ -155,8 +155,8 @@ def test_a_stated_model_that_holds_the_effect_leaves_nothing() -> None:
     offset = subject(lambda data: np.full(len(data.t), 0.1))
     found = diagnose_joint(replace(offset, model=model), TOYS, DiagnosisSettings())
     assert found.verdict == "adequate"
-    assert "inertia_kg_m2" not in found.declared
-    assert found.declared["torque_bias_nm"].value == pytest.approx(0.1, rel=0.1)
+    assert "inertia_kg_m2" not in found.nominal
+    assert found.nominal["torque_bias_nm"].value == pytest.approx(0.1, rel=0.1)
 
 
 def test_the_same_seed_gives_the_same_answer() -> None:

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.diagnose_joint import Subject
-from friction_audit.diagnosis.diagnose_joint import diagnose_joint
+from friction_audit.diagnosis.diagnose_joint import Subject, diagnose_joint
 from friction_audit.diagnosis.noise_model import levinson_durbin
 from friction_audit.diagnosis.problem import FOLDS, RegressionProblem, folds_of
 from friction_audit.diagnosis.residual_checks import spectral_line
@@ -40,7 +39,7 @@ def test_adequate_model_has_no_name_and_the_right_numbers() -> None:
     found = diagnosed(moved_joint(noise_nm=0.02))
     assert (found.verdict, found.effects, found.negligible) == ("adequate", (), ())
     for name, truth in TRUTH.items():
-        assert found.declared[name].low <= truth <= found.declared[name].high
+        assert found.nominal[name].low <= truth <= found.nominal[name].high
     assert found.gap is not None
     assert found.gap.before == pytest.approx(0.02, rel=0.1)
 

@@ -72,7 +72,7 @@ def numbers(found: JointDiagnosis, factor: float) -> dict[str, float]:
     """All numbers told of a joint, those that are torques as if they were those of the joint as written."""
     assert found.gap is not None
     told = {name: one.value for effect in found.effects for name, one in effect.parameters.items()}
-    told |= {name: one.value for name, one in found.declared.items()}
+    told |= {name: one.value for name, one in found.nominal.items()}
     told |= {"gap_before_nm": found.gap.before, "gap_after_nm": found.gap.after}
     return {name: value / (factor if "_nm" in name or "_kg" in name else 1.0) for name, value in told.items()}
 

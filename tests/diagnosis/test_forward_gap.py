@@ -61,7 +61,7 @@ def test_it_starts_every_cycle_from_the_measurement() -> None:
     breaks = np.flatnonzero(np.isnan(gap.t))
     assert list(breaks) == [400]
     assert gap.t[[0, 401]] == pytest.approx([4.0, 9.0])
-    for signal in (gap.declared, gap.grown, gap.measured):
+    for signal in (gap.nominal, gap.augmented, gap.measured):
         assert signal[[0, 401]] == pytest.approx(data.dq[[1600, 3600]])
         assert np.array_equal(np.isnan(signal), np.isnan(gap.t))
 
@@ -151,8 +151,8 @@ def diagnosed(**grown: float) -> JointDiagnosis:
         verdict="named",
         message="",
         effects=(missing_stribeck(),),
-        declared=SIMPLE,
-        grown=SIMPLE | exactly(**grown),
+        nominal=SIMPLE,
+        augmented=SIMPLE | exactly(**grown),
     )
 
 

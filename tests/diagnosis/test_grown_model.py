@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from friction_audit.diagnosis.grown_model import grow_models
+from friction_audit.diagnosis.augmented_model import augment_models
 from friction_audit.diagnosis.result import Discrepancy, JointDiagnosis
 from friction_audit.effects.joint_model import ArmModel, FittedTerm, JointModel, Provenance
 from friction_audit.effects.model_file import load_model, save_model
@@ -17,7 +17,7 @@ STRIBECK_TERM = FittedTerm("stribeck", (0.2, 0.05, 1.0))
 
 
 def grown(*joints: JointDiagnosis, declared: ArmModel | None = None) -> ArmModel:
-    result = grow_models(Discrepancy(joints=joints), LOG, declared)
+    result = augment_models(Discrepancy(joints=joints), LOG, declared)
     assert result.lacking == ()
     return result.model
 
@@ -74,7 +74,7 @@ def test_what_is_held_stays_as_it_was_and_held() -> None:
 
 def test_friction_below_zero_is_no_model_and_said() -> None:
     wrong = replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
-    result = grow_models(Discrepancy(joints=(wrong,)), LOG, None)
+    result = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
     assert result.model.joints == (None, None, None)
     ((joint, lack),) = result.lacking
     assert joint == 1
@@ -90,14 +90,14 @@ def test_friction_below_zero_that_may_be_zero_is_zero() -> None:
 def test_a_term_that_was_declared_and_found_again_is_no_model() -> None:
     fitted = NAMED.grown | {"stribeck_excess_nm": coefficient(0.25, 0.1)}
     arm = declared_arm(STRIBECK_TERM)
-    result = grow_models(Discrepancy(joints=(replace(NAMED, grown=fitted),)), LOG, arm)
+    result = augment_models(Discrepancy(joints=(replace(NAMED, grown=fitted),)), LOG, arm)
     assert result.model.joints == arm.joints
     assert "stribeck stands twice" in result.lacking[0][1]
 
 
 def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     strange = replace(BIAS, name="poltergeist")
-    result = grow_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
+    result = augment_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
     assert result.model.joints[0] is not None
     assert result.model.joints[0].values("stribeck") is not None
     assert result.lacking == ((1, "poltergeist is no term of a model, so the grown one lacks it"),)
@@ -129,7 +129,7 @@ def test_numbers_that_a_declared_term_lacks_are_lacking_in_the_grown_one() -> No
 def test_a_number_of_an_effect_that_may_be_its_lower_bound_is_put_there(half: float, excess: float | None) -> None:
     (effect,) = NAMED.effects
     below = replace(effect, parameters={**effect.parameters, "stribeck_excess_nm": coefficient(-0.01, half)})
-    result = grow_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)
+    result = augment_models(Discrepancy(joints=(replace(NAMED, effects=(below,)),)), LOG, None)
     joint = result.model.joints[0]
     values = None if joint is None else joint.values("stribeck")
     assert (values and values[0]) == excess

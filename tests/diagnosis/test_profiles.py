@@ -2,12 +2,12 @@
 
 import numpy as np
 import pytest
-from statsmodels.api import OLS
-
-from friction_audit.diagnosis.axes import AXES, curve, knots_of
 from friction_audit.diagnosis.curves import Curve
 from friction_audit.diagnosis.groups import Group
 from friction_audit.diagnosis.omnibus import Omnibus
+from statsmodels.api import OLS
+
+from friction_audit.diagnosis.axes import AXES, curve, knots_of
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import Profile
 from friction_audit.joint_log import Float

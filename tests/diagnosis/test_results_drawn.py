@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from friction_audit.diagnosis.contacts import contact_trace
+
 from friction_audit.diagnosis.result import Effect
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.shown_along import own_axis

@@ -41,7 +41,7 @@ def test_a_compensator_beside_stated_coulomb_friction_is_named_with_its_size() -
     numbers = found.effects[0].parameters
     assert numbers["unlogged_nm"].value == pytest.approx(SHARE * COULOMB_NM, rel=0.05)
     assert numbers["unlogged_width_rad_s"].value == pytest.approx(WIDTH_RAD_S, rel=0.1)
-    assert found.grown["viscous_nms_per_rad"].value == pytest.approx((1.0 - SHARE) * VISCOUS_NMS_PER_RAD, abs=0.005)
+    assert found.augmented["viscous_nms_per_rad"].value == pytest.approx((1.0 - SHARE) * VISCOUS_NMS_PER_RAD, abs=0.005)
 
 
 @pytest.mark.parametrize("model", [None, pytest.param(STATED, marks=pytest.mark.thorough)])

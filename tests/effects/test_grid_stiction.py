@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from friction_audit.diagnosis.library import build_library
+
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.stiction import AGEINGS_S, AT_ONCE_RAD, FEWEST_BREAKAWAYS

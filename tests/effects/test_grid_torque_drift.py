@@ -4,12 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-
 from friction_audit.diagnosis.cross_products import cross_products
-from friction_audit.diagnosis.declared import declare, least_squares
 from friction_audit.diagnosis.library import build_library
-from friction_audit.diagnosis.rows import make_rows
 from friction_audit.diagnosis.search import search
+
+from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
+from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects import torque_bias
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.torque_drift import EFFECT as CANDIDATE
@@ -22,7 +22,7 @@ SHARE = np.linspace(0.0, 1.0, len(moved_joint(duration_s=60.0).t))
 
 
 def lacking(data: JointData) -> str | None:
-    declared = declare(data, make_rows(data), None)
+    declared = nominal_model(data, make_rows(data), None)
     return CANDIDATE.not_identifiable(data, declared.baseline(least_squares(declared.columns, declared.y)))
 
 
@@ -45,7 +45,7 @@ def taken(torque: Float, n_eff: float = 500.0) -> dict[str, int]:
     """Names that a search takes of a torque over the time with white noise, with the number of their factors."""
     data = moved_joint(duration_s=60.0)
     rows = make_rows(data)
-    declared = declare(data, rows, None)
+    declared = nominal_model(data, rows, None)
     baseline = declared.baseline(least_squares(declared.columns, declared.y))
     library = build_library([CANDIDATE, torque_bias.EFFECT], data, baseline, rows)
     y = rows.of(torque) + np.random.default_rng(0).standard_normal(len(rows.t))

@@ -66,7 +66,7 @@ def moved() -> SimulationGap:
     """Return a motion simulated on the held-out cycles, NaN between them."""
     pieces = [np.append(np.arange(c * ROWS, (c + 1) * ROWS) * STEP_S, np.nan) for c in range(1, CYCLES, 3)]
     t = np.concatenate(pieces)[:-1]
-    return SimulationGap(before=0.1, after=0.01, unit="rad/s", t=t, measured=np.sin(t), declared=0.9 * t, grown=t)
+    return SimulationGap(before=0.1, after=0.01, unit="rad/s", t=t, measured=np.sin(t), nominal=0.9 * t, augmented=t)
 
 
 NAMED, AMBIGUOUS, NONE, UNEXPLAINED, NOT_TESTABLE, DATA_FAULT = map(_with_rows, by_hand.VERDICTS_BY_HAND)

@@ -162,7 +162,7 @@ def _write(
     found: "Diagnosis", reading: dict[str, object], out: ResultFolder, recorded: "JointLog", voice: Voice
 ) -> str:
     """Write what is asked for; return the document."""
-    from friction_audit.diagnosis.grown_model import grow_models
+    from friction_audit.diagnosis.augmented_model import augment_models
     from friction_audit.effects.model_file import save_model
     from friction_audit.reporting.diagnosis import diagnose_document, diagnose_tables
     from friction_audit.reporting.documents import write_document
@@ -171,7 +171,7 @@ def _write(
     out.write_text(DOCUMENT, text)
     if out.folder is not None:
         path = out.folder / MODEL
-        augmented = grow_models(found.discrepancy, found.estimate.log, found.settings.model)
+        augmented = augment_models(found.discrepancy, found.estimate.log, found.settings.model)
         voice.warn(f"{path}: joint {joint}: {lack}" for joint, lack in augmented.lacking)
         save_model(augmented.model, path, overwrite=out.overwrite)
     out.write_figures({"diagnosis": found}, [joint.joint for joint in found.discrepancy.joints], recorded, voice)

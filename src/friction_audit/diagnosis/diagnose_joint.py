@@ -43,7 +43,7 @@ class Subject:
         name: Its name.
         findings: What the audit of its data found.
         from_energy: What the energy method says of it.
-        model: Its declared model, None for the simple one.
+        model: Its nominal model, None for the simple one.
         known_inertia_kg_m2: Inertia whose torque a rigid-body model took out of the log.
         lacking: Why the energy method has no estimate, with the motion that would help; empty where it has one.
     """
@@ -134,8 +134,8 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         verdict=said.verdict,
         message=wording.message_of(said, (*named, *events), remaining, limit, bool(negligible)),
         effects=(*events, *named),
-        declared=plain.nominal,
-        grown=estimates.nominal,
+        nominal=plain.nominal,
+        augmented=estimates.nominal,
         from_energy=subject.from_energy,
         disagreements=differences_from_energy(plain.nominal, subject.from_energy),
         gap=closed,
@@ -194,7 +194,7 @@ def _effect(
 
 
 def _ladder(state: State, said: Conclusion, before: float, floor: float) -> tuple[tuple[str, float], ...]:
-    steps, blocks = [("declared model", before)], []
+    steps, blocks = [("nominal model", before)], []
     for one in said.named:
         blocks.append(one.block)
         steps.append((f"+ {one.block.name}", held_out(state.gram, blocks, replaced=state.active).rms))

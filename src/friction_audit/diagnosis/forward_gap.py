@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.grown_model import grow_model
+from friction_audit.diagnosis.augmented_model import augment_model
 from friction_audit.diagnosis.result import JointDiagnosis, SimulationGap
 from friction_audit.dynamics.forward import simulate_along
 from friction_audit.effects.joint_data import JointData
@@ -29,7 +29,7 @@ any error of the torque at once."""
 
 def gap_in_motion(
     joint: JointDiagnosis,
-    declared: JointModel | None,
+    nominal: JointModel | None,
     data: JointData,
     cycles: NDArray[np.int64],
     *,
@@ -38,8 +38,8 @@ def gap_in_motion(
     """Simulate whole cycles of a joint that was diagnosed, without and with what was found.
 
     Args:
-        joint: What a diagnosis says of it; its declared and grown numbers are those fitted.
-        declared: Its declared model; None for inertia, Coulomb and viscous friction.
+        joint: What a diagnosis says of it; its nominal and augmented numbers are those fitted.
+        nominal: Its nominal model; None for inertia, Coulomb and viscous friction.
         data: The joint.
         cycles: As of ``simulate_cycles``.
         known_inertia_kg_m2: Likewise.
@@ -48,17 +48,17 @@ def gap_in_motion(
         As ``simulate_cycles``; None also where a number that was fitted is none that a model allows, as friction below
         zero.
     """
-    bare = replace(joint, effects=(), grown=joint.declared)
+    bare = replace(joint, effects=(), augmented=joint.nominal)
     try:
-        models = [grow_model(one, declared, Provenance()) for one in (bare, joint)]
+        models = [augment_model(one, nominal, Provenance()) for one in (bare, joint)]
     except AnalysisError:
         return None
     return simulate_cycles(models[0], models[1], data, cycles, known_inertia_kg_m2=known_inertia_kg_m2)
 
 
 def simulate_cycles(
-    declared: JointModel,
-    grown: JointModel,
+    nominal: JointModel,
+    augmented: JointModel,
     data: JointData,
     cycles: NDArray[np.int64],
     *,
@@ -67,8 +67,8 @@ def simulate_cycles(
     """Simulate whole cycles with both models.
 
     Args:
-        declared: The model without the effects that were found.
-        grown: The model with them.
+        nominal: The model without the effects that were found.
+        augmented: The model with them.
         data: The joint.
         cycles: Numbers of the cycles, those that no choice was made on.
         known_inertia_kg_m2: Inertia whose torque was taken out of the recorded one, as by a rigid-body model; the joint
@@ -78,7 +78,7 @@ def simulate_cycles(
         The gap; None where no cycle is without a hole, where a model cannot be simulated, or where the joint has no
         inertia that a motion could be simulated with: the gap in torque is then all that can be told.
     """
-    pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (declared, grown)]
+    pieces, models = _whole(data, cycles), [_heavier(model, known_inertia_kg_m2) for model in (nominal, augmented)]
     drive = data.torque + known_inertia_kg_m2 * data.ddq
     if not len(pieces) or any(_weightless(model, data, drive) for model in models):
         return None
@@ -95,8 +95,8 @@ def simulate_cycles(
         unit="rad/s",
         t=_traced(data.t, pieces),
         measured=_traced(data.dq, pieces),
-        declared=_traced(before, pieces),
-        grown=_traced(after, pieces),
+        nominal=_traced(before, pieces),
+        augmented=_traced(after, pieces),
     )
 
 

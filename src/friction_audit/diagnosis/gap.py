@@ -16,8 +16,8 @@ class Gap:
     """The gap before and after effects were added.
 
     Attributes:
-        before: Root mean square of what the declared model leaves. [unit of the response]
-        after: The same for the grown model.
+        before: Root mean square of what the nominal model leaves. [unit of the response]
+        after: The same for the augmented model.
         floor: Root mean square of the noise, below which nothing can be closed.
         shrink: (before - after) / (before - floor); NaN where the gap is at the floor from the start.
         shrink_se: Standard error of shrink from leaving out one cycle at a time, the floor taken as known.
@@ -38,8 +38,8 @@ def measure_gap(before: Float, after: Float, floor: float, cycle: NDArray[np.int
     """Compares residuals on locked cycles.
 
     Args:
-        before: Residual of the declared model, shape (n,).
-        after: Residual of the grown model, shape (n,).
+        before: Residual of the nominal model, shape (n,).
+        after: Residual of the augmented model, shape (n,).
         floor: Root mean square of the noise.
         cycle: Number of the cycle of each sample, shape (n,).
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
-from friction_audit.diagnosis.declared import Declared, declare, least_squares
+from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.rows import ROW_HZ, Rows, corner_for, make_rows
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
@@ -71,7 +71,7 @@ class RegressionProblem:
 
     data: JointData
     samples: Rows
-    nominal: Declared
+    nominal: NominalModel
     age: Index
     fold: Index
     curves: tuple[Curve, ...]
@@ -84,11 +84,11 @@ class RegressionProblem:
             AnalysisError: If the model leaves nothing to fit.
         """
         rows = make_rows(data)
-        nominal = declare(data, rows, model)
+        nominal = nominal_model(data, rows, model)
         inertia = nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2
         if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
             rows = make_rows(data, corner)
-            nominal = declare(data, rows, model)
+            nominal = nominal_model(data, rows, model)
         place = np.flatnonzero(rows.used)
         alone = np.isin(place, rows.breakaway_row)
         # Samples of a signal without content above the corner are worth no more than two per period of the corner.

@@ -127,7 +127,7 @@ class NamedEffect:
         gap_before_nm: Residual on locked cycles without it, all stronger effects added. [N m]
         gap_after_nm: The same with it. [N m]
         torque: Its torque at the rows, shape (m,). [N m]
-        curve: What the grown model leaves plus this torque, along the axis: the effect as the log shows it.
+        curve: What the augmented model leaves plus this torque, along the axis: the effect as the log shows it.
         evidence: The candidates in its place, the best first.
         own: The axis that it is drawn along; None where ``axis`` shows it.
         size_nm: Rms of its torque free of the nominal model. [N m]
@@ -174,8 +174,8 @@ class Traces:
         cycle: Number of the cycle.
         held_out: Rows of cycles that no choice was made on.
         measured: Torque. [N m]
-        before: Torque of the declared model. [N m]
-        after: Torque of the grown model. [N m]
+        before: Torque of the nominal model. [N m]
+        after: Torque of the augmented model. [N m]
         along: The quantity of every axis that was looked at, by the axis' name, shape (m,) each.
         corner_hz: Corner of the low-pass filter that all torques went through. [Hz]
     """
@@ -198,13 +198,13 @@ class SimulationGap:
     """How far a forward simulation under the measured torque strays from the measured motion, on locked cycles.
 
     Attributes:
-        before: Root mean square of the velocity's error with the declared model. [unit]
-        after: The same with the grown model. [unit]
+        before: Root mean square of the velocity's error with the nominal model. [unit]
+        after: The same with the augmented model. [unit]
         unit: ``"rad/s"``.
         t: Time of the cycles simulated, NaN between them, shape (k,). [s]
         measured: Velocity as measured, shape (k,). [rad/s]
-        declared: Velocity of the declared model, shape (k,). [rad/s]
-        grown: Velocity of the grown model, shape (k,). [rad/s]
+        nominal: Velocity of the nominal model, shape (k,). [rad/s]
+        augmented: Velocity of the augmented model, shape (k,). [rad/s]
     """
 
     before: float
@@ -212,8 +212,8 @@ class SimulationGap:
     unit: str
     t: Float
     measured: Float
-    declared: Float
-    grown: Float
+    nominal: Float
+    augmented: Float
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -247,19 +247,19 @@ class JointDiagnosis:
         name: Name of the joint.
         verdict: The one word.
         effects: What is missing, the strongest first.
-        declared: Factors of the declared model with their intervals; empty where it could not be fitted.
-        grown: The same factors as fitted beside the effects; those of the grown model.
+        nominal: Factors of the nominal model with their intervals; empty where it could not be fitted.
+        augmented: The same factors as fitted beside the effects; those of the augmented model.
         from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
         disagreements: What it may mean that the two differ by more than their intervals, one sentence each.
         gap: The gap in torque on locked cycles; None where nothing was fitted.
         simulation: The gap in motion; None where nothing was simulated.
-        ladder: Root mean square of the residual on locked cycles: of the declared model, after each effect, and the
+        ladder: Root mean square of the residual on locked cycles: of the nominal model, after each effect, and the
             floor of the noise, with a label each. [N m]
-        omnibus_p: That nothing is missing from the declared model; NaN where not tested.
-        remaining_p: That nothing is missing from the grown model; NaN where not tested.
+        omnibus_p: That nothing is missing from the nominal model; NaN where not tested.
+        remaining_p: That nothing is missing from the augmented model; NaN where not tested.
         detection_limit_nm: Smallest root mean square of an effect that would have been seen with 90 % power. [N m]
-        profiles: The residual of the declared model against every axis, the most telling first.
-        remaining: The residual of the grown model likewise.
+        profiles: The residual of the nominal model against every axis, the most telling first.
+        remaining: The residual of the augmented model likewise.
         negligible: Effects that stand and are too small to count.
         checks: Structures in what the augmented model leaves.
         remainder_share: Share of the residual's power without a name, 0..1.
@@ -277,8 +277,8 @@ class JointDiagnosis:
     verdict: Verdict
     message: str
     effects: tuple[NamedEffect, ...] = ()
-    declared: dict[str, Coefficient] = field(default_factory=dict)
-    grown: dict[str, Coefficient] = field(default_factory=dict)
+    nominal: dict[str, Coefficient] = field(default_factory=dict)
+    augmented: dict[str, Coefficient] = field(default_factory=dict)
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
     disagreements: tuple[str, ...] = ()
     gap: Gap | None = None

@@ -17,7 +17,7 @@ class DiagnosisSettings:
         candidates: Names of the effects that may be named; None for the whole catalogue.
         alpha: Probability of saying that something is missing where nothing is, per joint.
         seed: Seed of the split of the cycles and of the bootstraps.
-        model: Declared model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
+        model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
 
     Raises:
         UsageError: If there is no such effect, or alpha is no probability that makes sense.

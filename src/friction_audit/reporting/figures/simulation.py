@@ -105,7 +105,9 @@ def _draw_joint(panels: "list[Axes]", found: "Diagnosis", joint: JointDiagnosis,
     if motion is not None:
         look: Look = {"color": BORDER, "lw": 1.0, "label": "measured velocity", "zorder": 2}
         measured = _draw(panels[2], pieces, motion.t, motion.measured, **look)
-        nominal, *augmented = _draw_models(panels[2], pieces, motion.t, (motion.declared, motion.grown), with_effects)
+        nominal, *augmented = _draw_models(
+            panels[2], pieces, motion.t, (motion.nominal, motion.augmented), with_effects
+        )
         shown = np.concatenate([measured, *augmented])
         panels[2].set_ylim(limits(shown, nominal, near=FARTHEST_NOMINAL, smallest=SMALLEST))
     for axes, label in zip(drawn, LABELS, strict=False):

@@ -1,4 +1,4 @@
-"""Discrepancy -> the grown models of an arm: the declared ones with what was missing."""
+"""Discrepancy -> the augmented models of an arm: the nominal ones with what was missing."""
 
 from typing import NamedTuple
 
@@ -17,66 +17,66 @@ METHOD = "diagnose"
 FRICTION = ("coulomb_nm", "viscous_nms_per_rad")
 
 
-class Grown(NamedTuple):
+class AugmentedModels(NamedTuple):
     """Models of the joints of a log, and what they lack: number of the joint and a sentence."""
 
     model: ArmModel
     lacking: tuple[tuple[int, str], ...]
 
 
-def grow_models(found: Discrepancy, log: JointLog, declared: ArmModel | None) -> Grown:
+def augment_models(found: Discrepancy, log: JointLog, nominal: ArmModel | None) -> AugmentedModels:
     """Add to the model of each joint what was found missing.
 
     Args:
         found: The diagnosis.
         log: The log that was diagnosed.
-        declared: The declared models, one per joint of the log; None for inertia, Coulomb and viscous friction.
+        nominal: The nominal models, one per joint of the log; None for inertia, Coulomb and viscous friction.
 
     Returns:
-        A model per joint of the log: the declared one of a joint that was not fitted or whose numbers no model allows.
+        A model per joint of the log: the nominal one of a joint that was not fitted or whose numbers no model allows.
     """
     unknown: tuple[JointModel | None, ...] = (None,) * len(log.joint_names)
-    joints = list(unknown if declared is None else declared.joints)
+    joints = list(unknown if nominal is None else nominal.joints)
     lacking = []
-    for joint in (joint for joint in found.joints if joint.grown):
+    for joint in (joint for joint in found.joints if joint.augmented):
         origin = Provenance(method=METHOD, log=log.source.path, sha256=log.source.sha256, cycles=_count_cycles(joint))
         try:
-            joints[joint.joint - 1] = grow_model(joint, joints[joint.joint - 1], origin)
+            joints[joint.joint - 1] = augment_model(joint, joints[joint.joint - 1], origin)
         except AnalysisError as error:
-            lacking.append((joint.joint, f"no grown model: {error}"))
+            lacking.append((joint.joint, f"no augmented model: {error}"))
         lacking += [
-            (joint.joint, f"{name} is no term of a model, so the grown one lacks it") for name in _strangers(joint)
+            (joint.joint, f"{name} is no term of a model, so the augmented one lacks it") for name in _strangers(joint)
         ]
-    return Grown(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
+    return AugmentedModels(model=ArmModel(names=log.joint_names, joints=tuple(joints)), lacking=tuple(lacking))
 
 
-def grow_model(joint: JointDiagnosis, declared: JointModel | None, origin: Provenance) -> JointModel:
-    """Return the grown model of one joint that was fitted.
+def augment_model(joint: JointDiagnosis, nominal: JointModel | None, origin: Provenance) -> JointModel:
+    """Return the augmented model of one joint that was fitted.
 
     Args:
         joint: What a diagnosis says of it.
-        declared: Its declared model; None for inertia, Coulomb and viscous friction.
+        nominal: Its nominal model; None for inertia, Coulomb and viscous friction.
         origin: Where the model comes from.
 
     Raises:
         AnalysisError: If a number is beyond what its term allows, e.g. friction below zero, or a term stands twice.
     """
-    fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.grown.items()}
-    grown = [
-        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_shape(term, declared)))
+    fitted = {name: _allowed(number) if name in FRICTION else number.value for name, number in joint.augmented.items()}
+    augmented = [
+        FittedTerm(term.name, (*(fitted.get(p.name, 0.0) for p in term.coefficients), *_shape(term, nominal)))
         for term in terms()
         if term.name != "inertia" and all(p.name in fitted for p in term.coefficients if not p.optional)
     ]
-    held = () if declared is None else declared.held
-    grown += [] if declared is None else [term for term in declared.terms if term.name in held]
+    held = () if nominal is None else nominal.held
+    augmented += [] if nominal is None else [term for term in nominal.terms if term.name in held]
     found = {effect.name: effect.parameters for effect in joint.effects}
-    grown += [
+    augmented += [
         FittedTerm(term.name, tuple(_bounded(found[term.name].get(p.name), p) for p in term.parameters))
         for term in terms()
         if term.name in found
     ]
-    inertia = fitted["inertia_kg_m2"] if declared is None else declared.inertia_kg_m2
-    return JointModel(inertia_kg_m2=inertia, terms=tuple(grown), provenance=origin, held=held)
+    inertia = fitted["inertia_kg_m2"] if nominal is None else nominal.inertia_kg_m2
+    return JointModel(inertia_kg_m2=inertia, terms=tuple(augmented), provenance=origin, held=held)
 
 
 def _allowed(number: Coefficient) -> float:
@@ -94,9 +94,9 @@ def _bounded(number: Coefficient | None, parameter: Parameter) -> float:
     return max(number.value, parameter.lower) if number.high >= parameter.lower else number.value
 
 
-def _shape(term: Effect, declared: JointModel | None) -> tuple[float, ...]:
-    """Return the shape of a declared term; its linear factors are fitted."""
-    values = None if declared is None else declared.values(term.name)
+def _shape(term: Effect, nominal: JointModel | None) -> tuple[float, ...]:
+    """Return the shape of a nominal term; its linear factors are fitted."""
+    values = None if nominal is None else nominal.values(term.name)
     return () if values is None else values[len(term.coefficients) :]
 
 

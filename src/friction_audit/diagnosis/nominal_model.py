@@ -31,7 +31,7 @@ RINGING = ("spring", "gap")
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
-class Declared:
+class NominalModel:
     """The declared model, b columns.
 
     Attributes:
@@ -64,7 +64,7 @@ class Declared:
         )
 
 
-def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
+def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> NominalModel:
     """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated.
 
     Terms that the file holds are stated as well.
@@ -90,7 +90,7 @@ def declare(data: JointData, rows: Rows, model: JointModel | None) -> Declared:
     if not fine:
         raise AnalysisError("model: Coulomb and viscous friction are both held; leave one out of held to be fitted")
     stacked = np.column_stack(list(fine.values()))
-    return Declared(
+    return NominalModel(
         names=tuple(fine),
         fine=stacked,
         columns=rows.of(stacked),
