@@ -22,7 +22,7 @@ from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
-from friction_audit.diagnosis.result import Effect, JointDiagnosis
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
 from friction_audit.joint_log import JointLog
@@ -94,7 +94,7 @@ def _row(case: Case, truth: str, joint: JointDiagnosis) -> dict[str, object]:
     }  # fmt: skip
 
 
-def _numbers(case: Case, found: Iterable[Effect]) -> list[dict[str, object]]:
+def _numbers(case: Case, found: Iterable[NamedEffect]) -> list[dict[str, object]]:
     """Numbers of the hidden effects that were named, beside the truth."""
     hidden = dict(zip(case.effects, case.groups, strict=True))
     return [

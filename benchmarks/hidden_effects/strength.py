@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from friction_audit.diagnosis.ground import make_ground
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from friction_audit.diagnosis.nominal_model import least_squares, nominal_model
 from friction_audit.diagnosis.prepare import prepare
+from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import ArmModel
@@ -34,7 +34,7 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
         corner_hz: Of the rows' filter; None for what the log's own noise allows. [Hz]
     """
     data, stated = prepared(log)[joint], None if model is None else model.joints[joint]
-    rows = make_ground(data, stated, 0).rows if corner_hz is None else make_rows(data, corner_hz)
+    rows = make_rows(data, RegressionProblem.build(data, stated).samples.corner_hz if corner_hz is None else corner_hz)
     declared = nominal_model(data, rows, stated)
     left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
     return float(np.sqrt(np.mean(left**2)))
@@ -53,7 +53,9 @@ def scales_for(case: Case) -> tuple[float, ...] | None:
     """
     nothing, joint, model = (0.0,) * len(case.effects), case.number - 1, model_of(case)
     log = simulate(settings_of(case, nothing), case.seed).log
-    corner = make_ground(prepared(log)[joint], None if model is None else model.joints[joint], 0).rows.corner_hz
+    corner = RegressionProblem.build(
+        prepared(log)[joint], None if model is None else model.joints[joint]
+    ).samples.corner_hz
     noise, ideal = left_over(log, joint, model), _left(case, nothing, corner)
     found = [_scale(case, k, noise * case.partial, ideal, corner) for k in range(len(case.effects))]
     scales = [scale for scale in found if scale is not None]
