@@ -1,4 +1,4 @@
-"""The gap in motion: nothing for the model that made the motion, what is missing for another, nothing said of holes."""
+"""The gap in motion: none for the model that made the motion, that of what is missing for another."""
 
 from dataclasses import replace
 
@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 
 from friction_audit.diagnosis.forward_gap import gap_in_motion, simulate_cycles
-from friction_audit.diagnosis.result import Effect, JointDiagnosis, Profile
+from friction_audit.diagnosis.result import JointDiagnosis
 from friction_audit.effects.joint_data import JointData
 from friction_audit.effects.joint_model import FittedTerm, JointModel, simple_model
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 from tests.dynamics.joints import simulate
+from tests.reporting.diagnosis_by_hand import STRIBECK
 
-DECLARED = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
-GROWN = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("stribeck", (0.15, 0.1, 2.0))))
+NOMINAL = simple_model(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
+AUGMENTED = replace(NOMINAL, terms=(*NOMINAL.terms, FittedTerm("stribeck", (0.15, 0.1, 2.0))))
 
 
 def make_data(model: JointModel, seconds: float = 24.0) -> JointData:
@@ -47,7 +48,7 @@ def data_of(t: Float, torque: Float, q: Float, dq: Float, ddq: Float) -> JointDa
 
 
 def test_the_model_that_made_the_motion_leaves_nothing() -> None:
-    gap = simulate_cycles(DECLARED, GROWN, make_data(GROWN), np.array([4, 9, 13]))
+    gap = simulate_cycles(NOMINAL, AUGMENTED, make_data(AUGMENTED), np.array([4, 9, 13]))
     assert gap is not None
     assert gap.unit == "rad/s"
     assert gap.before > 0.05
@@ -55,8 +56,8 @@ def test_the_model_that_made_the_motion_leaves_nothing() -> None:
 
 
 def test_it_starts_every_cycle_from_the_measurement() -> None:
-    data = make_data(GROWN)
-    gap = simulate_cycles(DECLARED, GROWN, data, np.array([4, 9]))
+    data = make_data(AUGMENTED)
+    gap = simulate_cycles(NOMINAL, AUGMENTED, data, np.array([4, 9]))
     assert gap is not None
     breaks = np.flatnonzero(np.isnan(gap.t))
     assert list(breaks) == [400]
@@ -78,21 +79,21 @@ def test_by_hand_a_torque_that_is_wrong_adds_up() -> None:
     assert gap.after < 1e-9
 
 
-def test_cycles_with_a_hole_are_left_out() -> None:
-    data = make_data(GROWN)
+def test_cycles_with_a_gap_are_left_out() -> None:
+    data = make_data(AUGMENTED)
     valid = data.valid.copy()
     valid[1700] = False
-    holed = replace(data, valid=valid)
-    gap = simulate_cycles(DECLARED, GROWN, holed, np.array([4, 9]))
+    gapped = replace(data, valid=valid)
+    gap = simulate_cycles(NOMINAL, AUGMENTED, gapped, np.array([4, 9]))
     assert gap is not None
     assert gap.t[0] == pytest.approx(9.0)
-    assert simulate_cycles(DECLARED, GROWN, holed, np.array([4])) is None
+    assert simulate_cycles(NOMINAL, AUGMENTED, gapped, np.array([4])) is None
 
 
 def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
-    data = make_data(GROWN)
+    data = make_data(AUGMENTED)
     light = replace(data, torque=data.torque - 0.2999 * data.ddq)
-    models = [replace(model, inertia_kg_m2=1e-4) for model in (DECLARED, GROWN)]
+    models = [replace(model, inertia_kg_m2=1e-4) for model in (NOMINAL, AUGMENTED)]
     assert simulate_cycles(models[0], models[1], light, np.array([4, 9])) is None
     gap = simulate_cycles(models[0], models[1], light, np.array([4, 9]), known_inertia_kg_m2=0.2999)
     assert gap is not None
@@ -100,70 +101,37 @@ def test_a_joint_whose_inertia_was_taken_out_needs_it_back() -> None:
 
 
 def test_a_model_that_cannot_be_simulated_has_no_gap_in_motion() -> None:
-    runaway = replace(DECLARED, terms=(*DECLARED.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1, 0.0))))
-    assert simulate_cycles(DECLARED, runaway, make_data(GROWN), np.array([4, 9])) is None
+    runaway = replace(NOMINAL, terms=(*NOMINAL.terms, FittedTerm("nonlinear_viscous", (-40.0, 1.0, 0.1, 0.0))))
+    assert simulate_cycles(NOMINAL, runaway, make_data(AUGMENTED), np.array([4, 9])) is None
 
 
 def exactly(**values: float) -> dict[str, Coefficient]:
     return {name: Coefficient(value=value, low=value, high=value) for name, value in values.items()}
 
 
-def missing_stribeck() -> Effect:
-    nothing = np.zeros(0)
-    curve = Profile(
-        axis="speed",
-        label="speed [rad/s]",
-        edges=nothing,
-        centre=nothing,
-        forwards=nothing,
-        backwards=nothing,
-        forwards_se=nothing,
-        backwards_se=nothing,
-        share=1.0,
-        p_value=0.0,
-        where="at low speed",
-    )
-    return Effect(
-        name="stribeck",
-        label="Stribeck friction",
-        alternatives=(),
-        decide="",
-        parameters=exactly(stribeck_excess_nm=0.15, stribeck_speed_rad_s=0.1, stribeck_exponent=2.0),
-        p_value=0.0,
-        where="at low speed",
-        axis="speed",
-        gap_before_nm=0.1,
-        gap_after_nm=0.0,
-        partial_nm=0.1,
-        torque=nothing,
-        curve=curve,
-        evidence=(),
-    )
-
-
 SIMPLE = exactly(inertia_kg_m2=0.3, coulomb_nm=0.3, viscous_nms_per_rad=0.07)
 
 
-def diagnosed(**grown: float) -> JointDiagnosis:
+def diagnosed(**augmented: float) -> JointDiagnosis:
     return JointDiagnosis(
         joint=1,
         name="joint1",
         verdict="named",
         message="",
-        effects=(missing_stribeck(),),
+        effects=(STRIBECK,),
         nominal=SIMPLE,
-        augmented=SIMPLE | exactly(**grown),
+        augmented=SIMPLE | exactly(**augmented),
     )
 
 
 def test_a_diagnosis_is_simulated_without_and_with_what_it_found() -> None:
-    data = make_data(GROWN)
+    data = make_data(AUGMENTED)
     gap = gap_in_motion(diagnosed(), None, data, np.array([4, 9]))
-    same = simulate_cycles(DECLARED, GROWN, data, np.array([4, 9]))
+    same = simulate_cycles(NOMINAL, AUGMENTED, data, np.array([4, 9]))
     assert gap is not None
     assert same is not None
     assert (gap.before, gap.after) == (same.before, same.after)
 
 
 def test_numbers_that_no_model_allows_are_not_simulated() -> None:
-    assert gap_in_motion(diagnosed(viscous_nms_per_rad=-0.01), None, make_data(GROWN), np.array([4, 9])) is None
+    assert gap_in_motion(diagnosed(viscous_nms_per_rad=-0.01), None, make_data(AUGMENTED), np.array([4, 9])) is None

@@ -2,12 +2,10 @@
 
 import numpy as np
 import pytest
-from friction_audit.diagnosis.curves import Curve
-from friction_audit.diagnosis.groups import Group
-from friction_audit.diagnosis.omnibus import Omnibus
 from statsmodels.api import OLS
 
 from friction_audit.diagnosis.axes import AXES, curve, knots_of
+from friction_audit.diagnosis.problem import Curve
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import Profile
 from friction_audit.joint_log import Float
@@ -25,11 +23,11 @@ NOISE = 0.02 * RNG.standard_normal(N)
 def over(name: str, values: Float) -> Curve:
     axis = next(axis for axis in AXES if axis.name == name)
     columns = curve(values, knots_of(values, np.ones(N, bool)), DQ)
-    return Curve(axis=axis, group=Group(name=name, shapes=(columns,)), values=values)
+    return Curve(axis=axis, columns=np.ascontiguousarray(columns.T), values=values)
 
 
 def profile(residual: Float, name: str = "speed") -> Profile:
-    (found,) = profile_all(residual, [over(name, VALUES)], DQ, CYCLE, None)
+    (found,) = profile_all(residual, [over(name, VALUES)], DQ, CYCLE, {})
     return found
 
 
@@ -76,7 +74,7 @@ def test_means_and_errors_are_those_of_cluster_robust_least_squares() -> None:
 
 
 def test_an_empty_side_has_no_mean() -> None:
-    forwards = profile_all(NOISE, [over("speed", VALUES)], np.ones(N), CYCLE, None)[0]
+    forwards = profile_all(NOISE, [over("speed", VALUES)], np.ones(N), CYCLE, {})[0]
     assert np.isnan(forwards.backwards).all()
     assert np.isfinite(forwards.forwards).all()
 
@@ -91,12 +89,7 @@ def test_share_is_that_of_cycles_not_seen_and_never_below_zero() -> None:
 
 def test_what_takes_most_comes_first_with_its_p_value() -> None:
     time = np.linspace(0.0, 60.0, N)
-    test = Omnibus(
-        p_value=0.01,
-        names=("speed", "time"),
-        adjusted_p=np.array([0.7, 0.01]),
-        cycles=CYCLES,
-    )
-    found = profile_all(0.1 * time / 60.0 + NOISE, [over("speed", VALUES), over("time", time)], DQ, CYCLE, test)
+    p_values = {"speed": 0.7, "time": 0.01}
+    found = profile_all(0.1 * time / 60.0 + NOISE, [over("speed", VALUES), over("time", time)], DQ, CYCLE, p_values)
     assert [(one.axis, one.p_value) for one in found] == [("time", 0.01), ("speed", 0.7)]
     assert np.isnan(profile(NOISE).p_value)

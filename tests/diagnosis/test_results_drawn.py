@@ -5,20 +5,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from friction_audit.diagnosis.contacts import contact_trace
 
-from friction_audit.diagnosis.result import Effect
+from friction_audit.diagnosis.result import NamedEffect
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.shown_along import own_axis
 from friction_audit.pipeline import AuditSettings, diagnose_log
 from friction_audit.simulation import BenchSettings, simulate
-from tests.reporting.diagnosis_by_hand import NAMED, STRIBECK, coefficient, traces
+from tests.reporting.diagnosis_by_hand import STRIBECK, coefficient, traces
 
 TRACES = traces(4)
 TORQUE = np.linspace(-0.1, 0.2, len(TRACES.t))
 
 
-def effect(name: str, **parameters: float) -> Effect:
+def effect(name: str, **parameters: float) -> NamedEffect:
     numbers = {key: coefficient(value, 0.0) for key, value in parameters.items()}
     return replace(STRIBECK, name=name, parameters=numbers, torque=TORQUE)
 
@@ -44,7 +43,7 @@ def test_waves_are_laid_over_each_other() -> None:
     ],
     ids=lambda one: one.name,
 )
-def test_an_effect_of_other_joints_is_drawn_along_its_torque(one: Effect) -> None:
+def test_an_effect_of_other_joints_is_drawn_along_its_torque(one: NamedEffect) -> None:
     own = own_axis(one, TRACES)
     assert own is not None
     assert own.label == f"Fitted torque of {one.name} [N m]"
@@ -98,7 +97,3 @@ def test_each_contact_is_where_it_was_and_as_large_as_it_was(pushed: Any) -> Non
         assert float(np.nanmean(near)) == pytest.approx(size, rel=0.1)
     apart = np.all([np.abs(trace.t - start - 0.5 * LENGTH_S) > 0.5 for start, _ in pushes], axis=0)
     assert float(np.nanstd(trace.residual_nm[apart])) < 0.05
-
-
-def test_without_contacts_there_is_no_trace() -> None:
-    assert contact_trace(NAMED, (), None, None) is None  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ from friction_audit.effects.gravity_error import EFFECT as TERM
 from friction_audit.effects.gravity_error import OWN_ANGLE, SEVERAL
 from friction_audit.effects.inertial_coupling import AFTER, ALL, BEFORE, BOTH
 from friction_audit.joint_log import Float
-from tests.diagnosis.toy_candidates import altered
+from tests.diagnosis.toy_effects import altered
 from tests.effects.explained import share_explained
 from tests.effects.joint_data_by_hand import baseline, two_sines
 

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from friction_audit.diagnosis.library import build_library
 
 from friction_audit.diagnosis.rows import make_rows
 from friction_audit.effects.joint_data import JointData
@@ -45,18 +44,14 @@ def test_starts_under_a_torque_that_jumps_tell_nothing_and_do_not_count() -> Non
     assert "0 of them under a torque that rises slowly" in str(CANDIDATE.not_identifiable(pushed, baseline(pushed)))
 
 
-def test_behind_any_start_an_excess_that_fades_over_a_path_is_looked_for() -> None:
-    data = jumping()
-    library = build_library((CANDIDATE,), data, baseline(data), make_rows(data))
-    (entry,) = library.entries
-    assert "stiction" in library.untestable
-    assert len(entry.shapes) == len(CANDIDATE.grid(data)) - len(AGEINGS_S)
-    assert min(shape["renewal_rad"] for shape in entry.shapes) > AT_ONCE_RAD
+def test_an_excess_that_fades_over_a_path_is_looked_for_after_any_start() -> None:
+    shapes = CANDIDATE.identifiable_part(jumping())
+    assert len(shapes) == len(CANDIDATE.grid(jumping())) - len(AGEINGS_S)
+    assert min(shape["renewal_rad"] for shape in shapes) > AT_ONCE_RAD
 
 
 def test_without_starts_nothing_of_it_is_looked_for() -> None:
-    data = two_sines()
-    assert build_library((CANDIDATE,), data, baseline(data), make_rows(data)).entries == ()
+    assert list(CANDIDATE.identifiable_part(two_sines())) == []
 
 
 def test_its_factor_is_the_excess_less_what_the_torque_rises_in_a_few_milliseconds() -> None:

@@ -10,7 +10,7 @@ from friction_audit.effects import backlash, frictional_lag, joint_elasticity, p
 from friction_audit.effects.effect import Effect, Nonlinear
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.joint_log import Float
-from tests.diagnosis.toy_candidates import altered
+from tests.diagnosis.toy_effects import altered
 from tests.effects.explained import share_explained
 from tests.effects.joint_data_by_hand import STEP_S, baseline, joint_data, two_sines
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from friction_audit.diagnosis.result import Effect, JointDiagnosis, SimulationGap, Traces
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, SimulationGap, Traces
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import Diagnosis
 from tests.reporting import diagnosis_by_hand as by_hand
@@ -43,7 +43,7 @@ def _traces() -> Traces:
 TRACES = _traces()
 
 
-def effect_of(effect: Effect) -> Effect:
+def effect_of(effect: NamedEffect) -> NamedEffect:
     return replace(effect, torque=MISSING_NM * np.sign(TRACES.dq))
 
 
@@ -58,7 +58,7 @@ def _with_rows(joint: JointDiagnosis) -> JointDiagnosis:
         profiles=joint.profiles or (by_hand.profile("time", 0.0),),
         remaining=joint.remaining or (by_hand.profile("time", 0.0),),
         simulation=None,
-        ladder=joint.ladder or (("declared model", joint.gap.before), ("floor of the noise", joint.gap.floor)),
+        ladder=joint.ladder or (("nominal model", joint.gap.before), ("floor of the noise", joint.gap.floor)),
     )
 
 

@@ -6,13 +6,13 @@ from friction_audit.diagnosis.data_audit import DataFinding
 from friction_audit.diagnosis.gap import Gap
 from friction_audit.diagnosis.result import (
     Discrepancy,
-    Effect,
     Evidence,
     JointDiagnosis,
+    NamedEffect,
     Profile,
+    ResidualCheck,
     SimulationGap,
     Traces,
-    Vibration,
 )
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.effects.registry import motion_to_decide
@@ -62,8 +62,8 @@ def profile(axis: str, share: float) -> Profile:
 
 def effect(
     name: str, parameters: dict[str, Coefficient], *, alternatives: tuple[str, ...] = (), before: float, after: float
-) -> Effect:
-    return Effect(
+) -> NamedEffect:
+    return NamedEffect(
         name=name,
         label=f"what {name} does",
         alternatives=alternatives,
@@ -74,13 +74,18 @@ def effect(
         axis="speed",
         gap_before_nm=before,
         gap_after_nm=after,
-        partial_nm=0.031,
         torque=np.zeros(4),
         evidence=(
             Evidence(name=name, delta_bic=0.0, correlation=1.0),
             Evidence(name="warm_up", delta_bic=41.3, correlation=0.31),
         ),
         curve=profile("speed", 0.7),
+        size_nm=0.031,
+        friction_share=0.09,
+        residual_share=0.9,
+        grade="minor",
+        folds=5,
+        chosen_in=5,
     )
 
 
@@ -150,7 +155,7 @@ NAMED = JointDiagnosis(
         nominal=np.zeros(2),
         augmented=np.zeros(2),
     ),
-    ladder=(("declared model", 0.061), ("+ stribeck", 0.021), ("floor of the noise", 0.020)),
+    ladder=(("nominal model", 0.061), ("+ stribeck", 0.021), ("floor of the noise", 0.020)),
     omnibus_p=0.001,
     remaining_p=0.4,
     detection_limit_nm=0.0043,
@@ -197,7 +202,8 @@ UNEXPLAINED = JointDiagnosis(
     omnibus_p=0.001,
     remaining_p=0.001,
     profiles=(profile("speed", 0.6),),
-    vibration=Vibration(frequency_hz=13.0, low_hz=11.0, high_hz=15.5, rms_nm=0.04),
+    checks=(ResidualCheck(code="line", along="time", share=0.3, frequency=13.0),),
+    remainder_share=0.3,
 )
 NOT_TESTABLE = JointDiagnosis(
     joint=5,

@@ -95,15 +95,14 @@ def test_residual_is_measured_less_model() -> None:
         assert rows.columns[f"{name}_nm"] == pytest.approx(value)
 
 
-def test_two_that_are_an_alternative_only_together_are_one_word() -> None:
+def test_indistinguishable_effects_are_words_of_one_column() -> None:
     found = report().diagnosis
     assert found is not None
-    pair = ("torque_drift", "inertia_error")
-    other = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", *pair), together=(pair,))
+    other = replace(AMBIGUOUS.effects[0], alternatives=("asymmetric_coulomb", "inertia_error"))
     joints = (replace(AMBIGUOUS, effects=(other,)),)
     made = diagnose_tables(replace(found, discrepancy=replace(found.discrepancy, joints=joints)))
     (rows,) = next(table for table in made if table.name == "effects").rows
-    assert list(rows.columns["alternatives"]) == ["asymmetric_coulomb torque_drift+inertia_error"]
+    assert list(rows.columns["alternatives"]) == ["asymmetric_coulomb inertia_error"]
 
 
 def sessions_of(summary: BatchSummary, path: Path) -> pd.DataFrame:

@@ -1,4 +1,4 @@
-"""The grown model holds the declared terms as fitted beside the effects, and the effects."""
+"""The augmented model holds the nominal terms as fitted together with the effects, and the effects."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -16,19 +16,19 @@ LOG = build_estimate(3, count=4, rate=100.0).log
 STRIBECK_TERM = FittedTerm("stribeck", (0.2, 0.05, 1.0))
 
 
-def grown(*joints: JointDiagnosis, declared: ArmModel | None = None) -> ArmModel:
-    result = augment_models(Discrepancy(joints=joints), LOG, declared)
+def augmented(*joints: JointDiagnosis, nominal: ArmModel | None = None) -> ArmModel:
+    result = augment_models(Discrepancy(joints=joints), LOG, nominal)
     assert result.lacking == ()
     return result.model
 
 
-def declared_arm(*terms: FittedTerm) -> ArmModel:
+def nominal_arm(*terms: FittedTerm) -> ArmModel:
     joint = JointModel(inertia_kg_m2=0.5, terms=(FittedTerm("coulomb", (0.4,)), FittedTerm("viscous", (0.1,)), *terms))
     return ArmModel(names=LOG.joint_names, joints=(joint,) * 3)
 
 
-def test_what_was_missing_is_a_term_and_the_rest_is_as_fitted_beside_it() -> None:
-    joint = grown(NAMED).joints[0]
+def test_a_missing_effect_is_a_term_and_the_rest_is_as_fitted_with_it() -> None:
+    joint = augmented(NAMED).joints[0]
     assert joint is not None
     assert joint.inertia_kg_m2 == 0.3
     assert joint.values("coulomb") == (0.30,)
@@ -37,26 +37,26 @@ def test_what_was_missing_is_a_term_and_the_rest_is_as_fitted_beside_it() -> Non
 
 
 def test_it_says_where_it_comes_from() -> None:
-    joint = grown(NAMED).joints[0]
+    joint = augmented(NAMED).joints[0]
     assert joint is not None
     assert joint.provenance == Provenance(method="diagnose", log="run 1.csv", sha256="0" * 64, cycles=30)
 
 
 def test_there_is_one_entry_per_joint_of_the_log() -> None:
-    model = grown(NONE)
+    model = augmented(NONE)
     assert model.names == LOG.joint_names
     assert [joint is not None for joint in model.joints] == [False, False, True]
 
 
-def test_a_joint_that_was_not_fitted_keeps_its_declared_model() -> None:
-    arm = declared_arm()
-    assert grown(replace(DATA_FAULT, joint=2), declared=arm).joints == arm.joints
+def test_a_joint_that_was_not_fitted_keeps_its_nominal_model() -> None:
+    arm = nominal_arm()
+    assert augmented(replace(DATA_FAULT, joint=2), nominal=arm).joints == arm.joints
 
 
-def test_a_declared_inertia_stays_and_declared_terms_keep_their_shape() -> None:
+def test_a_stated_inertia_stays_and_nominal_terms_keep_their_shape() -> None:
     fitted = {"coulomb_nm": coefficient(0.35, 0.1), "viscous_nms_per_rad": coefficient(0.09, 0.1)}
     fitted |= {"stribeck_excess_nm": coefficient(0.25, 0.1)}
-    joint = grown(replace(NONE, joint=1, grown=fitted), declared=declared_arm(STRIBECK_TERM)).joints[0]
+    joint = augmented(replace(NONE, joint=1, augmented=fitted), nominal=nominal_arm(STRIBECK_TERM)).joints[0]
     assert joint is not None
     assert joint.inertia_kg_m2 == 0.5
     assert joint.values("coulomb") == (0.35,)
@@ -65,15 +65,15 @@ def test_a_declared_inertia_stays_and_declared_terms_keep_their_shape() -> None:
 
 def test_what_is_held_stays_as_it_was_and_held() -> None:
     fitted = {"viscous_nms_per_rad": coefficient(0.09, 0.1)}
-    arm = declared_arm()
+    arm = nominal_arm()
     held = replace(arm, joints=tuple(joint and replace(joint, held=("coulomb",)) for joint in arm.joints))
-    joint = grown(replace(NONE, joint=1, grown=fitted), declared=held).joints[0]
+    joint = augmented(replace(NONE, joint=1, augmented=fitted), nominal=held).joints[0]
     assert joint is not None
     assert (joint.values("coulomb"), joint.values("viscous"), joint.held) == ((0.4,), (0.09,), ("coulomb",))
 
 
 def test_friction_below_zero_is_no_model_and_said() -> None:
-    wrong = replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
+    wrong = replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.005)})
     result = augment_models(Discrepancy(joints=(wrong,)), LOG, None)
     assert result.model.joints == (None, None, None)
     ((joint, lack),) = result.lacking
@@ -82,15 +82,17 @@ def test_friction_below_zero_is_no_model_and_said() -> None:
 
 
 def test_friction_below_zero_that_may_be_zero_is_zero() -> None:
-    joint = grown(replace(NAMED, grown=NAMED.grown | {"viscous_nms_per_rad": coefficient(-0.01, 0.02)})).joints[0]
+    joint = augmented(
+        replace(NAMED, augmented=NAMED.augmented | {"viscous_nms_per_rad": coefficient(-0.01, 0.02)})
+    ).joints[0]
     assert joint is not None
     assert joint.values("viscous") == (0.0,)
 
 
-def test_a_term_that_was_declared_and_found_again_is_no_model() -> None:
-    fitted = NAMED.grown | {"stribeck_excess_nm": coefficient(0.25, 0.1)}
-    arm = declared_arm(STRIBECK_TERM)
-    result = augment_models(Discrepancy(joints=(replace(NAMED, grown=fitted),)), LOG, arm)
+def test_a_term_of_the_nominal_model_that_is_found_again_is_no_model() -> None:
+    fitted = NAMED.augmented | {"stribeck_excess_nm": coefficient(0.25, 0.1)}
+    arm = nominal_arm(STRIBECK_TERM)
+    result = augment_models(Discrepancy(joints=(replace(NAMED, augmented=fitted),)), LOG, arm)
     assert result.model.joints == arm.joints
     assert "stribeck stands twice" in result.lacking[0][1]
 
@@ -100,27 +102,27 @@ def test_an_effect_that_is_no_term_is_left_out_and_said() -> None:
     result = augment_models(Discrepancy(joints=(replace(NAMED, effects=(STRIBECK, strange)),)), LOG, None)
     assert result.model.joints[0] is not None
     assert result.model.joints[0].values("stribeck") is not None
-    assert result.lacking == ((1, "poltergeist is no term of a model, so the grown one lacks it"),)
+    assert result.lacking == ((1, "poltergeist is no term of a model, so the augmented one lacks it"),)
 
 
 def test_it_reads_back_from_its_file(tmp_path: Path) -> None:
-    model = grown(NAMED, NONE)
+    model = augmented(NAMED, NONE)
     save_model(model, tmp_path / "model.toml")
     assert load_model(tmp_path / "model.toml") == model
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])
 def test_joints_are_found_by_their_number(place: int) -> None:
-    model = grown(replace(NAMED, joint=place + 1))
+    model = augmented(replace(NAMED, joint=place + 1))
     assert [joint is not None for joint in model.joints].index(True) == place
 
 
-def test_numbers_that_a_declared_term_lacks_are_lacking_in_the_grown_one() -> None:
+def test_numbers_that_a_nominal_term_lacks_are_lacking_in_the_augmented_one() -> None:
     term = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    told = [parameter.name for parameter in term.effect.coefficients if not parameter.optional]
+    stated = [parameter.name for parameter in term.effect.coefficients if not parameter.optional]
     fitted = {"coulomb_nm": coefficient(0.35, 0.1), "viscous_nms_per_rad": coefficient(0.09, 0.1)}
-    fitted |= {name: coefficient(float(k), 0.1) for k, name in enumerate(told)}
-    joint = grown(replace(NONE, joint=1, grown=fitted), declared=declared_arm(term)).joints[0]
+    fitted |= {name: coefficient(float(k), 0.1) for k, name in enumerate(stated)}
+    joint = augmented(replace(NONE, joint=1, augmented=fitted), nominal=nominal_arm(term)).joints[0]
     assert joint is not None
     assert joint.values("gravity_error") == (0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, *([0.0] * 9))
 

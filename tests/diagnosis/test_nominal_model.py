@@ -1,11 +1,10 @@
-"""Factors of the declared model: exact on exact data, intervals like those of statsmodels, numbers stated in a file."""
+"""The nominal model: exact on exact data, intervals like those of statsmodels, numbers of a model file."""
 
 import os
 from pathlib import Path
 
 import numpy as np
 import pytest
-from friction_audit.diagnosis.ground import make_ground
 from scipy.signal import butter, sosfiltfilt
 from statsmodels.api import OLS
 
@@ -25,17 +24,17 @@ ROWS = make_rows(EXACT)
 SIMPLE = (FittedTerm("coulomb", (9.0,)), FittedTerm("viscous", (9.0,)))
 
 
-def test_exact_data_give_the_exact_factors() -> None:
-    declared = nominal_model(EXACT, ROWS, None)
-    factors = least_squares(declared.columns, declared.y)
-    assert dict(zip(declared.names, factors, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
-    for one, truth in zip(coefficients(declared.columns, declared.y, ROWS.cycle), TRUTH.values(), strict=True):
+def test_exact_data_give_the_exact_coefficients() -> None:
+    nominal = nominal_model(EXACT, ROWS, None)
+    values = least_squares(nominal.columns, nominal.y)
+    assert dict(zip(nominal.names, values, strict=True)) == pytest.approx(TRUTH, rel=1e-9)
+    for one, truth in zip(coefficients(nominal.columns, nominal.y, ROWS.cycle), TRUTH.values(), strict=True):
         assert (one.low, one.value, one.high) == pytest.approx((truth, truth, truth), rel=1e-9)
 
 
-def test_what_candidates_lean_on_is_the_fit() -> None:
-    declared = nominal_model(EXACT, ROWS, None)
-    baseline = declared.baseline(np.array([COULOMB_NM, VISCOUS_NMS_PER_RAD, INERTIA_KG_M2]))
+def test_the_baseline_of_effects_is_the_fit() -> None:
+    nominal = nominal_model(EXACT, ROWS, None)
+    baseline = nominal.baseline(np.array([COULOMB_NM, VISCOUS_NMS_PER_RAD, INERTIA_KG_M2]))
     assert baseline.torque == pytest.approx(EXACT.torque)
     assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad, baseline.inertia_kg_m2) == (0.3, 0.07, 0.2)
     assert baseline.declared == frozenset()
@@ -43,21 +42,21 @@ def test_what_candidates_lean_on_is_the_fit() -> None:
 
 def test_a_stated_inertia_is_taken_and_friction_is_fitted_all_the_same() -> None:
     model = JointModel(inertia_kg_m2=0.5 * INERTIA_KG_M2, terms=SIMPLE)
-    declared = nominal_model(EXACT, ROWS, model)
-    assert declared.names == ("coulomb_nm", "viscous_nms_per_rad")
-    assert declared.stated == pytest.approx(0.1 * EXACT.ddq)
-    assert declared.y == pytest.approx(ROWS.y - ROWS.of(0.1 * EXACT.ddq))
-    baseline = declared.baseline(np.array([0.3, 0.07]))
+    nominal = nominal_model(EXACT, ROWS, model)
+    assert nominal.names == ("coulomb_nm", "viscous_nms_per_rad")
+    assert nominal.stated == pytest.approx(0.1 * EXACT.ddq)
+    assert nominal.y == pytest.approx(ROWS.y - ROWS.of(0.1 * EXACT.ddq))
+    baseline = nominal.baseline(np.array([0.3, 0.07]))
     assert baseline.inertia_kg_m2 == 0.1
     assert baseline.declared == {"inertia_kg_m2"}
 
 
 def test_a_term_that_is_held_is_stated_and_no_column() -> None:
     held = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(FittedTerm("coulomb", (0.4,)), SIMPLE[1]), held=("coulomb",))
-    declared = nominal_model(EXACT, ROWS, held)
-    assert declared.names == ("viscous_nms_per_rad",)
-    assert declared.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
-    baseline = declared.baseline(np.array([0.07]))
+    nominal = nominal_model(EXACT, ROWS, held)
+    assert nominal.names == ("viscous_nms_per_rad",)
+    assert nominal.stated == pytest.approx(INERTIA_KG_M2 * EXACT.ddq + 0.4 * EXACT.motion().direction)
+    baseline = nominal.baseline(np.array([0.07]))
     assert (baseline.coulomb_nm, baseline.viscous_nms_per_rad) == (0.4, 0.07)
     assert baseline.torque == pytest.approx(EXACT.torque + (0.4 - COULOMB_NM) * EXACT.motion().direction)
     assert baseline.declared == {"inertia_kg_m2", "coulomb_nm"}
@@ -73,19 +72,19 @@ def test_terms_of_a_model_file_are_columns_with_their_stated_shape() -> None:
     stribeck = FittedTerm("stribeck", (0.2, 0.15, 1.0))
     model = JointModel(inertia_kg_m2=INERTIA_KG_M2, terms=(*SIMPLE, stribeck))
     data = moved_joint(lambda d: stribeck.torque(d.motion()), duration_s=30.0)
-    declared = nominal_model(data, make_rows(data), model)
-    factors = dict(zip(declared.names, least_squares(declared.columns, declared.y), strict=True))
-    assert factors["stribeck_excess_nm"] == pytest.approx(0.2, rel=1e-6)
-    assert factors["coulomb_nm"] == pytest.approx(0.3, rel=1e-6)
+    nominal = nominal_model(data, make_rows(data), model)
+    values = dict(zip(nominal.names, least_squares(nominal.columns, nominal.y), strict=True))
+    assert values["stribeck_excess_nm"] == pytest.approx(0.2, rel=1e-6)
+    assert values["coulomb_nm"] == pytest.approx(0.3, rel=1e-6)
 
 
-def test_columns_that_are_copies_share_the_smallest_factors() -> None:
+def test_columns_that_are_copies_share_the_smallest_coefficients() -> None:
     w = np.sin(np.arange(50.0))
     assert least_squares(np.column_stack([w, w, np.zeros(50)]), 2.0 * w) == pytest.approx([1.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_a_column_of_zeros_has_no_factor_not_even_a_rounding(seed: int) -> None:
+def test_a_column_of_zeros_has_no_coefficient_not_even_a_rounding(seed: int) -> None:
     columns = np.random.default_rng(seed).standard_normal((40, 6))
     columns[:, [2, 4]] = 0.0
     assert least_squares(columns, np.sin(np.arange(40.0)))[[2, 4]].tolist() == [0.0, 0.0]
@@ -120,9 +119,9 @@ def test_intervals_cover_at_their_rate() -> None:
     for seed in range(60):
         data = moved_joint(noise_nm=0.05, duration_s=20.0, seed=seed)
         rows = make_rows(data)
-        declared = nominal_model(data, rows, None)
-        found = coefficients(declared.columns, declared.y, rows.cycle)
-        inside += [one.low <= TRUTH[name] <= one.high for name, one in zip(declared.names, found, strict=True)]
+        nominal = nominal_model(data, rows, None)
+        found = coefficients(nominal.columns, nominal.y, rows.cycle)
+        inside += [one.low <= TRUTH[name] <= one.high for name, one in zip(nominal.names, found, strict=True)]
     # 95 % of 60 are 57; fewer than 51 come less than twice in a thousand times.
     assert np.all(inside >= 51)
 
@@ -133,9 +132,10 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
     estimate = estimate_log(read_log(path), AuditSettings(torque=TorqueSettings(drive="robot", robot="panda")))
     left = []
     for data in prepare(estimate.interaction, estimate.cycles, estimate.log):
-        ground = make_ground(data, None, 0)
-        offset = np.ones((len(ground.y), 1))
-        fine = ground.fine_residual([offset], [np.ones((len(data.t), 1))])
+        rows = make_rows(data)
+        nominal = nominal_model(data, rows, None)
+        offset = np.column_stack([nominal.columns, rows.of(np.ones((len(data.t), 1)))])
+        fine = data.torque - np.column_stack([nominal.fine, np.ones(len(data.t))]) @ least_squares(offset, nominal.y)
         low = sosfiltfilt(butter(4, 4.0, fs=1.0 / data.step_s, output="sos"), fine)
         left.append(float(np.sqrt(np.mean(low[data.used] ** 2))))
     # Measured: .13 .34 .20 .16 .08 .07 .06; refitting all inertias to this log leaves .12 .15 .14 .13 .07 .04 .05.
@@ -144,10 +144,10 @@ def test_residual_of_a_real_arm_below_4_hz() -> None:
 
 def test_numbers_that_a_model_file_lacks_are_no_columns() -> None:
     of_angle = FittedTerm("gravity_error", (0.3, 0.1, *([0.0] * 15)))
-    declared = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
-    assert "gravity_cos_nm" in declared.names
-    assert "gravity_across_2_m_s2" in declared.names
-    assert not [name for name in declared.names if name.startswith(("next", "last"))]
+    nominal = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, of_angle)))
+    assert "gravity_cos_nm" in nominal.names
+    assert "gravity_across_2_m_s2" in nominal.names
+    assert not [name for name in nominal.names if name.startswith(("next", "last"))]
     several = FittedTerm("gravity_error", (0.0,) * 9 + (0.1,) + (0.0,) * 6 + (-2.0,))
-    declared = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
-    assert [name for name in declared.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]
+    nominal = nominal_model(EXACT, ROWS, JointModel(inertia_kg_m2=0.5, terms=(*SIMPLE, several)))
+    assert [name for name in nominal.names if name.startswith(("next", "last"))] == ["next_link_moment_y_kg_m"]
