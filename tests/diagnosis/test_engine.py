@@ -16,9 +16,9 @@ from friction_audit.joint_log import Float
 from tests.diagnosis.moved_joint import TRUTH, moved_joint
 
 
-def diagnosed(data: JointData, seed: int = 0) -> JointDiagnosis:
+def diagnosed(data: JointData, seed: int = 0, min_effect_nm: float = 0.0) -> JointDiagnosis:
     subject = Subject(data=data, number=1, name="joint1", findings=(), from_energy={})
-    return diagnose_joint(subject, effects(), DiagnosisSettings(seed=seed))
+    return diagnose_joint(subject, effects(), DiagnosisSettings(seed=seed, min_effect_nm=min_effect_nm))
 
 
 def stribeck(data: JointData) -> Float:
@@ -61,6 +61,12 @@ def test_stribeck_is_named_with_its_numbers_for_every_seed() -> None:
         assert number.low <= truth <= number.high
     assert effect.gap_after_nm < effect.gap_before_nm
     assert effect.p_value < 0.01
+
+
+def test_effects_below_the_least_that_counts_are_negligible() -> None:
+    found = diagnosed(moved_joint(stribeck, noise_nm=0.02), min_effect_nm=0.5)
+    assert (found.verdict, found.effects) == ("adequate", ())
+    assert [e.name for e in found.negligible] == ["stribeck"]
 
 
 def test_offset_is_named_with_what_cannot_be_separated_from_it() -> None:

@@ -83,7 +83,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
             return _unanswered(
                 subject, "not_testable", "; ".join(dict.fromkeys(state.dictionary.not_testable.values()))
             )
-        found = _result(subject, state, conclude(state), settings)
+        found = _result(subject, state, conclude(state, settings.min_effect_nm), settings)
     except (AnalysisError, np.linalg.LinAlgError) as error:
         return _unanswered(subject, "not_testable", str(error))
     test = np.unique(state.problem.samples.cycle[state.problem.fold == 0])

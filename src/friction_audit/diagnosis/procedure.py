@@ -1,7 +1,7 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,21 +14,17 @@ from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.validation import gains
 from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.effect import Effect
-from friction_audit.effects.joint_data import Nominal
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
 LEAST_OF_LARGER = 0.2  # of a larger effect's rms: what is smaller may be what that one's formula lacks
-EXACT = ("torque_bias", "asymmetric_coulomb")  # effects whose formula cannot be wrong
-FRICTION = ("stribeck", "nonlinear_viscous", "presliding", "load_dependent_friction", "position_dependent_friction",
-            "warm_up", "friction_step", "stiction", "asymmetric_viscous")  # fmt: skip
-PLACE = ("torque_bias", "torque_drift", "gravity_error", "cable_spring", "joint_limit_stop")
 REPEATS = 2
 ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
-TRANSMISSION, TRANSMISSION_ERROR = ("joint_elasticity", "backlash"), 0.25  # what is behind it is known roughly
+TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
 CONTACT_GAIN, LARGEST_CONTACT_GAIN = 30.0, 50.0  # 2 ln of the likelihood: of each, of the largest (smoothed, seed 122)
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
@@ -48,9 +44,9 @@ class State:
     folds: dict[str, int] | None = None
 
 
-def select(data: object, model: JointModel | None, effects: Sequence[Effect]) -> State:
+def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
     """Everything up to the active set."""
-    problem = RegressionProblem.build(data, model)  # type: ignore[arg-type]
+    problem = RegressionProblem.build(data, model)
     contacts = contact_events.detect(problem)
     state = _selected(problem, effects)
     if contacts:
@@ -112,7 +108,7 @@ def _state(
         beside = [*others, block] if block.effect.needs_nominal else others
         found = refine(dictionary, training, block, others, nominal(problem, training, beside))
         # What a spring or a play hands on is the inertia and friction behind it, better known with it in the model.
-        for _ in range(ALTERNATIONS if block.name in TRANSMISSION else 0):
+        for _ in range(ALTERNATIONS if block.effect.transmits else 0):
             if found is None:
                 break
             numbers = coefficients_beside(training, others, found.columns)[: len(problem.X)]
@@ -161,8 +157,8 @@ def effect_error(state: State) -> Float:
     """Standard deviation of what the formulas of the named effects get wrong, shape (m,). [N m]"""
     fit, total = state.search.training.fit(state.active), np.zeros(len(state.problem.y))
     for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True):
-        if block.name not in EXACT:
-            share = TRANSMISSION_ERROR if block.name in TRANSMISSION else EFFECT_ERROR
+        if not block.effect.exact:
+            share = TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
             total = np.hypot(total, share * (coefficients @ block.columns))
     return total
 
@@ -176,7 +172,13 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
         worth = []
         for k, block in enumerate(kept):
             larger = max(
-                (s for s, other in zip(size, kept, strict=True) if other is not block and _covers(other, block)),
+                (
+                    s
+                    for s, other in zip(size, kept, strict=True)
+                    if other is not block
+                    and not other.effect.exact
+                    and block.effect.may_absorb_error_of(other.effect)
+                ),
                 default=0.0,
             )
             bad = (
@@ -189,10 +191,6 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
             break
         kept.pop(int(np.argmin(worth)))
     return kept
-
-
-def _covers(other: Block, block: Block) -> bool:
-    return other.name not in EXACT and not (block.name in FRICTION and other.name in PLACE)
 
 
 def sizes(gram: Gram, active: Sequence[Block]) -> Float:
@@ -238,6 +236,3 @@ def _ols(columns: Float, y: Float) -> Float:
     scale = np.where(scale > 0, scale, 1.0)
     scaled = columns / scale[:, None]
     return np.asarray(np.linalg.lstsq(scaled @ scaled.T, scaled @ y, rcond=1e-12)[0] / scale)
-
-
-__all__ = ["State", "accepted", "fine_torques", "nominal", "replace", "select", "sizes"]

@@ -25,7 +25,7 @@ CLOSE = 40.0  # effects so near the best one are refined before one is chosen
 REFINED_AT_ONCE = 4
 FEWEST_CYCLES_PER_NUMBER = 1.25
 LEAST_FOLDS = 2.0 / 3.0  # share of the folds that must choose an effect too
-CONSTANT, SAME = ("torque_bias", "asymmetric_coulomb"), 0.9
+SAME = 0.9  # correlation with a constant, from which the constant is a competing name
 MOST_EFFECTS = 8
 TOLERANCE = 1e-6
 
@@ -279,11 +279,13 @@ class Competing:
         name: Its name.
         behind: How much less evidence there is for it.
         correlation: Of the two torques given all else, 0..1.
+        exact: Whether its formula cannot be wrong, as that of a constant cannot.
     """
 
     name: str
     behind: float
     correlation: float
+    exact: bool
 
 
 def competing_effects(search: Search, active: Sequence[Block], block: Block) -> tuple[Competing, ...]:
@@ -306,9 +308,9 @@ def competing_effects(search: Search, active: Sequence[Block], block: Block) -> 
             continue
         other = torque(score.block)
         size = float(np.sqrt((own @ own) * (other @ other)))
-        found.append(
-            Competing(name=name, behind=mine - score.evidence, correlation=float(own @ other) / max(size, 1e-300))
-        )
+        correlation = float(own @ other) / max(size, 1e-300)
+        behind, exact = mine - score.evidence, score.block.effect.exact
+        found.append(Competing(name=name, behind=behind, correlation=correlation, exact=exact))
     return tuple(sorted(found, key=lambda one: one.behind))
 
 
@@ -316,7 +318,7 @@ def indistinguishable(competing: Sequence[Competing], block: Block, active: Sequ
     """Names that the log cannot separate from a selected effect."""
     names = [c.name for c in competing if c.behind < INDISTINGUISHABLE and c.correlation > ALIKE]
     # A constant is within what bends little over the range: an offset may be most of it, whatever else is there.
-    names += [c.name for c in competing if c.name in CONSTANT and c.correlation > SAME and c.name not in names]
+    names += [c.name for c in competing if c.exact and c.correlation > SAME and c.name not in names]
     names += [name for name in block.effect.indistinguishable if name not in names]
     others = {b.name for b in active if b is not block}
     names += [name for name in block.effect.part_of if name in others and name not in names]

@@ -1,6 +1,7 @@
 """Settings of a diagnosis."""
 
 from dataclasses import dataclass
+from math import inf
 
 from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES
@@ -16,7 +17,8 @@ class DiagnosisSettings:
     Attributes:
         candidates: Names of the effects that may be named; None for the whole catalogue.
         alpha: Probability of saying that something is missing where nothing is, per joint.
-        seed: Seed of the split of the cycles and of the bootstraps.
+        min_effect_nm: Effects whose rms torque is below it are negligible. [N m]
+        seed: Seed of the bootstrap of the screening test; no verdict depends on it.
         model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
 
     Raises:
@@ -25,6 +27,7 @@ class DiagnosisSettings:
 
     candidates: tuple[str, ...] | None = None
     alpha: float = 0.05
+    min_effect_nm: float = 0.0
     seed: int = 0
     model: ArmModel | None = None
 
@@ -35,3 +38,5 @@ class DiagnosisSettings:
             raise UsageError(f"candidates: {', '.join(strangers)}: expected some of {', '.join(NAMES)}")
         if not 0.0 < self.alpha < HIGHEST_ALPHA:
             raise UsageError(f"alpha: {self.alpha:g}; expected a probability above 0 and below {HIGHEST_ALPHA:g}")
+        if not 0.0 <= self.min_effect_nm < inf:
+            raise UsageError(f"min_effect_nm: {self.min_effect_nm:g}; expected a torque of zero or more")

@@ -117,6 +117,3 @@ def gap(gram: Gram, active: Sequence[Block]) -> tuple[Gap, HeldOut, HeldOut]:
     before, after = held_out(gram, (), replaced=active), held_out(gram, active)
     floor = noise_floor(gram, active)
     return measure_gap(before.residual, after.residual, floor, gram.problem.samples.cycle), before, after
-
-
-__all__ = ["FOLDS", "Gain", "HeldOut", "gains", "gap", "held_out", "noise_floor"]
