@@ -175,9 +175,7 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
                 (
                     s
                     for s, other in zip(size, kept, strict=True)
-                    if other is not block
-                    and not other.effect.exact
-                    and block.effect.may_absorb_error_of(other.effect)
+                    if other is not block and not other.effect.exact and block.effect.may_absorb_error_of(other.effect)
                 ),
                 default=0.0,
             )

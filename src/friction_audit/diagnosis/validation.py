@@ -8,7 +8,6 @@ import numpy as np
 from friction_audit.diagnosis.dictionary import Block
 from friction_audit.diagnosis.gap import Gap, measure_gap
 from friction_audit.diagnosis.gram import Gram, Training
-from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.joint_log import Float
 
 RIDGE = 1e-3  # for curves over quantities that may be copies of each other
