@@ -1,22 +1,28 @@
-"""How much of a torque written down by hand a candidate explains beside inertia, Coulomb and viscous friction."""
+"""How much of a torque an effect explains in addition to inertia, Coulomb and viscous friction."""
 
 import numpy as np
 
-from friction_audit.diagnosis.beside import Beside
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float
 from tests.effects.joint_data_by_hand import baseline
 
 
-def share_explained(candidate: Effect, data: JointData, torque: Float) -> float:
-    """Share of what the declared model leaves of a torque, shape (n,), by the best shape with possible factors."""
+def share_explained(effect: Effect, data: JointData, torque: Float) -> float:
+    """Share of what the nominal model leaves of a torque, shape (n,), by the best point with possible coefficients."""
     used = data.used
-    declared = np.column_stack([data.ddq, np.sign(data.dq), data.dq])[used]
-    y = torque[used] - declared @ np.linalg.lstsq(declared, torque[used])[0]
-    beside, best = Beside(declared, y), 0.0
-    for shape in candidate.grid(data):
-        factors, left = beside.fit(candidate.regressor(data, baseline(data), shape)[used])
-        if candidate.admissible(factors, shape):
-            best = max(best, 1.0 - left / float(np.sum(y**2)))
+    nominal, y = np.column_stack([data.ddq, np.sign(data.dq), data.dq])[used], torque[used]
+
+    def fit(own: Float) -> tuple[Float, float]:
+        columns = np.column_stack([nominal, own])
+        size = np.sqrt(np.mean(columns**2, axis=0))
+        size[size == 0.0] = 1.0
+        coefficients = np.linalg.lstsq(columns / size, y, rcond=1e-10)[0] / size
+        return coefficients[3:], float(np.sum((y - columns @ coefficients) ** 2))
+
+    nothing, best = fit(np.zeros((len(y), 0)))[1], 0.0
+    for shape in effect.grid(data):
+        coefficients, left = fit(effect.regressor(data, baseline(data), shape)[used])
+        if effect.admissible(coefficients, shape):
+            best = max(best, 1.0 - left / nothing)
     return best

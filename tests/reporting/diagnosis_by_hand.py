@@ -3,10 +3,10 @@
 import numpy as np
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.gap import Gap
 from friction_audit.diagnosis.result import (
     Discrepancy,
     Evidence,
+    Gap,
     JointDiagnosis,
     NamedEffect,
     Profile,

@@ -10,8 +10,7 @@ from hypothesis.extra.numpy import arrays
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from friction_audit.diagnosis.gap import Gap
-from friction_audit.diagnosis.result import ContactTrace, Evidence, OwnAxis
+from friction_audit.diagnosis.result import ContactTrace, Evidence, Gap, OwnAxis
 from friction_audit.joint_log import Float
 from friction_audit.reporting.diagnosis_words import verdict_words
 from friction_audit.reporting.figures.profiles import (

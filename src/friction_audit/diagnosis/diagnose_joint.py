@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from friction_audit.diagnosis import intervals, residual_curves, screening, wording
-from friction_audit.diagnosis.against_energy import differences_from_energy
 from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.forward_gap import gap_in_motion
@@ -137,7 +136,6 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         nominal=plain.nominal,
         augmented=estimates.nominal,
         from_energy=subject.from_energy,
-        disagreements=differences_from_energy(plain.nominal, subject.from_energy),
         gap=closed,
         ladder=_ladder(state, said, closed.before, closed.floor),
         omnibus_p=tests.p_value,

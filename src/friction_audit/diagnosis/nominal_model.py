@@ -1,28 +1,17 @@
-"""The declared model on the rows of a joint: B ddq + mu_c sgn(dq) + mu_v dq, and whatever terms a model file adds.
-
-Fitted by least squares; rows of one cycle share their errors, so intervals come from leaving out one cycle at a time.
-
-Reference: A. C. Cameron, D. L. Miller, A practitioner's guide to cluster-robust inference, Journal of Human
-Resources 50 (2015) 317.
-"""
+"""The nominal model on the samples of a joint: B ddq + mu_c sgn(dq) + mu_v dq, and the terms of a model file."""
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from friction_audit.diagnosis.beside import Beside
 from friction_audit.diagnosis.rows import Rows
 from friction_audit.dynamics.motion import Motion
-from friction_audit.effects.joint_data import JointData, Nominal, mean_sign
+from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
 from friction_audit.effects.transmission import MOTION_BELOW_HZ, motion_below
 from friction_audit.errors import AnalysisError
-from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
-CONFIDENCE = 0.95
 INERTIA = "inertia_kg_m2"
 FRICTION = {"coulomb": "coulomb_nm", "viscous": "viscous_nms_per_rad"}
 """Terms that candidates lean on, with the name of their one number."""
@@ -72,7 +61,7 @@ def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> Nomi
     Raises:
         AnalysisError: If everything is stated, so that nothing is left to fit.
     """
-    fine = {"coulomb_nm": mean_sign(data.t, data.dq, data.ddq), "viscous_nms_per_rad": data.dq}
+    fine = {"coulomb_nm": data.way, "viscous_nms_per_rad": data.dq}
     stated = np.zeros(len(data.t))
     if model is None:
         fine[INERTIA] = data.ddq
@@ -113,9 +102,11 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows)
     """
     every = [data.motion(), motion_below(data, MOTION_BELOW_HZ)]
     motions = [replace(motion, rest=model.rest(motion)) for motion in every]
-    simple = np.stack([mean_sign(data.t, data.dq, data.ddq), data.dq, data.ddq], axis=1)
-    beside = Beside(rows.of(simple), rows.y)
-    left = [beside.fit(rows.of(np.stack(list(_columns(term, motion).values()), axis=1)))[1] for motion in motions]
+    simple = (data.way, data.dq, data.ddq)
+    left = []
+    for motion in motions:
+        columns = rows.of(np.column_stack([*simple, *_columns(term, motion).values()]))
+        left.append(np.linalg.norm(rows.y - columns @ least_squares(columns, rows.y)))
     return motions[int(np.argmin(left))]
 
 
@@ -135,31 +126,3 @@ def least_squares(columns: Float, y: Float) -> Float:
     size = np.sqrt(np.mean(columns**2, axis=0))
     scale = np.where(size > 0, size, 1.0)
     return np.asarray(np.where(size > 0, np.linalg.lstsq(columns / scale, y, rcond=1e-10)[0] / scale, 0.0))
-
-
-def coefficients(columns: Float, y: Float, cycle: NDArray[np.int64]) -> tuple[Coefficient, ...]:
-    """Factors with 95 % intervals from leaving out one cycle at a time (Student's t).
-
-    Args:
-        columns: Shape (m, p).
-        y: Response, shape (m,).
-        cycle: Number of the cycle of each row, in the order of time, shape (m,).
-    """
-    from scipy.special import stdtrit
-
-    scale = np.sqrt(np.mean(columns**2, axis=0))
-    scale = np.where(scale > 0, scale, 1.0)
-    scaled = columns / scale
-    bounds = [0, *(np.flatnonzero(np.diff(cycle)) + 1), len(cycle)]
-    grams = np.stack([scaled[i:j].T @ scaled[i:j] for i, j in pairwise(bounds)])
-    rights = np.stack([scaled[i:j].T @ y[i:j] for i, j in pairwise(bounds)])
-    gram, right = grams.sum(axis=0), rights.sum(axis=0)
-    value = np.linalg.pinv(gram, rcond=1e-12) @ right
-    without = (np.linalg.pinv(gram - grams, rcond=1e-12) @ (right - rights)[:, :, None])[:, :, 0]
-    spread = (without - without.mean(axis=0)) / scale
-    m = len(grams)
-    half = stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt((m - 1) / m * np.sum(spread**2, axis=0))
-    return tuple(
-        Coefficient(value=float(v), low=float(v - h), high=float(v + h))
-        for v, h in zip(value / scale, half, strict=True)
-    )

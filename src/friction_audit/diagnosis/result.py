@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.data_audit import DataFinding
-from friction_audit.diagnosis.gap import Gap
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
@@ -56,6 +55,29 @@ class Profile:
     share: float
     p_value: float
     where: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Gap:
+    """The gap before and after effects were added.
+
+    Attributes:
+        before: Root mean square of what the nominal model leaves. [unit of the response]
+        after: The same for the augmented model.
+        floor: Root mean square of the noise, below which nothing can be closed.
+        shrink: (before - after) / (before - floor); NaN where the gap is at the floor from the start.
+        shrink_se: Standard error of shrink from leaving out one cycle at a time, the floor taken as known.
+        over_floor: after / floor; infinite for a floor of 0.
+        cycles: Number of locked cycles.
+    """
+
+    before: float
+    after: float
+    floor: float
+    shrink: float
+    shrink_se: float
+    over_floor: float
+    cycles: int
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -250,7 +272,6 @@ class JointDiagnosis:
         nominal: Factors of the nominal model with their intervals; empty where it could not be fitted.
         augmented: The same factors as fitted beside the effects; those of the augmented model.
         from_energy: The coefficients that the energy method gives, for comparison; empty where there are none.
-        disagreements: What it may mean that the two differ by more than their intervals, one sentence each.
         gap: The gap in torque on locked cycles; None where nothing was fitted.
         simulation: The gap in motion; None where nothing was simulated.
         ladder: Root mean square of the residual on locked cycles: of the nominal model, after each effect, and the
@@ -280,7 +301,6 @@ class JointDiagnosis:
     nominal: dict[str, Coefficient] = field(default_factory=dict)
     augmented: dict[str, Coefficient] = field(default_factory=dict)
     from_energy: dict[str, Coefficient] = field(default_factory=dict)
-    disagreements: tuple[str, ...] = ()
     gap: Gap | None = None
     simulation: SimulationGap | None = None
     ladder: tuple[tuple[str, float], ...] = ()

@@ -12,7 +12,13 @@ from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.friction.history import Coefficient
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis
-from friction_audit.reporting.diagnosis_words import effect_numbers, effect_size, names_of, nominal_model
+from friction_audit.reporting.diagnosis_words import (
+    effect_numbers,
+    effect_size,
+    energy_disagreements,
+    names_of,
+    nominal_model,
+)
 from friction_audit.reporting.documents import NO_OPTIONS, SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.notices import diagnose_notices
 from friction_audit.reporting.table import (
@@ -346,7 +352,7 @@ JOINT_DIAGNOSIS = Record(
         Column("remaining_p_value", float, "that nothing is missing from the augmented model", "remaining_p"),
         Column("nominal", {"*": Coefficient}, "coefficients of the nominal model, fitted alone", on="j"),
         Column("augmented", {"*": Coefficient}, "the same fitted with the effects", on="j"),
-        Column("disagreements", [str], "where energy method and torque fit differ", on="j"),
+        Column("disagreements", [str], "where energy method and torque fit differ", energy_disagreements, on="j"),
         Column("from_energy", {"*": Coefficient}, "the coefficients of `estimate`", on="j"),
         Column("ladder", [STEP], "residual RMS after each effect", _steps, on="j"),
         Column(

@@ -38,6 +38,33 @@ def verdict_words(joint: JointDiagnosis) -> str:
     return f"{word}: {named}" if named else word
 
 
+def energy_disagreements(joint: JointDiagnosis) -> tuple[str, ...]:
+    """Return what may cause friction coefficients of torque fit and energy method whose intervals do not overlap."""
+    found = []
+    for name, words in (("viscous_nms_per_rad", _viscous_differs), ("coulomb_nm", _coulomb_differs)):
+        if name in joint.nominal and name in joint.from_energy:
+            torque, energy = joint.nominal[name], joint.from_energy[name]
+            if energy.low > torque.high or energy.high < torque.low:
+                found.append(words(energy.value, torque.value))
+    return tuple(found)
+
+
+def _viscous_differs(energy: float, torque: float) -> str:
+    cause = (
+        "a delay between velocity and torque, or viscous friction that is not linear"
+        if energy > torque
+        else "friction that is larger at low speed, or energy that goes to other joints"
+    )
+    return f"viscous friction {energy:.3g} N m s/rad from energy, {torque:.3g} from torque: {cause}"
+
+
+def _coulomb_differs(energy: float, torque: float) -> str:
+    return (
+        f"Coulomb friction {energy:.3g} N m from energy, {torque:.3g} from torque: "
+        "an offset of the torque, an error of gravity, or energy that goes to other joints"
+    )
+
+
 def nominal_model(model: ArmModel | None) -> str:
     """Return what the nominal model is, in words."""
     if model is None:

@@ -6,6 +6,7 @@ from typing import NamedTuple, Protocol
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.interaction import Interaction
+from friction_audit.reporting.diagnosis_words import energy_disagreements
 from friction_audit.reporting.words import NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (
@@ -94,7 +95,7 @@ def diagnose_notices(found: Diagnosis) -> tuple[Notice, ...]:
     own += [
         Notice("energy_against_torque", joint.joint, sentence)
         for joint in found.discrepancy.joints
-        for sentence in joint.disagreements
+        for sentence in energy_disagreements(joint)
         if not joint.effects
     ]
     return _on_the_way(found.estimate, own)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from friction_audit.diagnosis.gap import measure_gap
+from friction_audit.diagnosis.validation import measure_gap
 
 CYCLE = np.repeat([4, 7, 9], 100)
 SIGN = np.tile([1.0, -1.0], 150)
