@@ -14,6 +14,7 @@ from heapq import nsmallest
 
 import numpy as np
 from friction_audit.diagnosis.alternatives import ALIKE, WRONG_NAME
+from friction_audit.diagnosis.beside import Beside
 from friction_audit.diagnosis.ground import Ground, make_ground
 from friction_audit.diagnosis.library import Entry, Library, build_library
 from friction_audit.diagnosis.naming import free_numbers
@@ -24,7 +25,6 @@ from scipy.stats import chi2, ncx2
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
 from benchmarks.hidden_effects.strength import prepared, scales_for
-from friction_audit.diagnosis.beside import Beside
 from friction_audit.effects.contact_event import EFFECT as CONTACT
 from friction_audit.effects.registry import effects
 from friction_audit.joint_log import Float
