@@ -14,10 +14,11 @@ from unittest.mock import patch
 
 import numpy as np
 
-from benchmarks.diagnosis_engine.smoothed_sign import log_of
 from benchmarks.hidden_effects.draw import model_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
-from benchmarks.hidden_effects.run import _log_of, case_of, scaled
+from benchmarks.hidden_effects.run import case_of, scaled
+from benchmarks.hidden_effects.run import log_of as log_of_case
+from benchmarks.smoothed_sign import log_of
 from benchmarks.stranger.draw import SIZES, draw_case
 from benchmarks.stranger.effects import OUTSIDE as STRANGER_OUTSIDE
 from benchmarks.stranger.logs import write_log
@@ -64,7 +65,7 @@ def hidden_effects(
             log = log_with(case, truth)
         else:
             case = scaled(case, [float(s) for s in joints[0]["scales"].split("/") if s])
-            log = _log_of(case)
+            log = log_of_case(case)
         answer = {r["joint"]: {k: r[k] for k in ("verdict", "sets", "shrink", "over_floor")} for r in joints}
         hidden = [int(r["joint"]) for r in joints if r["hidden_here"] == "True"]
         info = {"truth": truth, "seed": seed, "size": case.partial, "scenario": case.scenario, "old": answer,

@@ -8,18 +8,17 @@ left. What the output holds is not run again.
 """
 
 import argparse
-import csv
 import os
 from collections.abc import Iterable, Sequence
-from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.answers import Row, sets_of, share, table
 from benchmarks.hidden_effects.draw import model_of, settings_of
 from benchmarks.hidden_effects.run import case_of, scaled
-from benchmarks.hidden_effects.table import Row, share, table
 from benchmarks.marked_page import write_between
+from benchmarks.resume import read, resume
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import Float
 from friction_audit.pipeline import AuditSettings, diagnose_log
@@ -44,21 +43,21 @@ def judged(rows: Iterable[Row]) -> list[Row]:
         if row["motion_before"]
         and row["partial"] in STRENGTHS
         and row["scenario"].startswith("joint")
-        and row["truth"] in row["named"].split("+")
+        and any(row["truth"] in one for one in sets_of(row))
     ]
 
 
-def motion_of(row: Row) -> dict[str, object]:
+def motion_of(row: Row) -> list[dict[str, object]]:
     """Before, after, and with nothing hidden. [rad/s]"""
     case = scaled(case_of(int(row["seed"]), row["truth"]), map(float, row["scales"].split("/")))
     log = simulate(settings_of(case, (0.0,) * len(case.effects)), case.seed).log
     settings = DiagnosisSettings(seed=case.seed, model=model_of(case), candidates=(ANY,))
     simulated = diagnose_log(log, AuditSettings(), settings).discrepancy.joints[0].simulation
-    return {
+    return [{
         "truth": row["truth"], "seed": row["seed"], "partial": row["partial"],
         "before": row["motion_before"], "after": row["motion_after"],
         "least": "" if simulated is None else round(simulated.before, 6),
-    }  # fmt: skip
+    }]  # fmt: skip
 
 
 def _line(strength: str, rows: Sequence[Row]) -> tuple[str, ...]:
@@ -101,17 +100,8 @@ def main() -> None:
     parser.add_argument("--page", type=Path)
     parser.add_argument("--workers", type=int)
     asked = parser.parse_args()
-    rows = judged([row for path in asked.files for row in csv.DictReader(path.open())])
-    started = asked.output.exists()
-    done = {(row["truth"], row["seed"]) for row in csv.DictReader(asked.output.open())} if started else set()
-    with asked.output.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
-        writer = csv.DictWriter(file, FIELDS)
-        if not started:
-            writer.writeheader()
-        for found in pool.map(motion_of, [row for row in rows if (row["truth"], row["seed"]) not in done]):
-            writer.writerow(found)
-            file.flush()
-    text = summary(list(csv.DictReader(asked.output.open())))
+    rows = judged(row for path in asked.files for row in read(path))
+    text = summary(resume(asked.output, FIELDS, rows, motion_of, asked.workers))
     if asked.page is None:
         print(text)
         return

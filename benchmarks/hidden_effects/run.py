@@ -1,27 +1,28 @@
 """Simulate, diagnose, and hold the answer against the truth, over many seeds.
 
-python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--noise COLOUR] [--output FILE.csv]
+python -m benchmarks.hidden_effects.run [--effects all] [--seeds 30] [--first 0] [--noise COLOUR]
+    [--strengths FILE.csv...] [--output FILE.csv]
 
 ``--effects`` takes names, ``one+two``, ``none``, ``pairs`` (drawn by seed) and the kinds of ``outside``. A file that is
 there is gone on with: what it holds is not run again.
 """
 
 import argparse
-import csv
 import json
 import os
-from collections.abc import Iterable
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
+from benchmarks.answers import ANSWER, answer_of
 from benchmarks.hidden_effects.draw import NOISES, Case, draw_case, model_of, settings_of
 from benchmarks.hidden_effects.outside import OUTSIDE, log_with
 from benchmarks.hidden_effects.pairs import draw_pairs
 from benchmarks.hidden_effects.recovery import compared
 from benchmarks.hidden_effects.strength import scales_for
+from benchmarks.resume import Row, read, resume
 from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.errors import FrictionAuditError
@@ -32,29 +33,43 @@ from friction_audit.simulation.scenarios import simulate
 
 SIZES = (0.2, 0.3, 0.5, 1.0, 3.0)
 FIELDS = (
-    "truth", "seed", "scenario", "noise", "form", "partial", "joint", "hidden_here", "verdict", "named", "sets",
-    "shrink", "over_floor", "before_nm", "after_nm", "floor_nm", "motion_before", "motion_after", "omnibus_p",
-    "remaining_p", "numbers", "message", "scales",
+    "truth", "seed", "scenario", "noise", "form", "partial", "joint", "hidden_here", *ANSWER, "motion_before",
+    "motion_after", "numbers", "scales",
 )  # fmt: skip
+NOT_REACHED = "-"  # in the column of the scales
+Scales = tuple[float, ...] | None
 
 
-def run_case(seed: int, truth: str, scenario: str | None = None) -> list[dict[str, object]]:
-    """One log: one row per joint that moves; a row without a verdict where the strength cannot be reached."""
-    case, kinds = case_of(seed, truth, scenario), [kind for kind, _ in OUTSIDE]
+def run_case(task: Row) -> list[dict[str, object]]:
+    """One log: one row per joint that moves; a row without a verdict where the strength cannot be reached.
+
+    Args:
+        task: ``truth`` and ``seed``; ``scenario`` and ``scales`` where they are known.
+    """
+    truth, seed = task["truth"], int(task["seed"])
+    case, outside = case_of(seed, truth, task.get("scenario")), truth in dict(OUTSIDE)
+    row: dict[str, object] = {"truth": truth, "seed": seed, "scenario": case.scenario, "partial": case.partial}
     try:
-        scales = () if truth in kinds else scales_for(case)
+        scales = parsed(task["scales"]) if "scales" in task else () if outside else scales_for(case)
         if scales is None:
-            return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": ""}]
-        if truth in kinds:
-            log = log_with(case, truth)
-        else:
-            case = scaled(case, scales)
-            log = _log_of(case)
+            return [row | {"verdict": "", "scales": NOT_REACHED}]
+        case = case if outside else scaled(case, scales)
+        log = log_with(case, truth) if outside else log_of(case)
         found = diagnose_log(log, AuditSettings(), DiagnosisSettings(seed=seed, model=model_of(case))).discrepancy
     except FrictionAuditError as error:
-        return [{"truth": truth, "seed": seed, "scenario": case.scenario, "verdict": "error", "message": str(error)}]
+        return [row | {"verdict": "error", "message": str(error)}]
     found_with = {"scales": "/".join(map(repr, scales))}
-    return [_row(case, truth, joint) | found_with for joint in found.joints]
+    return [row | _row(case, joint) | found_with for joint in found.joints]
+
+
+def parsed(text: str) -> Scales:
+    """Scales as the column holds them."""
+    return None if text == NOT_REACHED else tuple(float(one) for one in text.split("/") if one)
+
+
+def strengths_of(paths: Iterable[Path]) -> dict[tuple[str, str], str]:
+    """The column of the scales by truth and seed."""
+    return {(row["truth"], row["seed"]): row["scales"] for path in paths for row in read(path) if row.get("scales")}
 
 
 def case_of(seed: int, truth: str, scenario: str | None = None) -> Case:
@@ -72,25 +87,18 @@ def scaled(case: Case, scales: Iterable[float]) -> Case:
     return replace(case, groups=tuple(groups))
 
 
-def _log_of(case: Case) -> JointLog:
+def log_of(case: Case) -> JointLog:
+    """The log of a case whose strengths are scaled."""
     return simulate(settings_of(case, (1.0,) * len(case.effects)), case.seed).log
 
 
-def _row(case: Case, truth: str, joint: JointDiagnosis) -> dict[str, object]:
-    gap, motion = joint.gap, joint.simulation
+def _row(case: Case, joint: JointDiagnosis) -> dict[str, object]:
+    motion = joint.simulation
     return {
-        "truth": truth, "seed": case.seed, "scenario": case.scenario, "noise": case.noise,
-        "form": "/".join(str(getattr(group, "form", "")) for group in case.groups),
-        "partial": case.partial, "joint": joint.joint, "hidden_here": not case.effects or joint.joint in case.felt_in,
-        "verdict": joint.verdict,
-        "named": "+".join(e.name for e in joint.effects),
-        "sets": ";".join("|".join((e.name, *e.alternatives)) for e in joint.effects),
-        "shrink": gap and round(gap.shrink, 3), "over_floor": gap and round(gap.over_floor, 3),
-        "before_nm": gap and round(gap.before, 4), "after_nm": gap and round(gap.after, 4),
-        "floor_nm": gap and round(gap.floor, 4),
+        "noise": case.noise, "form": "/".join(str(getattr(group, "form", "")) for group in case.groups),
+        "joint": joint.joint, "hidden_here": not case.effects or joint.joint in case.felt_in, **answer_of(joint),
         "motion_before": motion and round(motion.before, 6), "motion_after": motion and round(motion.after, 6),
-        "omnibus_p": joint.omnibus_p, "remaining_p": joint.remaining_p,
-        "numbers": json.dumps(_numbers(case, joint.effects)), "message": joint.message,
+        "numbers": json.dumps(_numbers(case, (*joint.effects, *joint.negligible))),
     }  # fmt: skip
 
 
@@ -116,6 +124,30 @@ def tasks(effects: str, first: int, seeds: int) -> list[tuple[str, int]]:
     ]
 
 
+def run(
+    wanted: Sequence[tuple[str, int]],
+    output: Path,
+    strengths: Sequence[Path] = (),
+    workers: int | None = None,
+    **more: str,
+) -> list[Row]:
+    """Diagnose all logs that the output does not hold; strengths that no file holds are searched.
+
+    Args:
+        wanted: Truth and seed of each log.
+        output: The table.
+        strengths: Tables with the columns ``truth``, ``seed``, ``scales``.
+        workers: Processes, as many as cores if None.
+        more: Of each task: ``scenario``.
+    """
+    known = strengths_of(strengths)
+    tasks_ = []
+    for truth, seed in wanted:
+        scales = known.get((truth, str(seed)))
+        tasks_.append({"truth": truth, "seed": str(seed), **more, **({} if scales is None else {"scales": scales})})
+    return resume(output, FIELDS, tasks_, run_case, workers)
+
+
 def main() -> None:
     """Run all cases that the file does not hold, and write one row per joint as they are done."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -125,39 +157,16 @@ def main() -> None:
     parser.add_argument("--scenario")
     parser.add_argument("--noise", choices=NOISES)
     parser.add_argument("--workers", type=int)
+    parser.add_argument("--strengths", type=Path, nargs="*", default=(), help="tables of strengths or of earlier rows")
     parser.add_argument("--output", type=Path, default=Path("hidden_effects.csv"))
     asked = parser.parse_args()
-    started = asked.output.exists()
-    there = list(csv.DictReader(asked.output.open())) if started else []
-    done = {(row["truth"], int(row["seed"])) for row in there}
-    wanted = [one for one in tasks(asked.effects, asked.first, asked.seeds) if one not in done]
-    wanted = [one for one in wanted if asked.noise in {None, case_of(one[1], one[0]).noise}]
-    with asked.output.open("a", newline="") as file, ProcessPoolExecutor(asked.workers) as pool:
-        writer = csv.DictWriter(file, FIELDS)
-        if not started:
-            writer.writeheader()
-        pending = {pool.submit(run_case, seed, truth, asked.scenario): truth for truth, seed in wanted}
-        found: dict[str, list[dict[str, object]]] = {}
-        for future in as_completed(pending):
-            writer.writerows(future.result())
-            file.flush()
-            found.setdefault(pending[future], []).extend(future.result())
-    for name, rows in found.items():
-        print(summary(name, rows), flush=True)
-
-
-def summary(truth: str, rows: list[dict[str, object]]) -> str:
-    """One line: how often the set holds the truth, how often it is the only name, how often another name is given."""
-    wanted = set() if truth == "none" else set(truth.split("+"))
-    held = exact = wrong = found = 0
-    for row in (row for row in rows if row.get("hidden_here", True)):
-        sets = [set(one.split("|")) for one in str(row.get("sets") or "").split(";") if one]
-        names = set().union(*sets)
-        held += wanted <= names
-        exact += [sorted(one) for one in sets] == [[name] for name in sorted(wanted)] and row["verdict"] == "named"
-        wrong += any(not one & wanted for one in sets) and row["verdict"] in {"named", "ambiguous"}
-        found += row["verdict"] != "adequate"
-    return f"{truth:28s} n {len(rows):3d} found {found:3d} held {held:3d} exact {exact:3d} with a wrong name {wrong:3d}"
+    wanted = [
+        one
+        for one in tasks(asked.effects, asked.first, asked.seeds)
+        if asked.noise in {None, case_of(one[1], one[0]).noise}
+    ]
+    more = {"scenario": asked.scenario} if asked.scenario else {}
+    run(wanted, asked.output, asked.strengths, asked.workers, **more)
 
 
 if __name__ == "__main__":

@@ -4,65 +4,19 @@ python -m benchmarks.hidden_effects.table FILE.csv... [--output docs/diagnosis.m
 """
 
 import argparse
-import csv
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import binomtest
 
+from benchmarks.answers import CLEAR, Row, exact, held, misnamed, share, table, unexplained, wrong
 from benchmarks.hidden_effects.outside import OUTSIDE
 from benchmarks.marked_page import write_between
+from benchmarks.resume import read
 from friction_audit.effects.registry import effects
 
-Row = dict[str, str]
-CLEAR = 0.3
-"""Partial strength from which an effect has to be found."""
 BEGIN, END = "<!-- hidden effects -->", "<!-- end of hidden effects -->"
-
-
-def sets_of(row: Row) -> list[set[str]]:
-    """Names of each effect in an answer with their alternatives."""
-    return [set(one.split("|")) for one in row["sets"].split(";") if one]
-
-
-def held(row: Row) -> bool:
-    """Whether every hidden effect is in the answer."""
-    return set(row["truth"].split("+")) <= set().union(*sets_of(row))
-
-
-def exact(row: Row) -> bool:
-    """Whether the hidden effects, all of them and nothing else, are named without alternatives."""
-    return row["verdict"] == "named" and sorted(map(sorted, sets_of(row))) == sorted(
-        [name] for name in row["truth"].split("+")
-    )
-
-
-def wrong(row: Row) -> bool:
-    """Whether the answer is sure, and holds a name with none of the hidden effects among its alternatives."""
-    truth = set(row["truth"].split("+"))
-    return row["verdict"] in {"named", "ambiguous"} and any(not one & truth for one in sets_of(row))
-
-
-def misnamed(row: Row) -> bool:
-    """Whether the answer is sure, and holds wrong names and nothing else."""
-    return wrong(row) and not set().union(*sets_of(row)) & set(row["truth"].split("+"))
-
-
-def share(flags: Iterable[bool]) -> str:
-    """A share in percent with its number and its 95 % interval (Wilson)."""
-    given = list(flags)
-    if not given:
-        return "-"
-    interval = binomtest(sum(given), len(given)).proportion_ci(method="wilson")
-    return f"{100 * sum(given) / len(given):.0f} ({100 * interval.low:.0f} to {100 * interval.high:.0f})"
-
-
-def table(head: Sequence[str], lines: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    rows = [head, ["---"] * len(head), *lines]
-    return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
 
 def hidden_here(row: Row) -> bool:
@@ -164,7 +118,7 @@ def without_effect(rows: Sequence[Row]) -> str:
 
 def _line(label: str, rows: Sequence[Row]) -> tuple[str, str, str, str]:
     named = [row["verdict"] in {"named", "ambiguous"} for row in rows]
-    return label, str(len(rows)), share(named), share(row["verdict"] == "unexplained" for row in rows)
+    return label, str(len(rows)), share(named), share(map(unexplained, rows))
 
 
 def gaps(rows: Sequence[Row]) -> str:
@@ -200,7 +154,7 @@ def main() -> None:
     parser.add_argument("files", nargs="+", type=Path)
     parser.add_argument("--output", type=Path)
     asked = parser.parse_args()
-    rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"] not in {"", "error"}]
+    rows = [row for path in asked.files for row in read(path) if row["verdict"] not in {"", "error"}]
     here = [row for row in rows if hidden_here(row)]
     text = "\n\n".join((by_strength(here), by_effect(here), without_effect(rows), gaps(here), numbers(here)))
     if asked.output is None:

@@ -4,18 +4,18 @@ python -m benchmarks.stranger.table FILE.csv... [--output benchmarks/stranger/ta
 """
 
 import argparse
-import csv
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 
+from benchmarks.answers import Row, exact, held, sets_of, table, truth_of, wrong
+from benchmarks.resume import read
 from benchmarks.stranger.effects import HIDDEN, OUTSIDE, RECORDED
 
-Row = dict[str, str]
 HEAD = ("hidden", "logs", "in the answer", "the only name", "a wrong name", "`unexplained`", "`adequate`",
-        "`not_testable`", "`data_fault`", "refused (exit 4)", "named instead, or beside")  # fmt: skip
+        "`not_testable`", "`data_fault`", "refused", "named instead, or beside")  # fmt: skip
 INTRODUCTION = """\
-# Answers on logs of a generator that the tool has never seen
+# Answers on logs of a second generator
 
 Made by `python -m benchmarks.stranger.table` from rows of `python -m benchmarks.stranger.run`. Sizes are partial:
 {sizes} times the rms of the noise below 20 Hz. *In the answer*: every hidden effect is among the names or their
@@ -24,35 +24,9 @@ is hidden, in a verdict that is sure (`named`, `ambiguous`). A log of one joint 
 """
 
 
-def sets_of(row: Row) -> list[set[str]]:
-    """Names of each effect in an answer with their alternatives."""
-    return [set(one.split("|")) for one in row["sets"].split(";") if one]
-
-
-def truth_of(row: Row) -> set[str]:
-    """Hidden effects that have a name in the catalogue."""
-    return set(row["hides"].split("+")) & set(HIDDEN)
-
-
 def label_of(row: Row) -> str:
     """What a joint hides; nothing, too, beside one that hides something."""
     return row["hides"] or ("none" if row["truth"] == "none" else "")
-
-
-def held(row: Row) -> bool:
-    """Whether every hidden effect is in the answer."""
-    truth = truth_of(row)
-    return bool(truth) and truth <= set().union(*sets_of(row))
-
-
-def exact(row: Row) -> bool:
-    """Whether the hidden effects, all of them and nothing else, are named without alternatives."""
-    return row["verdict"] == "named" and sorted(map(sorted, sets_of(row))) == sorted([name] for name in truth_of(row))
-
-
-def wrong(row: Row) -> bool:
-    """Whether the answer is sure, and holds a name with none of the hidden effects among its alternatives."""
-    return row["verdict"] in {"named", "ambiguous"} and any(not one & truth_of(row) for one in sets_of(row))
 
 
 def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
@@ -66,18 +40,18 @@ def line(label: str, rows: Sequence[Row]) -> tuple[str, ...]:
     return (label, *map(str, counts), *(str(verdicts[word]) for word in words), beside or "-")
 
 
-def table(rows: Sequence[Row]) -> str:
+def confusions(rows: Sequence[Row]) -> str:
     """One line per hidden effect, those of one kind together at the end."""
     beside = [row for row in rows if row["truth"] != "none" and not row["hides"]]
     own = {name: [row for row in rows if label_of(row) == name] for name in ("none", *RECORDED, *HIDDEN, *OUTSIDE)}
     alone = [row for row in rows if row["hides"] in HIDDEN]
     pairs = [row for row in rows if "+" in row["hides"]]
     lines = [line(name, part) for name, part in own.items() if part]
-    lines += [line(f"one effect, size {size}", [row for row in alone if row["size"] == size])
-              for size in sorted({row["size"] for row in alone}, key=float)]  # fmt: skip
+    lines += [line(f"one effect, size {size}", [row for row in alone if row["partial"] == size])
+              for size in sorted({row["partial"] for row in alone}, key=float)]  # fmt: skip
     rest = {"one effect, all": alone, "two effects": pairs, "none, an effect in another joint": beside}
     lines += [line(label, part) for label, part in rest.items() if part]
-    return "\n".join("| " + " | ".join(cells) + " |" for cells in (HEAD, ["---"] * len(HEAD), *lines))
+    return table(HEAD, lines)
 
 
 def main() -> None:
@@ -87,9 +61,9 @@ def main() -> None:
     parser.add_argument("--output", type=Path)
     parser.add_argument("--note", default="", help="A sentence about the rows, put above the table.")
     asked = parser.parse_args()
-    rows = [row for path in asked.files for row in csv.DictReader(path.open()) if row["verdict"]]
-    sizes = ", ".join(sorted({row["size"] for row in rows}, key=float))
-    text = f"{INTRODUCTION.format(sizes=sizes)}\n{asked.note}\n\n{table(rows)}\n"
+    rows = [row for path in asked.files for row in read(path) if row["verdict"]]
+    sizes = ", ".join(sorted({row["partial"] for row in rows}, key=float))
+    text = f"{INTRODUCTION.format(sizes=sizes)}\n{asked.note}\n\n{confusions(rows)}\n"
     if asked.output is None:
         print(text)
     else:

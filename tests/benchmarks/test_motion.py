@@ -18,7 +18,7 @@ def test_a_strength_without_a_log_is_told_as_such() -> None:
 def test_only_what_was_named_and_simulated_counts() -> None:
     named = {
         "motion_before": "0.1", "partial": "0.5", "scenario": "joint-slow", "truth": "stribeck",
-        "named": "stiction+stribeck",
+        "sets": "stiction;presliding|stribeck",
     }  # fmt: skip
-    others = ({"motion_before": ""}, {"partial": "0.2"}, {"scenario": "panda"}, {"named": "stiction"})
+    others = ({"motion_before": ""}, {"partial": "0.2"}, {"scenario": "panda"}, {"sets": "stiction"})
     assert judged([named, *(named | other for other in others)]) == [named]

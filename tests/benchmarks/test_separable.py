@@ -22,13 +22,13 @@ KNOWN = (("backlash", 0, "True", ""), ("backlash", 1, "True", ""), ("backlash", 
 @pytest.fixture
 def rows() -> list[dict[str, str]]:
     names = ("truth", "seed", "verdict", "sets", "partial")
-    return [dict(zip(names, map(str, row), strict=True), scenario="joint") for row in ROWS]
+    return [dict(zip(names, map(str, row), strict=True), scenario="joint", scales="1.0") for row in ROWS]
 
 
 @pytest.fixture
-def known() -> dict[tuple[str, int], dict[str, str]]:
+def known() -> dict[tuple[str, str], dict[str, str]]:
     return {
-        (truth, seed): {"truth": truth, "seed": str(seed), "separates": separates, "close": close}
+        (truth, str(seed)): {"truth": truth, "seed": str(seed), "separates": separates, "close": close}
         for truth, seed, separates, close in KNOWN
     }
 
@@ -38,7 +38,7 @@ def test_what_is_weak_or_has_no_answer_or_other_names_is_not_judged(rows: list[d
 
 
 def test_the_only_name_counts_where_the_log_separates(
-    rows: list[dict[str, str]], known: dict[tuple[str, int], dict[str, str]]
+    rows: list[dict[str, str]], known: dict[tuple[str, str], dict[str, str]]
 ) -> None:
     line, total = by_effect(judged(rows), known).splitlines()[2:]
     cells = [cell.strip() for cell in line.strip("|").split("|")]
@@ -50,7 +50,7 @@ def test_the_only_name_counts_where_the_log_separates(
 
 def test_the_table_goes_between_the_marks_of_a_page(
     rows: list[dict[str, str]],
-    known: dict[tuple[str, int], dict[str, str]],
+    known: dict[tuple[str, str], dict[str, str]],
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -1,11 +1,12 @@
-"""Whether a log separates the truth from its rivals, where it is known by hand."""
+"""Whether a log separates the truth from competing effects, where it is known by hand."""
 
 from dataclasses import replace
 
 import pytest
 
 from benchmarks.hidden_effects.draw import draw_case
-from benchmarks.hidden_effects.separation import Rival, Separation, noncentrality_for, separate
+from benchmarks.hidden_effects.run import scaled
+from benchmarks.hidden_effects.separation import Competing, Separation, noncentrality_for, separate
 from benchmarks.hidden_effects.strength import scales_for
 
 
@@ -14,16 +15,16 @@ def test_one_number_needs_the_quantiles_of_price_and_power() -> None:
     assert noncentrality_for(1, 1) == pytest.approx((2.5758 + 1.2816) ** 2, rel=1e-3)
 
 
-def test_more_numbers_and_more_rivals_need_more() -> None:
+def test_more_numbers_and_more_competing_effects_need_more() -> None:
     assert noncentrality_for(1, 1) < noncentrality_for(3, 1) < noncentrality_for(3, 4)
 
 
-def of(*rivals: tuple[str, float, float], numbers: int = 2) -> Separation:
-    named = (Rival(name=name, correlation=alike, noncentrality=size) for name, alike, size in rivals)
-    return Separation(rivals=tuple(named), numbers=numbers)
+def of(*others: tuple[str, float, float], numbers: int = 2) -> Separation:
+    named = (Competing(name=name, correlation=alike, noncentrality=size) for name, alike, size in others)
+    return Separation(competing=tuple(named), numbers=numbers)
 
 
-def test_rivals_that_run_alike_and_leave_too_little_are_close() -> None:
+def test_effects_that_run_alike_and_leave_too_little_are_close() -> None:
     found = of(("twin", 0.99, 3.0), ("cousin", 0.8, 90.0), ("stranger", 0.6, 3.0))
     assert found.close == ("twin",)
     assert not found.separates
@@ -40,19 +41,17 @@ def ripples() -> tuple[Separation, Separation]:
     case = replace(draw_case(7, ("torque_ripple",), 1.0, "joint"), duration_s=20.0)
     scales = scales_for(case)
     assert scales is not None
-    strong, weak = (separate(case, (share * scales[0],)) for share in (1.0, 0.5))
-    assert strong is not None
-    assert weak is not None
+    strong, weak = (separate(scaled(case, (share * scales[0],))) for share in (1.0, 0.5))
     return strong, weak
 
 
-def test_a_ripple_is_told_from_everything_where_it_is_strong(ripples: tuple[Separation, Separation]) -> None:
+def test_a_strong_ripple_is_separated_from_everything(ripples: tuple[Separation, Separation]) -> None:
     strong, _ = ripples
     assert strong.separates
-    assert "torque_ripple" not in [rival.name for rival in strong.rivals]
+    assert "torque_ripple" not in [one.name for one in strong.competing]
 
 
-def test_what_tells_it_grows_with_its_square(ripples: tuple[Separation, Separation]) -> None:
-    strong, weak = (max(one.rivals, key=lambda rival: rival.noncentrality) for one in ripples)
-    # The hand moves a little otherwise.
-    assert strong.noncentrality / weak.noncentrality == pytest.approx(4.0, rel=0.05)
+def test_the_noncentrality_grows_with_the_square_of_the_strength(ripples: tuple[Separation, Separation]) -> None:
+    strong, weak = (max(one.competing, key=lambda other: other.noncentrality) for one in ripples)
+    # The hand moves a little differently, and the noise's integral time is measured on other rows.
+    assert strong.noncentrality / weak.noncentrality == pytest.approx(4.0, rel=0.1)

@@ -11,7 +11,6 @@ from benchmarks.stranger.joint import STEP_S, Drive, Joint, integrate
 from benchmarks.stranger.logs import write_log
 from benchmarks.stranger.motions import MOTIONS, times
 from benchmarks.stranger.sensors import Sensors, clock_of, coloured, read_torque, record
-from benchmarks.stranger.table import exact, held, wrong
 
 FIRM = Drive(3000.0, 60.0, 1.0)
 
@@ -113,15 +112,6 @@ def test_a_hidden_effect_has_the_size_that_was_asked_for_and_is_written(tmp_path
     assert model is not None
     assert f"inertia_kg_m2 = {case.setup.declared_inertia}" in model.read_text()
     assert (tmp_path / "log.csv").read_text().startswith("time,q_1,dq_1,tau_interaction_1\n")
-
-
-def test_answers_are_counted() -> None:
-    row = {"hides": "stribeck", "verdict": "ambiguous", "sets": "presliding|stribeck;torque_bias"}
-    assert held(row)
-    assert wrong(row)
-    assert not exact(row)
-    assert exact({"hides": "stribeck", "verdict": "named", "sets": "stribeck"})
-    assert not held({"hides": "", "verdict": "adequate", "sets": ""})
 
 
 def test_joints_of_an_arm_share_their_clock() -> None:

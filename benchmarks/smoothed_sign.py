@@ -1,21 +1,31 @@
 """Clean joints of a third generator: friction whose sign is smoothed, B dw = u - Fc tanh(w / w0) - Fv w.
 
+python -m benchmarks.smoothed_sign [--first 0] [--seeds 200] [--output ROWS.csv]
+
 A motor follows reaches or sums of sines; nothing is hidden but the smoothing width, 1 to 10 mrad/s. The loop is written
 with `math` and the noise is an AR(1) process: nothing here is shared with the two other generators.
 """
 
+import argparse
 import math
+import os
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from numba import njit
 from scipy.signal import lfilter
 
+from benchmarks.answers import ANSWER, answer_of
+from benchmarks.resume import Row, resume
 from friction_audit.api import read_log
+from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.joint_log import JointLog
+from friction_audit.pipeline import AuditSettings, diagnose_log
 
 STEP_S, RATE_HZ = 1e-4, 1000.0
+FIELDS = ("truth", "seed", "scenario", "joint", *ANSWER)
 
 
 @njit(cache=True)
@@ -82,3 +92,32 @@ def log_of(seed: int) -> tuple[JointLog, str]:
         np.savetxt(path, np.column_stack(columns), fmt="%.8g", delimiter=",", header="time,q_1,dq_1,tau_interaction_1",
                    comments="")  # fmt: skip
         return read_log(path), f"width {1e3 * width:.1f} mrad/s"
+
+
+def run_one(task: Row) -> list[dict[str, object]]:
+    """The row of one joint."""
+    log, scenario = log_of(int(task["seed"]))
+    (joint,) = diagnose_log(log, AuditSettings(), DiagnosisSettings()).discrepancy.joints
+    return [{"truth": "none", "seed": task["seed"], "scenario": scenario, "joint": 1, **answer_of(joint)}]
+
+
+def run(seeds: Sequence[int], output: Path, workers: int | None = None) -> list[Row]:
+    """Diagnose all joints that the output does not hold."""
+    return resume(output, FIELDS, [{"truth": "none", "seed": str(seed)} for seed in seeds], run_one, workers)
+
+
+def main() -> None:
+    """Run what the file does not hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--seeds", type=int, default=200)
+    parser.add_argument("--workers", type=int)
+    parser.add_argument("--output", type=Path, default=Path("smoothed_sign.csv"))
+    asked = parser.parse_args()
+    run(range(asked.first, asked.first + asked.seeds), asked.output, asked.workers)
+
+
+if __name__ == "__main__":
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    np.seterr(all="ignore")
+    main()

@@ -1,0 +1,1 @@
+"""Diagnoses of measured logs: seeds, halves, and effects added to the measured torque."""
