@@ -119,7 +119,7 @@ def _jackknife(gram: Gram, rows: Float, prior: Float) -> Float:
     cycle = gram.problem.samples.cycle[gram.order]
     order = np.argsort(cycle, kind="stable")
     ends = np.append(np.flatnonzero(np.diff(cycle[order], prepend=cycle[order][0] - 1)), len(cycle))
-    scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1), 1e-300))
+    scale = np.sqrt(np.maximum(np.sum(rows**2, axis=1) + prior, 1e-300))
     scaled, y = rows[:, order] / scale[:, None], gram.y[order]
     grams = np.stack([scaled[:, a:b] @ scaled[:, a:b].T for a, b in pairwise(ends.tolist())])
     rights = np.stack([scaled[:, a:b] @ y[a:b] for a, b in pairwise(ends.tolist())])
@@ -127,4 +127,7 @@ def _jackknife(gram: Gram, rows: Float, prior: Float) -> Float:
     without = np.linalg.pinv(whole - grams, rcond=1e-12, hermitian=True) @ (rights.sum(axis=0) - rights)[:, :, None]
     spread = (without[:, :, 0] - without[:, :, 0].mean(axis=0)) / scale
     m = len(grams)
-    return np.asarray(stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt((m - 1) / m * np.sum(spread**2, axis=0)))
+    # What the prior alone holds does not move without a cycle: its width is that of the prior.
+    held = (np.diag(np.linalg.pinv(whole, rcond=1e-12, hermitian=True)) / scale**2) ** 2 * prior
+    variance = (m - 1) / m * np.sum(spread**2, axis=0) + held
+    return np.asarray(stdtrit(max(m - 1, 1), 0.5 + CONFIDENCE / 2) * np.sqrt(variance))
