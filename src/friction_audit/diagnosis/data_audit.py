@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis.prepare import fresh_samples, holes
 from friction_audit.effects.joint_data import JointData
 from friction_audit.joint_log import Float, JointLog, median_step
+from friction_audit.preprocessing.even_grid import fresh_samples, gaps
 from friction_audit.preprocessing.interaction import Interaction
 from friction_audit.preprocessing.sign import SIGNIFICANT
 from friction_audit.preprocessing.torque_source import CHANNELS
@@ -100,7 +100,7 @@ def _clock(log: JointLog) -> tuple[DataFinding, ...]:
     step = np.diff(log.t)
     usual = median_step(log.t)
     jitter = SIGMA_PER_MEDIAN * float(np.median(np.abs(step - usual))) / usual
-    lost = float(np.diff(t)[holes(t)].sum()) / log.duration_s
+    lost = float(np.diff(t)[gaps(t)].sum()) / log.duration_s
     batched = float(sum(finding.code == "batched_stamps" for finding in log.source.findings))
     return (
         _judged("batched_stamps", batched, 0.0, "samples came in batches: their stamps are guesses, a period wide"),

@@ -14,7 +14,7 @@ from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, nominal, select
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
-from friction_audit.diagnosis.rows import make_rows
+from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.selection import split
 from friction_audit.diagnosis.settings import DiagnosisSettings
 from friction_audit.diagnosis.shown_along import with_own_axes
@@ -68,7 +68,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     wrong = faults(subject.findings)
     if wrong:
         return _unanswered(subject, "data_fault", "; ".join(one.message for one in wrong))
-    cycles = len(np.unique(make_rows(subject.data).cycle))
+    cycles = len(np.unique(make_samples(subject.data).cycle))
     if cycles < FEWEST_CYCLES:
         lacking = subject.lacking or "move the joint back and forth, or count slower strokes with --thresholds auto"
         return _unanswered(

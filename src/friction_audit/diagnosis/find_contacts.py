@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.pushes import ABOUT_S, CORNER_HZ, HALF, Push, bridged, find_pushes
-from friction_audit.diagnosis.rows import filter_rows, row_filter
+from friction_audit.diagnosis.samples import filter_matrix, sample_filter
 from friction_audit.effects.breakaway import STANDSTILL_S
 from friction_audit.effects.contact_event import Contact, overlap
 from friction_audit.effects.effect import Nonlinear
@@ -155,12 +155,13 @@ def _inertia(data: JointData, clear: NDArray[np.bool_], others: Float) -> float:
     Above it the acceleration is the encoder's noise: an inertia fitted there is too small, and what it leaves of every
     brisk stroke would be a touch.
     """
-    kernel, every, _ = row_filter(1.0 / data.step_s, CORNER_HZ)
-    columns = filter_rows(np.column_stack([data.ddq, others, _plain(data)]), kernel, every)
+    kernel, every, _ = sample_filter(1.0 / data.step_s, CORNER_HZ)
+    low_pass = filter_matrix(len(data.t), kernel, every)
+    columns = low_pass @ np.column_stack([data.ddq, others, _plain(data)])
     size, rows = np.sqrt(np.mean(columns[:, 0] ** 2)), clear[::every]
     if size == 0.0 or not rows.any():
         return 0.0
-    return float(_fitted(_even(columns), filter_rows(data.torque, kernel, every), rows)[0] / size)
+    return float(_fitted(_even(columns), low_pass @ data.torque, rows)[0] / size)
 
 
 def _even(columns: Float) -> Float:

@@ -37,7 +37,7 @@ class KnownLoad:
             return None
         return choice.sign * (gravity if self.inertial is None else gravity + self.inertial)
 
-    def taken(self, choice: TorqueChoice, load: Float | None) -> Float | None:
+    def removed(self, choice: TorqueChoice, load: Float | None) -> Float | None:
         """What is to be taken from the sensors' readings where links' inertia is part of it, else None. [N m]"""
         if self.inertial is None:
             return None

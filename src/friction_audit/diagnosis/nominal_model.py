@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis.rows import Rows
+from friction_audit.diagnosis.samples import Samples
 from friction_audit.dynamics.motion import Motion
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import FittedTerm, JointModel
@@ -53,7 +53,7 @@ class NominalModel:
         )
 
 
-def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> NominalModel:
+def nominal_model(data: JointData, samples: Samples, model: JointModel | None) -> NominalModel:
     """Build the columns of the declared model: friction is fitted, an inertia from a model file is taken as stated.
 
     Terms that the file holds are stated as well.
@@ -69,7 +69,7 @@ def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> Nomi
         rest = model.rest(data.motion())
         stated = model.inertia_kg_m2 * data.ddq
         for term in model.terms:
-            motion = _motion_of(term, model, data, rows) if term.effect.forward in RINGING else data.motion(rest)
+            motion = _motion_of(term, model, data, samples) if term.effect.forward in RINGING else data.motion(rest)
             columns = _columns(term, motion)
             if term.name in model.held:
                 stated = stated + term.torque(motion)
@@ -82,9 +82,9 @@ def nominal_model(data: JointData, rows: Rows, model: JointModel | None) -> Nomi
     return NominalModel(
         names=tuple(fine),
         fine=stacked,
-        columns=rows.of(stacked),
+        columns=samples.of(stacked),
         stated=stated,
-        y=rows.y - rows.of(stated),
+        y=samples.y - samples.of(stated),
         model=model,
     )
 
@@ -95,7 +95,7 @@ def _stated(model: JointModel) -> dict[str, float]:
     return {INERTIA: model.inertia_kg_m2} | {FRICTION[name]: held[name] for name in FRICTION if name in held}
 
 
-def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows) -> Motion:
+def _motion_of(term: FittedTerm, model: JointModel, data: JointData, samples: Samples) -> Motion:
     """The motion as measured, or without what is hardly more than noise: that along which a term explains more.
 
     What rings amplifies the noise of the position, and its name was found along either motion.
@@ -105,8 +105,8 @@ def _motion_of(term: FittedTerm, model: JointModel, data: JointData, rows: Rows)
     simple = (data.way, data.dq, data.ddq)
     left = []
     for motion in motions:
-        columns = rows.of(np.column_stack([*simple, *_columns(term, motion).values()]))
-        left.append(np.linalg.norm(rows.y - columns @ least_squares(columns, rows.y)))
+        columns = samples.of(np.column_stack([*simple, *_columns(term, motion).values()]))
+        left.append(np.linalg.norm(samples.y - columns @ least_squares(columns, samples.y)))
     return motions[int(np.argmin(left))]
 
 

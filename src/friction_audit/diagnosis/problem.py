@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
-from friction_audit.diagnosis.rows import ROW_HZ, Rows, corner_for, make_rows
+from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, make_samples
 from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
@@ -70,7 +70,7 @@ class RegressionProblem:
     """
 
     data: JointData
-    samples: Rows
+    samples: Samples
     nominal: NominalModel
     age: Index
     fold: Index
@@ -83,22 +83,20 @@ class RegressionProblem:
         Raises:
             AnalysisError: If the model leaves nothing to fit.
         """
-        rows = make_rows(data)
-        nominal = nominal_model(data, rows, model)
+        samples = make_samples(data)
+        nominal = nominal_model(data, samples, model)
         inertia = nominal.baseline(least_squares(nominal.columns, nominal.y)).inertia_kg_m2
         if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
-            rows = make_rows(data, corner)
-            nominal = nominal_model(data, rows, model)
-        place = np.flatnonzero(rows.used)
-        alone = np.isin(place, rows.breakaway_row)
+            samples = make_samples(data, corner)
+            nominal = nominal_model(data, samples, model)
         # Samples of a signal without content above the corner are worth no more than two per period of the corner.
-        step = max(1, int(np.ceil(ROW_HZ / (2.0 * rows.corner_hz) - 0.25)))
-        kept = (place % step == 0) | alone
-        samples = rows.keep(kept)
+        step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
+        kept = (samples.place % step == 0) | samples.breakaway
+        samples = samples.keep(kept)
         nominal = replace(nominal, columns=nominal.columns[kept], y=nominal.y[kept])
-        follows = np.diff(place[kept], prepend=-(10**6)) == step
+        follows = np.diff(samples.place, prepend=-(10**6)) == step
         follows &= samples.cycle == np.roll(samples.cycle, 1)
-        follows &= ~alone[kept] & ~np.roll(alone[kept], 1)
+        follows &= ~samples.breakaway & ~np.roll(samples.breakaway, 1)
         return cls(
             data=data,
             samples=samples,
@@ -125,7 +123,7 @@ class RegressionProblem:
 
     def at_samples(self, fine: Float) -> Float:
         """A quantity of the fine grid at the samples, not filtered."""
-        return fine[:: self.samples.every][self.samples.used]
+        return fine[self.samples.place * self.samples.every]
 
     def columns(self, fine: Float) -> Float:
         """Columns of the fine grid, shape (n, p), on the samples, shape (p, m)."""
@@ -201,7 +199,7 @@ def _age(follows: NDArray[np.bool_]) -> Index:
     return (place - np.maximum.accumulate(np.where(follows, 0, place))).astype(np.int64)
 
 
-def _curves(data: JointData, samples: Rows) -> tuple[Curve, ...]:
+def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
     most = int(np.clip(len(np.unique(samples.cycle)) // MOST_CYCLES_PER_KNOT, 2, KNOTS))
     found = []
     for axis in AXES:
@@ -210,5 +208,5 @@ def _curves(data: JointData, samples: Rows) -> tuple[Curve, ...]:
         if values is None or len(knots) < 2:  # noqa: PLR2004 - a constant
             continue
         columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
-        found.append(Curve(axis=axis, columns=columns, values=values[:: samples.every][samples.used]))
+        found.append(Curve(axis=axis, columns=columns, values=values[samples.place * samples.every]))
     return tuple(found)

@@ -7,7 +7,7 @@ from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.procedure import State, fine_torques
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import ContactTrace, Evidence, NamedEffect, Profile
-from friction_audit.diagnosis.rows import filter_rows
+from friction_audit.diagnosis.samples import filter_matrix
 from friction_audit.diagnosis.screening import Screening
 from friction_audit.diagnosis.shown_along import shows_along
 from friction_audit.effects.contact_event import EFFECT as CONTACT
@@ -84,7 +84,7 @@ def contact_trace(state: State) -> ContactTrace | None:
         return None
     data, samples = state.problem.data, state.problem.samples
     _, fine = fine_torques(state)
-    left = filter_rows(fine, samples.kernel, samples.every)
+    left = filter_matrix(len(fine), samples.kernel, samples.every) @ fine
     seen = (data.moving & data.valid)[:: samples.every]
     return ContactTrace(
         t=data.t[:: samples.every],
