@@ -59,7 +59,7 @@ def samples_of(data: JointData, model: JointModel | None, corner_hz: float | Non
 
 
 def integral_time(residual: Float, rows: Samples) -> float:
-    """SampledJoint that hold as much as one independent one: initial positive sequence, C. J. Geyer, Stat. Sci. 7 (1992)."""
+    """Samples that hold as much as one independent one: initial positive sequence, C. J. Geyer, Stat. Sci. 7 (1992)."""
     whole, there = np.zeros((2, rows.place[-1] + 1))
     whole[rows.place], there[rows.place] = residual, 1.0
     power, total = float(np.mean(residual**2)), 0.0

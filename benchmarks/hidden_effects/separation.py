@@ -16,7 +16,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.stats import chi2, ncx2
 
 from benchmarks.hidden_effects.draw import Case, model_of, settings_of
-from benchmarks.hidden_effects.limits import Samples, integral_time, same_moments, samples_of
+from benchmarks.hidden_effects.limits import SampledJoint, integral_time, same_moments, samples_of
 from benchmarks.hidden_effects.strength import prepared
 from friction_audit.diagnosis import nominal_model
 from friction_audit.diagnosis.dictionary import Block, Dictionary
@@ -101,7 +101,7 @@ def _square(signal: Float) -> float:
     return float(np.mean(signal**2))
 
 
-def _both(case: Case, scale: float) -> tuple[Samples, Samples]:
+def _both(case: Case, scale: float) -> tuple[SampledJoint, SampledJoint]:
     """The joint on ideal sensors below the corner that noisy ones allow, and on those.
 
     Where an encoder's noise hides the direction, as next to a reversal, no test sees anything.
@@ -120,7 +120,7 @@ def _both(case: Case, scale: float) -> tuple[Samples, Samples]:
 class _Free:
     """Least squares of effects free of the nominal model."""
 
-    def __init__(self, samples: Samples, truth: str) -> None:
+    def __init__(self, samples: SampledJoint, truth: str) -> None:
         same = next(one.indistinguishable for one in effects() if one.name == truth)
         asked = [one for one in effects() if one.name not in {CONTACT.name, *same}]
         m = len(samples.rows.t)

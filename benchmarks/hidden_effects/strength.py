@@ -34,7 +34,9 @@ def left_over(log: JointLog, joint: int, model: ArmModel | None = None, corner_h
         corner_hz: Of the rows' filter; None for what the log's own noise allows. [Hz]
     """
     data, stated = prepared(log)[joint], None if model is None else model.joints[joint]
-    rows = make_samples(data, RegressionProblem.build(data, stated).samples.corner_hz if corner_hz is None else corner_hz)
+    rows = make_samples(
+        data, RegressionProblem.build(data, stated).samples.corner_hz if corner_hz is None else corner_hz
+    )
     declared = nominal_model(data, rows, stated)
     left = declared.y - declared.columns @ least_squares(declared.columns, declared.y)
     return float(np.sqrt(np.mean(left**2)))
