@@ -149,13 +149,13 @@ def _require_an_answer(found: "Diagnosis") -> None:
 
     joints = found.discrepancy.joints
     if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
-        lines = "".join(f"\n  joint {joint.joint}: {joint.message}" for joint in joints)
+        lines = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints)
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
 
 
 def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
     """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
-    return [(f"joint {one.joint}: {one.message}", one.traceback) for one in found.discrepancy.joints if one.traceback]
+    return [(f"joint {one.joint}: {one.reason}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
 def _write(

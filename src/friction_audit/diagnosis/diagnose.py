@@ -67,11 +67,11 @@ def diagnose(
         try:
             return diagnose_joint(subject(data), candidates, settings)
         except AnalysisError as error:
-            return unanswered(verdict="not_testable", message=str(error))
+            return unanswered(verdict="not_testable", reason=str(error))
         except (FrictionAuditError, MemoryError, Warning):  # warnings are errors where the tests run
             raise
         except Exception as error:  # noqa: BLE001 - reported as a bug: verdict, traceback and exit code 1
-            return unanswered(verdict="failed", message=bug_sentence("the diagnosis", error), traceback=traced(error))
+            return unanswered(verdict="failed", reason=bug_sentence("the diagnosis", error), traceback=traced(error))
 
     workers = workers_for(len(prepared))
     # Half of the work is in the interpreter, for which threads would wait.

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from friction_audit.diagnosis import intervals, residual_curves, screening, wording
+from friction_audit.diagnosis import intervals, residual_curves, screening
 from friction_audit.diagnosis.conclusion import Conclusion, Named, conclude
 from friction_audit.diagnosis.data_audit import DataFinding, faults
 from friction_audit.diagnosis.forward_gap import gap_in_motion
@@ -22,7 +22,6 @@ from friction_audit.diagnosis.validation import gap, held_out
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, strokes
 from friction_audit.effects.joint_model import JointModel
-from friction_audit.effects.registry import motion_to_decide
 from friction_audit.errors import AnalysisError
 from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
@@ -93,12 +92,12 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     return with_own_axes(replace(found, contacts=residual_curves.contact_trace(state)))
 
 
-def _unanswered(subject: Subject, verdict: Verdict, message: str) -> JointDiagnosis:
+def _unanswered(subject: Subject, verdict: Verdict, reason: str) -> JointDiagnosis:
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
         verdict=verdict,
-        message=message,
+        reason=reason,
         from_energy=subject.from_energy,
         findings=subject.findings,
     )
@@ -131,7 +130,6 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         joint=subject.number,
         name=subject.name,
         verdict=said.verdict,
-        message=wording.message_of(said, (*named, *events), remaining, limit, bool(negligible)),
         effects=(*events, *named),
         nominal=plain.nominal,
         augmented=estimates.nominal,
@@ -162,7 +160,7 @@ def _effect(
     left = residual_of(gram, state.active)
     upto = [other.block for other in group[:k]]
     before, after = (held_out(gram, some, replaced=state.active).rms for some in (upto, [*upto, block]))
-    curve, where = residual_curves.along_effect(problem, left + torque, torque, block.effect.axis)
+    curve = residual_curves.along_effect(problem, left + torque, block.effect.axis)
     power = float(np.sum(residual_of(gram, ()) ** 2))
     rivals = (
         Evidence(name=c.name, delta_bic=c.behind, correlation=c.correlation) for c in one.competing[:COMPETING_SHOWN]
@@ -171,11 +169,9 @@ def _effect(
         name=block.name,
         label=block.effect.label,
         alternatives=one.alternatives,
-        decide=motion_to_decide(block.name, one.alternatives),
         parameters=numbers[0],
         p_value=one.gain.p_value,
         evidence=(Evidence(name=block.name, delta_bic=0.0, correlation=1.0), *rivals),
-        where=where,
         axis=block.effect.axis,
         gap_before_nm=before,
         gap_after_nm=after,

@@ -11,8 +11,6 @@ from friction_audit.joint_log import Float
 
 BINS = 12
 FEWEST_ROWS = 5
-CLEAR = 2.0
-"""Standard errors from which a bin is spoken of."""
 FOLDS = 5
 COPY = 1e-12
 """Eigenvalue, over the largest one, of the cross products of what is a copy."""
@@ -56,7 +54,6 @@ def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64],
         backwards_se=backwards_se,
         share=_share(residual, curve.columns.T, cycle),
         p_value=p_value,
-        where=_where(curve.axis.name, edges, forwards, forwards_se, backwards, backwards_se),
     )
 
 
@@ -107,57 +104,3 @@ def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
         left[part] -= scaled[part] @ factors
     total = float(np.sum(residual**2))
     return max(0.0, 1.0 - float(np.sum(left**2)) / total) if total > 0 else 0.0
-
-
-def _where(axis: str, edges: Float, up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    """The stretch of the axis on which the residual is clear and large, and in which direction."""
-    size = np.fmax(np.abs(up), np.abs(down))
-    clear = (np.abs(up) > CLEAR * up_se) | (np.abs(down) > CLEAR * down_se)
-    if not np.any(clear & np.isfinite(size)):
-        return ""
-    large = clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan)))
-    first, last = int(np.flatnonzero(large)[0]), int(np.flatnonzero(large)[-1])
-    span = _span(axis, float(edges[first]), float(edges[last + 1]), first == 0, last == len(large) - 1)
-    return f"{span}, {_direction(up[large], up_se[large], down[large], down_se[large])}"
-
-
-UNITS = {
-    "speed": "rad/s",
-    "position": "rad",
-    "displacement": "rad after a reversal",
-    "acceleration": "rad/s²",
-    "time": "s",
-    "load": "N m of load",
-    "temperature": "°C",
-    "neighbour": "rad/s² of a neighbour",
-}
-
-
-WORDS = {"displacement": "displacement since a reversal", "neighbour": "a neighbour's acceleration"}
-"""Axes that are called otherwise in a sentence."""
-
-
-def _span(axis: str, low: float, high: float, from_start: bool, to_end: bool) -> str:
-    unit = UNITS[axis]
-    below, above = ("before", "after") if axis == "time" else ("below", "above")
-    if from_start and to_end:
-        return "over the whole log" if axis == "time" else f"over the whole range of {WORDS.get(axis, axis)}"
-    if from_start:
-        return f"{below} {high:.3g} {unit}"
-    if to_end:
-        return f"{above} {low:.3g} {unit}"
-    return f"from {low:.3g} to {high:.3g} {unit}"
-
-
-def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
-    clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
-    if min(clear_up, clear_down) > CLEAR:
-        against = np.nansum(up) * np.nansum(down) < 0
-        return "in both directions, " + ("against the motion" if against else "the same way in both")
-    return "forwards only" if clear_up > clear_down else "backwards only"
-
-
-def _clearness(mean: Float, error: Float) -> float:
-    """Root mean square of a direction's bins in standard errors, about 1 where there is nothing; 0 if all are empty."""
-    there = error > 0
-    return float(np.sqrt(np.mean((mean[there] / error[there]) ** 2))) if there.any() else 0.0

@@ -88,5 +88,4 @@ def _profile(label: str, values: Float, traces: Traces, torque: Float) -> Profil
         backwards_se=backwards_se,
         share=float("nan"),
         p_value=float("nan"),
-        where="",
     )
