@@ -74,7 +74,6 @@ def test_offset_is_named_with_what_cannot_be_separated_from_it() -> None:
     (effect,) = found.effects
     assert {"torque_bias", "asymmetric_coulomb"} <= {effect.name, *effect.alternatives}
     assert found.verdict == "ambiguous"
-    assert effect.decide
 
 
 def test_friction_that_scatters_is_unexplained() -> None:
@@ -86,7 +85,7 @@ def test_friction_that_scatters_is_unexplained() -> None:
 def test_too_few_cycles_are_not_testable() -> None:
     found = diagnosed(moved_joint(noise_nm=0.02, duration_s=3.0))
     assert found.verdict == "not_testable"
-    assert "cycles" in found.message
+    assert "cycles" in found.reason
 
 
 def test_folds_hold_whole_cycles_spread_over_the_log() -> None:

@@ -135,7 +135,7 @@ def test_a_verdict_has_friction_missing_effects_and_what_would_be_saved() -> Non
     first = report().joints[0]
     assert first.replay is not None
     assert first.replay.numbers is not None
-    pattern = r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. stribeck \(what"
+    pattern = r"Coulomb 0\.24\d* ± [\d.]+ N m, viscous 0\.[34]\d* ± [\d.]+ N m s/rad\. The model misses stribeck \(what"
     assert re.match(pattern, verdict_sentence(first))
     assert f"removed {100 * first.replay.numbers.dissipation_removed:.0f} %" in verdict_sentence(first)
     worse = replace(first.replay, numbers=replace(first.replay.numbers, dissipation_removed=-0.5))

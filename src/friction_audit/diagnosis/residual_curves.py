@@ -15,7 +15,6 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 
-
 def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | None) -> tuple[Profile, ...]:
     """The residual along every quantity, what takes most of it first."""
     p_values = {} if test is None else test.curves

@@ -36,7 +36,6 @@ UNITS = {
 }
 # Axes that a sentence calls otherwise.
 AXES = {"displacement": "displacement since a reversal", "neighbour": "acceleration of a neighbour"}
-ADD = "add {} to the model (model.toml)"
 
 
 def others_of(effect: NamedEffect, effects: Sequence[NamedEffect]) -> tuple[str, ...]:
@@ -65,33 +64,6 @@ def verdict_words(joint: JointDiagnosis) -> str:
     return f"{word}: {named}" if named else word
 
 
-def energy_disagreements(joint: JointDiagnosis) -> tuple[str, ...]:
-    """Return what may cause friction coefficients of torque fit and energy method whose intervals do not overlap."""
-    found = []
-    for name, words in (("viscous_nms_per_rad", _viscous_differs), ("coulomb_nm", _coulomb_differs)):
-        if name in joint.nominal and name in joint.from_energy:
-            torque, energy = joint.nominal[name], joint.from_energy[name]
-            if energy.low > torque.high or energy.high < torque.low:
-                found.append(words(energy.value, torque.value))
-    return tuple(found)
-
-
-def _viscous_differs(energy: float, torque: float) -> str:
-    cause = (
-        "a delay between velocity and torque, or viscous friction that is not linear"
-        if energy > torque
-        else "friction that is larger at low speed, or energy that goes to other joints"
-    )
-    return f"viscous friction {energy:.3g} N m s/rad from energy, {torque:.3g} from torque: {cause}"
-
-
-def _coulomb_differs(energy: float, torque: float) -> str:
-    return (
-        f"Coulomb friction {energy:.3g} N m from energy, {torque:.3g} from torque: "
-        "an offset of the torque, an error of gravity, or energy that goes to other joints"
-    )
-
-
 def nominal_model(model: ArmModel | None) -> str:
     """Return what the nominal model is, in words."""
     if model is None:
@@ -101,50 +73,51 @@ def nominal_model(model: ArmModel | None) -> str:
 
 
 def joint_message(joint: JointDiagnosis) -> str:
-    """Return the answer for a joint: the largest cause, its size, what to do; then what has no name."""
+    """Return the answer for a joint: the largest cause and its size, what has no name, what to do."""
     if joint.reason:
         return joint.reason
     if joint.verdict == "adequate":
-        return f"the model is adequate: the detection limit is {joint.detection_limit_nm:.2g} N m rms"
-    parts = [_cause(joint)]
-    if joint.checks:
-        verb = "is structure that no effect of the catalogue explains" if joint.effects else "is structure"
-        parts.append(f"{format_share(joint.remainder_share)} of the remaining residual {verb}: {remainder_words(joint)}")
-    if todo := _todo(joint):
-        parts.append(todo)
-    return "; ".join(parts)
+        return f"the model is adequate: no effect above the detection limit of {joint.detection_limit_nm:.2g} N m rms"
+    left = f"{format_share(joint.remainder_share)} of what is left has no name: {remainder_words(joint)}"
+    parts = (_touched(joint), _cause(joint), left if joint.checks else "", _todo(joint))
+    return "; ".join(part for part in parts if part)
 
 
-def size_words(effect: NamedEffect) -> str:
-    """Return the size of an effect: ``0.04 N m rms, 12 % of the joint's friction``."""
+def _size(effect: NamedEffect) -> str:
     share = effect.friction_share
-    return f"{effect.size_nm:.2g} N m rms" + ("" if np.isnan(share) else f", {100 * share:.2g} % of the joint's friction")
+    of_friction = "" if np.isnan(share) else f", {format_share(share)} of the joint's friction"
+    return f"{effect.size_nm:.2g} N m rms{of_friction}"
+
+
+def _touched(joint: JointDiagnosis) -> str:
+    found = next((effect for effect in joint.effects if effect.name == CONTACT_EVENT), None)
+    return f"{CONTACT_EVENT} {where_effect(found, joint)}, left out of all else, {_size(found)}" if found else ""
 
 
 def _cause(joint: JointDiagnosis) -> str:
-    if not joint.effects:
-        gap = joint.gap
-        assert gap is not None
-        return (
-            "no effect of the catalogue explains what the model misses: "
-            f"residual RMS {gap.before:.3g} N m, noise floor {gap.floor:.3g} N m"
-        )
-    first, *rest = joint.effects
-    words = f"the model misses {names_of(first, joint.effects)} ({first.label}), {size_words(first)}"
+    unexplained = joint.verdict == "unexplained"
+    if not joint.added:
+        return "no effect of the catalogue explains the residual" if unexplained else "nothing else is missing"
+    first, *rest = joint.added
+    words = f"the model misses {first.name} ({first.label}), {_size(first)}"
+    if unexplained:
+        words = f"most of the residual has no name; {words}"
     if rest:
-        return f"{words}; then {enumerate_words(f'{one.name}, {one.size_nm:.2g} N m rms' for one in rest)}"
+        return f"{words}, and {enumerate_words(f'{one.name} ({one.size_nm:.2g} N m rms)' for one in rest)}"
     where = where_effect(first, joint)
     return f"{words}, {where}" if where else words
 
 
 def _todo(joint: JointDiagnosis) -> str:
+    if joint.verdict == "unexplained":
+        return "the figure residual shows it"
     unsure = next((one for one in joint.effects if one.alternatives), None)
     if unsure is not None:
-        other = unsure.alternatives[0]
-        return f"to separate {unsure.name} from {other}: {motion_to_decide(unsure.name, [other])}"
-    if len(joint.added) < len(joint.effects):
-        return "leave the contacts out with --t-start and --t-end, or record again without contact"
-    return ADD.format("it" if len(joint.added) == 1 else "them") if joint.added else ""
+        others = " or ".join(others_of(unsure, joint.effects))
+        motion = motion_to_decide(unsure.name, unsure.alternatives[:1])
+        return f"this log cannot separate {unsure.name} from {others}; to decide: {motion}"
+    it = "it" if len(joint.added) == 1 else "them"
+    return f"add {it} to the model (model.toml)" if joint.added else "record again without contact"
 
 
 def remainder_words(joint: JointDiagnosis) -> str:
@@ -152,18 +125,17 @@ def remainder_words(joint: JointDiagnosis) -> str:
     found: dict[tuple[str, str], list[ResidualCheck]] = {}
     for check in joint.checks:
         found.setdefault((check.code, check.along), []).append(check)
-    return ", ".join(_check_words(same, joint) for same in found.values())
+    return ", ".join(_check(code, along, same, joint) for (code, along), same in found.items())
 
 
-def _check_words(same: Sequence[ResidualCheck], joint: JointDiagnosis) -> str:
-    code, along = same[0].code, same[0].along
+def _check(code: str, along: str, same: Sequence[ResidualCheck], joint: JointDiagnosis) -> str:
     if code == "line":
         unit = "Hz" if along == "time" else "waves per rad of path"
-        numbers = enumerate_words(f"{check.frequency:.3g}" for check in same)
-        return f"spectral line{'s' if len(same) > 1 else ''} at {numbers} {unit}"
+        numbers = enumerate_words(f"{check.frequency:.2g}" for check in same)
+        return f"{'spectral lines' if len(same) > 1 else 'a spectral line'} at {numbers} {unit}"
     if code == "curve":
         where = next((where_words(one) for one in joint.remaining if one.axis == along), "")
-        return f"a curve over {AXES.get(along, along)}{f' ({where})' if where else ''}"
+        return f"a curve {where or f'over {AXES.get(along, along)}'}"
     return "friction that varies from stroke to stroke" if code == "scatter" else f"{along} that changes within the log"
 
 
@@ -182,7 +154,7 @@ def where_words(curve: Profile) -> str:
     up, up_se, down, down_se = curve.forwards, curve.forwards_se, curve.backwards, curve.backwards_se
     size = np.fmax(np.abs(up), np.abs(down))
     clear = (np.abs(up) > CLEAR * up_se) | (np.abs(down) > CLEAR * down_se)
-    if not np.any(clear & np.isfinite(size)):
+    if curve.axis not in UNITS or not np.any(clear & np.isfinite(size)):
         return ""
     large = np.flatnonzero(clear & (size >= 0.5 * np.nanmax(np.where(clear, size, np.nan))))
     low, high = float(curve.edges[large[0]]), float(curve.edges[large[-1] + 1])
@@ -204,7 +176,7 @@ def _direction(up: Float, up_se: Float, down: Float, down_se: Float) -> str:
     clear_up, clear_down = _clearness(up, up_se), _clearness(down, down_se)
     if min(clear_up, clear_down) > CLEAR:
         against = np.nansum(up) * np.nansum(down) < 0
-        return "against the motion" if against else "with the same sign in both directions"
+        return "against the motion" if against else "same sign in both directions"
     return "forwards only" if clear_up > clear_down else "backwards only"
 
 

@@ -6,7 +6,6 @@ from typing import NamedTuple, Protocol
 from friction_audit.joint_log import JointLog
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay
 from friction_audit.preprocessing.interaction import Interaction
-from friction_audit.reporting.diagnosis_words import energy_disagreements
 from friction_audit.reporting.words import NEWTON_METRES, in_unit, joints_label
 
 IN_AMPERE = (

@@ -16,7 +16,8 @@ from friction_audit.errors import AnalysisError, FrictionAuditError, bug_sentenc
 from friction_audit.friction.history import JointFriction
 from friction_audit.io.tidy_table import TidyTable
 from friction_audit.pipeline import Diagnosis, Estimate, LogReplay, diagnose_estimate, replay_estimate
-from friction_audit.reporting.diagnosis import DIAGNOSE, WORDS, diagnose_tables
+from friction_audit.reporting.diagnosis import DIAGNOSE, diagnose_tables
+from friction_audit.reporting.diagnosis_tables import WORDS
 from friction_audit.reporting.diagnosis_words import joint_message, names_of
 from friction_audit.reporting.documents import SETTINGS, SOURCE, WARNINGS, settings_document
 from friction_audit.reporting.estimate import ESTIMATE, estimate_tables
