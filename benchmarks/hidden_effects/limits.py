@@ -1,17 +1,13 @@
 """How much a log holds of one effect, or of each of two: what a test would see that knew their torques.
 
-python -m benchmarks.hidden_effects.limits ROWS.csv... [--output LIMITS.csv]
-
-The files are those of ``run`` (or of ``strengths``). The torque of an effect is what it alone adds on ideal sensors. It
-is visible where n_eff ln(RSS without it / RSS with it), given the nominal model and the other effect's torque, is above
-what the best of all names of the catalogue reaches by chance in one log of a hundred. Where an effect changes how the
-joint moves, its torque is that of another motion, and the number is too small. No choice of the engine enters.
+The torque of an effect is what it alone adds on ideal sensors. It is visible where n_eff ln(RSS without it / RSS with
+it), given the nominal model and the other effect's torque, is above what the best of all names of the catalogue reaches
+by chance in one log of a hundred. Where an effect changes how the joint moves, its torque is that of another motion, and
+the number is too small. No choice of the engine enters.
 """
 
-import argparse
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +17,7 @@ from scipy.stats import chi2
 from benchmarks.hidden_effects.draw import Case, draw_case, model_of, settings_of
 from benchmarks.hidden_effects.run import NOT_REACHED, SIZES, scaled
 from benchmarks.hidden_effects.strength import prepared
-from benchmarks.resume import Row, read, resume
+from benchmarks.resume import Row
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.diagnosis.samples import Samples, make_samples
@@ -143,19 +139,3 @@ def visible(limits: Iterable[Row], times: float = 1.0) -> set[tuple[str, str]]:
         enough = one["testable"] == "True" and float(one["holds"]) >= times * PRICE
         by_log.setdefault((one["truth"], one["seed"]), []).append(enough)
     return {log for log, enough in by_log.items() if all(enough)}
-
-
-def main() -> None:
-    """Measure the logs that the output does not hold."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", type=Path, nargs="+")
-    parser.add_argument("--output", type=Path, default=Path("limits.csv"))
-    parser.add_argument("--workers", type=int)
-    asked = parser.parse_args()
-    rows = judged(row for path in asked.files for row in read(path))
-    resume(asked.output, FIELDS, rows, limits_of, asked.workers)
-
-
-if __name__ == "__main__":
-    np.seterr(all="ignore")
-    main()
