@@ -1,8 +1,8 @@
 """How much a log holds of one effect, or of each of two: what a test would see that knew their torques.
 
 The torque of an effect is what it alone adds on ideal sensors. It is visible where n_eff ln(RSS without it / RSS with
-it), given the nominal model and the other effect's torque, is above what the best of all names of the catalogue reaches
-by chance in one log of a hundred. Where an effect changes how the joint moves, its torque is that of another motion, and
+it), given the nominal model and the other torque, is above what the best of all names of the catalogue reaches by
+chance in one log of a hundred. Where an effect changes how the joint moves, its torque is that of another motion, and
 the number is too small. No choice of the engine enters.
 """
 
