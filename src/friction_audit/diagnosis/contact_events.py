@@ -1,54 +1,229 @@
-"""Contacts: events that no motion tells. Their samples are left out of everything else.
+"""Contacts: stretches in which innovations of the augmented model stand out, and which the motion does not repeat.
 
-The detector is a bank of matched filters on the residual (G. L. Turin, IRE Trans. Inf. Theory 6 (1960) 311).
+A bank of matched filters (G. L. Turin, IRE Trans. Inf. Theory 6 (1960) 311) looks for pushes of several lengths in the
+whitened residual. Each output is compared with outputs at similar states of motion in other cycles: their spread is the
+local scale (ordered-statistic CFAR: H. Rohling, IEEE Trans. Aerosp. Electron. Syst. 19 (1983) 608), and what they repeat
+is model error, not a contact. The threshold is Bonferroni's over all moments and filters, of Student's t since the scale
+is estimated. Innovations of a contact are left out before the next one is looked for.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.find_contacts import find_contacts
+from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.problem import RegressionProblem
-from friction_audit.effects.contact_event import Contact, overlap
+from friction_audit.effects.contact_event import Contact
 from friction_audit.joint_log import Float
 
-SHIFTED = 2.0  # times a torque what is left where it is modelled at one moment and comes at another, at most
-SHAKEN = ("backlash", "joint_elasticity")  # noise of the motion shifts when their torque comes
+Index = NDArray[np.int64]
+Marks = NDArray[np.bool_]
+LENGTHS_S = (0.1, 0.2, 0.4, 0.8)  # twice as long each: half a sine between two of them loses 5 % of its size
+BY_CHANCE = 0.01  # probability that noise alone holds a contact
+CELLS = 60  # reference cells, each as long as the push; with fewer, the quantile of Student's t grows
+ALIKE = 0.3  # distance of similar states of motion, in standard deviations of each quantity
+FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
+NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
+APART_S = 0.2  # pushes between which less time passes are one contact
+END_S = 1.0  # next to an end of the log a drive settles, and nothing is repeated (Panda, joints 2 and 6)
+LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
+LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seeds 5, 23)
+MOST_CYCLES, MOST_TIME = 0.6, 0.2  # share of the cycles, of the samples: what is more frequent is no event
+MOST = 100  # moments that are looked at: what stands out more often is no event
+SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
 
 
-def detect(problem: RegressionProblem, explained: Float | None = None) -> tuple[Contact, ...]:
-    """Contacts beside a torque that is explained, shape (n,). [N m]"""
-    return find_contacts(problem.data, explained)
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class MatchedFilters:
+    """Filters for pushes that begin at each of s evenly spaced slots, f of them, on m samples.
+
+    Attributes:
+        pushes: Each push as the samples see it, shape (k,) each.
+        slot: Slot of each sample, shape (m,).
+        slot_s: Time from slot to slot. [s]
+        innovations: Whitened residual, and whitened torque of the model, shape (2, m).
+        operator: Weights of each sample and of the p before it in its innovation, shape (m, p + 1).
+    """
+
+    pushes: tuple[Float, ...]
+    slot: Index
+    slot_s: float
+    innovations: Float
+    operator: Float
+
+    @classmethod
+    def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel) -> "MatchedFilters":
+        """Build the filters for what a model leaves of all samples, shape (m,). [N m]"""
+        samples, step_s = problem.samples, problem.data.step_s
+        row = np.flatnonzero(samples.used)
+        every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
+        operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
+        operator[:, 0] = noise.weight
+        for lag in range(1, operator.shape[1]):
+            operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
+        # At a break-away the torque is that of the standstill before it, where friction holds a push.
+        alone = np.isin(row, samples.breakaway_row)
+        operator *= np.where(alone, 0.0, noise.scales[noise.age])[:, None]
+        forms = []
+        for length_s in LENGTHS_S:
+            n = max(round(length_s / step_s), 1)
+            forms += [np.sin(np.pi * (np.arange(n) + 0.5) / n), np.ones(n)]
+        return cls(
+            pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
+            slot=(row - row[0]) // every,
+            slot_s=step_s * samples.every * every,
+            innovations=np.where(alone, 0.0, noise.whiten(np.stack([residual, problem.y - residual]))),
+            operator=operator,
+        )
+
+    def outputs(self, masked: Marks, which: int = 0) -> Float:
+        """Size of a push over its standard error, shape (f, s); 0 where too little of it is seen."""
+        known = np.flatnonzero(~masked)
+        operator, innovations, slot = self.operator[known], self.innovations[which, known], self.slot[known]
+        lags, last, found = operator.shape[1], int(self.slot[-1]) + 1, []
+        for push in self.pushes:
+            wide = len(push) + lags - 1
+            white = operator @ np.stack([np.pad(push, (lag, lags - 1 - lag)) for lag in range(lags)])
+            begin = (slot[:, None] + wide - np.arange(wide)).ravel()
+            size = np.bincount(begin, (white * innovations[:, None]).ravel(), last + wide)[wide:]
+            energy = np.bincount(begin, (white**2).ravel(), last + wide)[wide:]
+            seen = energy > LEAST_SEEN * np.median(energy[self.slot])
+            found.append(np.where(seen, size / np.sqrt(np.where(seen, energy, 1.0)), 0.0))
+        return np.stack(found)
+
+    def inside(self, k: int, at: int) -> Marks:
+        """Samples whose innovations hold a push, shape (m,)."""
+        return (self.slot >= at) & (self.slot < at + len(self.pushes[k]) + self.operator.shape[1] - 1)
 
 
-def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> NDArray[np.bool_]:
+@dataclass(frozen=True, eq=False, kw_only=True, slots=True)
+class Reference:
+    """Where else in a log of m samples the joint moves as at one moment.
+
+    Attributes:
+        states: Position and velocity, velocity and acceleration, in standard deviations, shape (m, 2) each.
+        way: Sign of the velocity, shape (m,).
+        cycle: Number of the cycle, shape (m,).
+        slot: Slot of each sample, shape (m,).
+    """
+
+    states: tuple[Float, ...]
+    way: Float
+    cycle: Index
+    slot: Index
+
+    @classmethod
+    def of(cls, problem: RegressionProblem, slot: Index) -> "Reference":
+        """The motion of a joint."""
+        q, dq, ddq = (one / max(float(np.std(one)), 1e-12) for one in problem.kinematics)
+        states = np.column_stack([q, dq]), np.column_stack([dq, ddq])
+        return cls(states=states, way=np.sign(dq), cycle=problem.samples.cycle, slot=slot)
+
+    def compare(self, output: Float, at: int, wide: int, near: int) -> tuple[float, int, float, bool]:
+        """Local scale of a filter's outputs, shape (s,), at a push, its degrees of freedom, what the motion repeats.
+
+        Last, whether other cycles hold a similar velocity and acceleration at all.
+        """
+        i = min(int(np.searchsorted(self.slot, at + wide // 2)), len(self.slot) - 1)
+        others = (self.cycle != self.cycle[i]) & (self.way == self.way[i]) & (self.slot >= wide // 2)
+        place = np.flatnonzero(others)
+        scale, cells, cycles, again = 1.0, 1, 0, []
+        for state in self.states:
+            distance = np.hypot(*(state[place] - state[i]).T)
+            order = np.argsort(distance, kind="stable")
+            begin, cycle = self.slot[place[order]] - wide // 2, self.cycle[place[order]]
+            reference = output[begin[: CELLS * wide]]
+            scale = max(scale, robust_scale(reference))
+            cells = max(cells, np.count_nonzero(reference) // wide)
+            alike = distance[order] < ALIKE
+            first = np.unique(cycle[alike], return_index=True)[1]
+            again += begin[alike][first].tolist()
+            cycles = len(first)
+        repeated = [np.max(output[max(place - near, 0) : place + near + 1]) for place in again]
+        known = max(float(np.median(repeated)), 0.0) if len(again) >= FEWEST_AGAIN else 0.0
+        return scale, cells, known, cycles >= FEWEST_AGAIN
+
+
+def robust_scale(outputs: Float) -> float:
+    """Standard deviation of the outputs that are not 0, no smaller than their tails say."""
+    size = np.abs(outputs[outputs != 0.0])
+    median, decile = np.quantile(size, (0.5, 0.9)) if len(size) else (0.0, 0.0)
+    return float(max(SIGMA_PER_MEDIAN * median, SIGMA_PER_NINTH_DECILE * decile))
+
+
+def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel) -> tuple[Contact, ...]:
+    """Find the contacts of a joint in the order of time; none where they are no rare events.
+
+    Args:
+        problem: The joint with all its samples.
+        residual: What a model leaves of them, shape (m,). [N m]
+        noise: Noise model of the same samples.
+    """
+    filters = MatchedFilters.of(problem, residual, noise)
+    reach, start = _reach(problem), float(problem.samples.t[0])
+    spans = [
+        (start + at * filters.slot_s + reach, start + (at + len(filters.pushes[k])) * filters.slot_s - reach)
+        for k, at in _stand_out(filters, Reference.of(problem, filters.slot))
+    ]
+    first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
+    contacts = _merged(sorted(span for span in spans if first <= span[0] and span[1] <= last))
+    inside, cycle = touched(problem, contacts), problem.samples.cycle
+    rare = len(np.unique(cycle[inside])) <= MOST_CYCLES * len(np.unique(cycle)) and np.mean(inside) <= MOST_TIME
+    return contacts if rare else ()
+
+
+def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:
     """Samples that the filter mixes with a contact, shape (m,)."""
-    reach = len(problem.samples.kernel) // 2 * problem.data.step_s
-    t, inside = problem.samples.t, np.zeros(len(problem.samples.t), bool)
+    reach, t = _reach(problem), problem.samples.t
+    inside = np.zeros(len(t), bool)
     for contact in contacts:
         inside |= (t >= contact.start_s - reach) & (t <= contact.stop_s + reach)
     return inside
 
 
-def confirmed(
-    problem: RegressionProblem, contacts: tuple[Contact, ...], torques: dict[str, Float], left: Float
-) -> tuple[Contact, ...]:
-    """The contacts that still stand out of what the named effects leave of all samples.
+def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int, int]]:
+    """Filter and slot of each push, the largest first; none where no other cycle moves as during any of them."""
+    from scipy.special import ndtri, stdtrit
 
-    Args:
-        problem: The joint with all samples.
-        contacts: Found before anything was named.
-        torques: Of each named effect, shape (n,). [N m]
-        left: What the augmented model leaves, shape (n,). [N m]
-    """
-    again = detect(problem, np.sum(list(torques.values()), axis=0) if torques else None)
-    shaken = [torque for name, torque in torques.items() if name in SHAKEN]
-    t = problem.data.t
-    kept = []
-    for contact in contacts:
-        inside = (t >= contact.start_s) & (t <= contact.stop_s)
-        power = float(np.sum(left[inside] ** 2))
-        if any(overlap(contact, other) for other in again) and not any(
-            power < SHIFTED**2 * float(np.sum(torque[inside] ** 2)) for torque in shaken
-        ):
-            kept.append(contact)
-    return tuple(kept)
+    masked = np.zeros(len(filters.slot), bool)
+    whole = filters.outputs(masked)
+    usual = np.maximum([[robust_scale(one)] for one in whole], 1e-12)
+    outputs = whole = whole / usual
+    chance = 0.5 * BY_CHANCE / max(np.count_nonzero(whole), 1)
+    modelled = np.abs(filters.outputs(masked, which=1)) / usual
+    near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
+    barred = np.zeros(outputs.shape[1], bool)
+    for _ in range(MOST):
+        size = np.where(barred, 0.0, np.abs(outputs))
+        k, at = (int(i) for i in np.unravel_index(np.argmax(size), size.shape))
+        if size[k, at] < -ndtri(chance):
+            break
+        scale, cells, repeated, known = reference.compare(
+            np.sign(outputs[k, at]) * whole[k], at, len(filters.pushes[k]), near
+        )
+        about = slice(max(at - near, 0), at + near + 1)
+        least = max(-stdtrit(cells, chance) * scale, LEAST_OF_MODEL * np.max(modelled[k, about]))
+        if size[k, at] - repeated < least:
+            barred[about] = True
+            continue
+        any_known |= known
+        found.append((k, at))
+        masked |= filters.inside(k, at)
+        outputs = filters.outputs(masked) / usual
+    return found if any_known else []
+
+
+def _reach(problem: RegressionProblem) -> float:
+    """Half of the length of the filter of the samples. [s]"""
+    return len(problem.samples.kernel) // 2 * problem.data.step_s
+
+
+def _merged(spans: list[tuple[float, float]]) -> tuple[Contact, ...]:
+    found: list[Contact] = []
+    for start_s, stop_s in spans:
+        if found and start_s - found[-1].stop_s <= APART_S:
+            found[-1] = Contact(start_s=found[-1].start_s, stop_s=max(found[-1].stop_s, stop_s))
+        else:
+            found.append(Contact(start_s=start_s, stop_s=stop_s))
+    return tuple(found)
