@@ -94,7 +94,7 @@ class MatchedFilters:
 
     def inside(self, k: int, at: int) -> Marks:
         """Samples whose innovations hold a push, shape (m,)."""
-        return (self.slot >= at) & (self.slot < at + len(self.pushes[k]) + self.operator.shape[1] - 1)
+        return np.asarray((self.slot >= at) & (self.slot < at + len(self.pushes[k]) + self.operator.shape[1] - 1))
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -135,7 +135,7 @@ class Reference:
             begin, cycle = self.slot[place[order]] - wide // 2, self.cycle[place[order]]
             reference = output[begin[: CELLS * wide]]
             scale = max(scale, robust_scale(reference))
-            cells = max(cells, np.count_nonzero(reference) // wide)
+            cells = max(cells, int(np.count_nonzero(reference)) // wide)
             alike = distance[order] < ALIKE
             first = np.unique(cycle[alike], return_index=True)[1]
             again += begin[alike][first].tolist()
@@ -188,9 +188,9 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
 
     masked = np.zeros(len(filters.slot), bool)
     whole = filters.outputs(masked)
-    usual = np.maximum([[robust_scale(one)] for one in whole], 1e-12)
+    usual = np.array([[max(robust_scale(one), np.finfo(float).tiny)] for one in whole])
     outputs = whole = whole / usual
-    chance = 0.5 * BY_CHANCE / max(np.count_nonzero(whole), 1)
+    chance = 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
     modelled = np.abs(filters.outputs(masked, which=1)) / usual
     near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
     barred = np.zeros(outputs.shape[1], bool)

@@ -1,7 +1,7 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
