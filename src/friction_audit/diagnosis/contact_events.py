@@ -55,16 +55,14 @@ class MatchedFilters:
     @classmethod
     def of(cls, problem: RegressionProblem, residual: Float, noise: NoiseModel) -> "MatchedFilters":
         """Build the filters for what a model leaves of all samples, shape (m,). [N m]"""
-        samples, step_s = problem.samples, problem.data.step_s
-        row = np.flatnonzero(samples.used)
+        samples, step_s, row = problem.samples, problem.data.step_s, problem.samples.place
         every = int(np.min(np.diff(row)[problem.age[1:] > 0], initial=int(row[-1]) + 1))
         operator = np.zeros((len(row), noise.predictors.shape[1] + 1))
         operator[:, 0] = noise.weight
         for lag in range(1, operator.shape[1]):
             operator[lag:, lag] = -noise.predictors[noise.age[lag:], lag - 1] * noise.weight[:-lag]
         # At a break-away the torque is that of the standstill before it, where friction holds a push.
-        alone = np.isin(row, samples.breakaway_row)
-        operator *= np.where(alone, 0.0, noise.scales[noise.age])[:, None]
+        operator *= np.where(samples.breakaway, 0.0, noise.scales[noise.age])[:, None]
         forms = []
         for length_s in LENGTHS_S:
             n = max(round(length_s / step_s), 1)
@@ -73,7 +71,7 @@ class MatchedFilters:
             pushes=tuple(np.convolve(form, samples.kernel)[:: samples.every * every] for form in forms),
             slot=(row - row[0]) // every,
             slot_s=step_s * samples.every * every,
-            innovations=np.where(alone, 0.0, noise.whiten(np.stack([residual, problem.y - residual]))),
+            innovations=np.where(samples.breakaway, 0.0, noise.whiten(np.stack([residual, problem.y - residual]))),
             operator=operator,
         )
 
