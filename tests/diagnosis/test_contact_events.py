@@ -4,10 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 
 from friction_audit.diagnosis.contact_events import detect, touched
-from friction_audit.diagnosis.nominal_model import least_squares
 from friction_audit.diagnosis.noise_model import NoiseModel
+from friction_audit.diagnosis.nominal_model import least_squares
 from friction_audit.diagnosis.problem import RegressionProblem
 from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.joint_data import JointData
@@ -19,8 +20,6 @@ MOTION = two_sines()
 
 def noise(memory_s: float, seed: int = 3) -> Float:
     """AR(1) noise of standard deviation 0.02 N m."""
-    from scipy.signal import lfilter
-
     kept = np.exp(-MOTION.step_s / memory_s)
     white = np.random.default_rng(seed).normal(size=len(MOTION.t))
     return np.asarray(0.02 * np.sqrt(1.0 - kept**2) * lfilter([1.0], [1.0, -kept], white))

@@ -1,10 +1,10 @@
 """Contacts: stretches in which innovations of the augmented model stand out, and which the motion does not repeat.
 
 A bank of matched filters (G. L. Turin, IRE Trans. Inf. Theory 6 (1960) 311) looks for pushes of several lengths in the
-whitened residual. Each output is compared with outputs at similar states of motion in other cycles: their spread is the
-local scale (ordered-statistic CFAR: H. Rohling, IEEE Trans. Aerosp. Electron. Syst. 19 (1983) 608), and what they repeat
-is model error, not a contact. The threshold is Bonferroni's over all moments and filters, of Student's t since the scale
-is estimated. Innovations of a contact are left out before the next one is looked for.
+whitened residual. Each output is compared with outputs at similar states of motion in other cycles: their spread is
+the local scale (ordered-statistic CFAR: H. Rohling, IEEE Trans. Aerosp. Electron. Syst. 19 (1983) 608), and what they
+repeat is model error, not a contact. The threshold is Bonferroni's over all moments and filters, from Student's t since
+the scale is estimated. Innovations of a contact are left out before the next one is looked for.
 """
 
 from dataclasses import dataclass
@@ -28,7 +28,9 @@ NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
 APART_S = 0.2  # pushes between which less time passes are one contact
 END_S = 1.0  # next to an end of the log a drive settles, and nothing is repeated (Panda, joints 2 and 6)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
-LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seeds 5, 23)
+LEAST_OF_MODEL = (
+    0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seeds 5, 23)
+)
 MOST_CYCLES, MOST_TIME = 0.6, 0.2  # share of the cycles, of the samples: what is more frequent is no event
 MOST = 100  # moments that are looked at: what stands out more often is no event
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
