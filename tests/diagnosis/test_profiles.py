@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from statsmodels.api import OLS
 
-from friction_audit.diagnosis.axes import AXES, curve, knots_of
-from friction_audit.diagnosis.problem import Curve
+from friction_audit.diagnosis.problem import AXES, Curve, curve, knots_of
 from friction_audit.diagnosis.profiles import profile_all
 from friction_audit.diagnosis.result import Profile
 from friction_audit.joint_log import Float

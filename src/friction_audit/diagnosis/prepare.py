@@ -27,6 +27,13 @@ from friction_audit.robot import Arm
 DEAD_SIGMAS = 5.0  # standard deviations of the filtered velocity's noise, above which the direction is certain
 DEAD_SHARE = 1e-3  # and of the usual speed, which is what the stop band lets through next to a standstill
 TINY_SPEED = 1e-6
+TURN_S = 0.01  # a reversal that takes no longer may leave the direction certain on both sides of it
+# Unless the joint rests in it for longer: the median of a log, and a single one, which noise makes uncertain by 1 ms.
+MEDIAN_REST_S, REST_S = 1e-3, 3e-3
+NEAR_S, FAR_S = (
+    0.008,
+    0.03,
+)  # straight lines are fitted between these times from a reversal, out of the low-pass's reach
 
 
 def prepare(
@@ -103,6 +110,7 @@ def prepare(
 
 def _stamps(t: Float, q: Float) -> Float:
     """Stamps as they are, or without jitter if the joint that moves furthest runs more smoothly with those."""
+    # As they are, stranger_time_delay_1, stranger_joint_elasticity_1 and effects_time_delay_16001 are adequate.
     farthest = q[:, int(np.argmax(np.ptp(q, axis=0)))]
     steady = steady_clock(t)
     rough = [grid_noise(LowPass.for_stamps(stamps).with_slope(stamps, farthest)[1]) for stamps in (t, steady)]
@@ -134,6 +142,7 @@ def _filtered_motion(
         if grid_noise(slope) < np.hypot(grid_noise(logged), lag[column] * acceleration[column]):
             return q, slope, np.gradient(slope, low_pass.t), logged, "q", 0.0
         dq, ddq = low_pass.with_slope(t - lag[column], log.dq[fresh, column])
+        # With the logged velocity alone the inertial_coupling of a real Panda's joints 5 and 6 is ambiguous.
         if crossover_hz := crossover_of(slope, dq, low_pass.step_s):
             dq = complementary_mean(slope, dq, valid, low_pass.step_s, crossover_hz)
             ddq = np.gradient(dq, low_pass.t)
@@ -166,22 +175,16 @@ def _cycle_of(t: Float, cycles: EnergyCycles, joint: int) -> NDArray[np.int64]:
     return np.where(inside, number, -1).astype(np.int64)
 
 
-TURN_S = 0.01
-"""A reversal that is over after this time may leave no doubt about the direction on either side of it."""
-DWELL_S = 1e-3
-"""Unless joints rest in it for longer, as a motor's do until it has turned the torque; so much is a log's median."""
-ODD_DWELL_S = 3e-3
-"""And so much a single one, which noise makes uncertain by a millisecond."""
-NEAR_S, FAR_S = 0.008, 0.03
-"""Straight lines are laid through the velocity between these times from a reversal: out of the low-pass's reach."""
-
-
 def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np.bool_]:
-    """Tell the samples whose direction is certain, those of a quick reversal without a rest among them.
+    """Samples whose direction of motion is certain, those of a quick reversal without a rest among them, shape (n,).
+
+    A joint that its motor turns around rests until the torque has changed by twice the friction: some milliseconds of
+    static friction, which a filtered velocity does not show. Straight lines through the velocity before and after the
+    reversal do: they reach zero at different times. Without these samples effects_stiction_16001 is adequate.
 
     Args:
         dq: Velocity on an even grid, shape (n,). [rad/s]
-        dead_speed: Below it the sign is the noise's. [rad/s]
+        dead_speed: Below it the sign is that of the noise. [rad/s]
         step_s: Spacing of the grid. [s]
     """
     sure = np.abs(dq) > dead_speed
@@ -189,17 +192,17 @@ def certain_direction(dq: Float, dead_speed: float, step_s: float) -> NDArray[np
     turns = np.flatnonzero(dq[at[1:]] * dq[at[:-1]] < 0)
     last, first = at[turns], at[turns + 1]
     quick = (first - last - 1) * step_s <= TURN_S
-    dwell = _dwell(dq, last[quick], first[quick], step_s)
-    rests = bool(len(dwell)) and float(np.median(dwell)) > DWELL_S
-    for begin, end, rest in zip(last[quick], first[quick], dwell, strict=True):
-        sure[begin : end + 1] = not rests and rest <= ODD_DWELL_S
+    rest = _rest_in_reversals(dq, last[quick], first[quick], step_s)
+    joint_rests = bool(len(rest)) and float(np.median(rest)) > MEDIAN_REST_S
+    for begin, end, one in zip(last[quick], first[quick], rest, strict=True):
+        sure[begin : end + 1] = not joint_rests and one <= REST_S
     return np.asarray(sure, bool)
 
 
-def _dwell(dq: Float, last: NDArray[np.int64], first: NDArray[np.int64], step_s: float) -> Float:
+def _rest_in_reversals(dq: Float, last: NDArray[np.int64], first: NDArray[np.int64], step_s: float) -> Float:
     """Time between the zeros of straight lines through the velocity before and after reversals, shape (r,). [s]
 
-    Acceleration that changes steadily through a reversal moves both zeros alike. Infinite where the joint turns again.
+    Acceleration that changes steadily moves both zeros alike. Infinite where the joint turns again.
     """
     near = round(NEAR_S / step_s)
     away = np.arange(near, max(round(FAR_S / step_s), near + 2) + 1)
@@ -213,7 +216,7 @@ def _dwell(dq: Float, last: NDArray[np.int64], first: NDArray[np.int64], step_s:
 
 
 def _time_to_zero(velocity: Float, away: NDArray[np.int64]) -> Float:
-    """Distance, in samples from 0, at which a straight line through velocities (r, k) reaches zero, shape (r,)."""
+    """Samples from 0 at which a straight line through velocities (r, k) reaches zero, shape (r,)."""
     centre = away - away.mean()
     slope = velocity @ centre / (centre @ centre)
     level = velocity.mean(axis=1)

@@ -1,20 +1,21 @@
 """The regression problem of one joint: response, nominal columns, nuisance columns, folds of whole cycles."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from friction_audit.diagnosis.axes import AXES, KNOTS, Axis, curve, knots_of
 from friction_audit.diagnosis.nominal_model import NominalModel, least_squares, nominal_model
 from friction_audit.diagnosis.samples import SAMPLE_HZ, Samples, corner_for, make_samples
-from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal
+from friction_audit.effects.joint_data import CORNER_HZ, JointData, Nominal, strokes
 from friction_audit.effects.joint_model import JointModel
 from friction_audit.joint_log import Float
 
 Index = NDArray[np.int64]
 FOLDS = 5
+KNOTS = 6  # most of a curve, quantiles of its quantity
 MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of the cycles, two per knot
 SIGN_WIDTHS_RAD_S = np.geomspace(
     5e-4, 1.2e-2, 9
@@ -24,6 +25,44 @@ OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as neglig
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
 MODEL_ERROR = {"reversal": 0.04, "inertia": 0.01}  # of Coulomb friction, of the inertial torque
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Axis:
+    """A quantity of every sample.
+
+    Attributes:
+        name: One word.
+        label: For the axis of a figure, with the unit.
+        value: ``value(data)``: the quantity, shape (n,), or None where the log does not have it.
+    """
+
+    name: str
+    label: str
+    value: Callable[[JointData], Float | None]
+
+
+def _travelled(data: JointData) -> Float:
+    return np.abs(strokes(data).displacement)
+
+
+def _neighbour(data: JointData) -> Float | None:
+    """Acceleration of the other joint that moves most, in its own units."""
+    others: Float = np.delete(data.others_ddq, data.own_column, axis=1)
+    return others[:, int(np.argmax(others.std(axis=0)))] if others.shape[1] else None
+
+
+# In the order in which equal ones are reported.
+AXES: tuple[Axis, ...] = (
+    Axis(name="speed", label="speed [rad/s]", value=lambda data: np.abs(data.dq)),
+    Axis(name="position", label="position [rad]", value=lambda data: data.q),
+    Axis(name="displacement", label="displacement since reversal [rad]", value=_travelled),
+    Axis(name="acceleration", label="acceleration [rad/s²]", value=lambda data: data.ddq),
+    Axis(name="time", label="time [s]", value=lambda data: data.t),
+    Axis(name="load", label="predicted load [N m]", value=lambda data: data.load),
+    Axis(name="temperature", label="temperature [°C]", value=lambda data: data.temperature),
+    Axis(name="neighbour", label="acceleration of a neighbour [rad/s²]", value=_neighbour),
+)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -210,3 +249,19 @@ def _curves(data: JointData, samples: Samples) -> tuple[Curve, ...]:
         columns = np.ascontiguousarray(samples.of(curve(values, knots, data.dq)).T)
         found.append(Curve(axis=axis, columns=columns, values=values[samples.place * samples.every]))
     return tuple(found)
+
+
+def knots_of(values: Float, counted: NDArray[np.bool_], most: int = KNOTS) -> Float:
+    """Quantiles of a quantity over the samples that count, without repetition, shape (k,); k below 2 if constant."""
+    if not counted.any():
+        return np.zeros(0)
+    knots = np.unique(np.quantile(values[counted], np.linspace(0.0, 1.0, most)))
+    apart = np.diff(knots) > 1e-9 * max(float(np.ptp(knots)), 1e-12)
+    return np.asarray(knots[np.append(True, apart)], np.float64)
+
+
+def curve(values: Float, knots: Float, dq: Float) -> Float:
+    """A piecewise linear curve over a quantity for each direction of motion, shape (n, 2 k)."""
+    hats = np.column_stack([np.interp(values, knots, row) for row in np.eye(len(knots))])
+    up = (dq > 0)[:, None]
+    return np.hstack([hats * up, hats * ~up])
