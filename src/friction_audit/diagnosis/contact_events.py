@@ -33,6 +33,7 @@ LEAST_OF_MODEL = (
 )
 MOST_CYCLES, MOST_TIME = 0.6, 0.2  # share of the cycles, of the samples: what is more frequent is no event
 MOST = 100  # moments that are looked at: what stands out more often is no event
+TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
 
 
@@ -77,24 +78,26 @@ class MatchedFilters:
             operator=operator,
         )
 
-    def outputs(self, masked: Marks, which: int = 0) -> Float:
-        """Size of a push over its standard error, shape (f, s); 0 where too little of it is seen."""
-        known = np.flatnonzero(~masked)
-        operator, innovations, slot = self.operator[known], self.innovations[which, known], self.slot[known]
-        lags, last, found = operator.shape[1], int(self.slot[-1]) + 1, []
+    def sums(self, kept: Marks, which: int, first: int, last: int) -> tuple[Float, Float]:
+        """Products with innovations, and energies, of pushes that begin at slots first to last, shape (f, k) each."""
+        lags, reach = self.operator.shape[1], self.reach
+        known = np.flatnonzero(kept & (self.slot >= first) & (self.slot < last + reach))
+        operator, innovations, slot = self.operator[known], self.innovations[which, known], self.slot[known] - first
+        products, energies = [], []
         for push in self.pushes:
             wide = len(push) + lags - 1
             white = operator @ np.stack([np.pad(push, (lag, lags - 1 - lag)) for lag in range(lags)])
             begin = (slot[:, None] + wide - np.arange(wide)).ravel()
-            size = np.bincount(begin, (white * innovations[:, None]).ravel(), last + wide)[wide:]
-            energy = np.bincount(begin, (white**2).ravel(), last + wide)[wide:]
-            seen = energy > LEAST_SEEN * np.median(energy[self.slot])
-            found.append(np.where(seen, size / np.sqrt(np.where(seen, energy, 1.0)), 0.0))
-        return np.stack(found)
+            inside = slice(wide, wide + last - first)
+            n = inside.stop + reach
+            products.append(np.bincount(begin, (white * innovations[:, None]).ravel(), n)[inside])
+            energies.append(np.bincount(begin, (white**2).ravel(), n)[inside])
+        return np.stack(products), np.stack(energies)
 
-    def inside(self, k: int, at: int) -> Marks:
-        """Samples whose innovations hold a push, shape (m,)."""
-        return np.asarray((self.slot >= at) & (self.slot < at + len(self.pushes[k]) + self.operator.shape[1] - 1))
+    @property
+    def reach(self) -> int:
+        """Slots from the beginning of the longest push to the last innovation that holds it."""
+        return max(map(len, self.pushes)) + self.operator.shape[1]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
@@ -191,12 +194,17 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
     """Filter and slot of each push, the largest first; none where no other cycle moves as during any of them."""
     from scipy.special import ndtri, stdtrit
 
-    masked = np.zeros(len(filters.slot), bool)
-    whole = filters.outputs(masked)
-    usual = np.array([[max(robust_scale(one), np.finfo(float).tiny)] for one in whole])
-    outputs = whole = whole / usual
-    chance = 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
-    modelled = np.abs(filters.outputs(masked, which=1)) / usual
+    kept, slots = np.ones(len(filters.slot), bool), int(filters.slot[-1]) + 1
+    products, energy = filters.sums(kept, 0, 0, slots)
+    least_seen = np.maximum(LEAST_SEEN * np.median(energy[:, filters.slot], axis=1, keepdims=True), TINY)
+
+    def outputs_of(products: Float, energy: Float) -> Float:
+        return np.asarray(np.where(energy > least_seen, products / np.sqrt(np.maximum(energy, least_seen)), 0.0))
+
+    whole = outputs_of(products, energy)
+    usual = np.array([[max(robust_scale(one), TINY)] for one in whole])
+    whole, modelled = whole / usual, np.abs(outputs_of(*filters.sums(kept, 1, 0, slots))) / usual
+    outputs, chance = whole.copy(), 0.5 * BY_CHANCE / max(int(np.count_nonzero(whole)), 1)
     near, found, any_known = max(round(NEAR_S / filters.slot_s), 1), [], False
     barred = np.zeros(outputs.shape[1], bool)
     for _ in range(MOST):
@@ -214,8 +222,10 @@ def _stand_out(filters: MatchedFilters, reference: Reference) -> list[tuple[int,
             continue
         any_known |= known
         found.append((k, at))
-        masked |= filters.inside(k, at)
-        outputs = filters.outputs(masked) / usual
+        stop = at + len(filters.pushes[k]) + filters.operator.shape[1] - 1
+        kept &= (filters.slot < at) | (filters.slot >= stop)
+        first, last = max(at - filters.reach, 0), min(stop, slots)
+        outputs[:, first:last] = outputs_of(*filters.sums(kept, 0, first, last)) / usual
     return found if any_known else []
 
 
