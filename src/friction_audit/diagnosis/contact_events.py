@@ -97,7 +97,7 @@ class MatchedFilters:
     @property
     def reach(self) -> int:
         """Slots from the beginning of the longest push to the last innovation that holds it."""
-        return max(map(len, self.pushes)) + self.operator.shape[1]
+        return max(len(push) for push in self.pushes) + int(self.operator.shape[1])
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, slots=True)
