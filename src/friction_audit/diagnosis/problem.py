@@ -20,7 +20,7 @@ MOST_CYCLES_PER_KNOT = 6  # a curve has at most so many numbers as a third of th
 SIGN_WIDTHS_RAD_S = np.geomspace(
     5e-4, 1.2e-2, 9
 )  # a sign smoothed by up to 10 mrad/s is a regularised drive, no effect
-SLOW_RAD_S = 5e-3  # below it the law of friction at a reversal is as uncertain as right behind one
+SLOW_RAD_S = 5e-3  # below it the law of friction is as uncertain as right after a reversal
 OFFSET_SHARE = 0.0025  # of Coulomb friction: a quarter of what counts as negligible
 SAMPLE_SD = 0.29  # of a sample, the standard deviation of a delay evenly spread over one sample
 REVERSAL_S = 0.05  # time over which a wrong formula of a reversal fades
@@ -128,7 +128,7 @@ class RegressionProblem:
         if (corner := corner_for(data, abs(inertia))) < CORNER_HZ:
             samples = make_samples(data, corner)
             nominal = nominal_model(data, samples, model)
-        # Samples of a signal without content above the corner are worth no more than two per period of the corner.
+        # A signal without content above the corner needs two samples per period of the corner.
         step = max(1, int(np.ceil(SAMPLE_HZ / (2.0 * samples.corner_hz) - 0.25)))
         kept = (samples.place % step == 0) | samples.breakaway
         samples = samples.keep(kept)

@@ -56,16 +56,16 @@ class Profile:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Gap:
-    """The gap before and after effects were added.
+    """Held-out residual of the nominal and of the augmented model.
 
     Attributes:
         before: Root mean square of what the nominal model leaves. [unit of the response]
         after: The same for the augmented model.
-        floor: Root mean square of the noise, below which nothing can be closed.
-        shrink: (before - after) / (before - floor); NaN where the gap is at the floor from the start.
+        floor: Root mean square of the noise.
+        shrink: (before - after) / (before - floor); NaN where before is at the floor.
         shrink_se: Standard error of shrink from leaving out one cycle at a time, the floor taken as known.
         over_floor: after / floor; infinite for a floor of 0.
-        cycles: Number of locked cycles.
+        cycles: Number of held-out cycles.
     """
 
     before: float

@@ -51,10 +51,10 @@ def filter_velocity(dq: Float, *, rate_hz: float, cutoff_hz: float) -> Float:
 
 
 def lag_of(logged: Float, slope: Float, bend: Float, change: Float) -> tuple[Float, Float]:
-    """Estimate how long velocities come behind the derivatives of their positions.
+    """Estimate the lag of velocities after the derivatives of their positions.
 
     The noise of the position is in its second derivative, and least squares would find too small a lag; the change of
-    the logged velocity has a noise of its own, and is the instrument.
+    the logged velocity has independent noise, and is the instrumental variable.
 
     Args:
         logged: Velocities as logged, shape (n, j). [rad/s]
