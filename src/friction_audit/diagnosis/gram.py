@@ -120,9 +120,7 @@ class Gram:
             at = block.start - blocks[0].start
             own = white[at : at + block.p]
             found.append(
-                squares[:, at, None, None]
-                if block.p == 1
-                else np.stack([own[:, f] @ own[:, f].T for f in self.slices])
+                squares[:, at, None, None] if block.p == 1 else np.stack([own[:, f] @ own[:, f].T for f in self.slices])
             )
         return found
 

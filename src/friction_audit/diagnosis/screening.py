@@ -64,7 +64,9 @@ def wild_cluster_bootstrap(gram: Gram, active: Sequence[Block], seed: int) -> Sc
         return float((1 + np.count_nonzero(largest >= value)) / (DRAWS + 1))
 
     of_curves = seen[np.count_nonzero(free) :]
-    curves = {name: p_of(float(max(of_curves[k] for k, n in enumerate(names) if n == name))) for name in dict.fromkeys(names)}
+    curves = {
+        name: p_of(float(max(of_curves[k] for k, n in enumerate(names) if n == name))) for name in dict.fromkeys(names)
+    }
     return Screening(p_value=p_of(float(seen.max())), curves=curves)
 
 
