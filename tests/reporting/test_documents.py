@@ -212,9 +212,9 @@ def test_joints_without_some_numbers() -> None:
 
 def test_settings_repeat_what_was_asked_the_nominal_model_too() -> None:
     model = ArmModel(names=("a",), joints=(simple_model(inertia_kg_m2=1, coulomb_nm=2, viscous_nms_per_rad=3),))
-    asked = DiagnosisSettings(candidates=("stribeck",), alpha=0.01, seed=4, model=model)
+    asked = DiagnosisSettings(candidates=("stribeck",), min_effect_nm=0.01, seed=4, model=model)
     settings = checked(diagnose_document(diagnosis((NAMED,), asked), {"topic": None}))["settings"]["diagnosis"]
-    assert (settings["candidates"], settings["alpha"], settings["seed"]) == (["stribeck"], 0.01, 4)
+    assert (settings["candidates"], settings["min_effect_nm"], settings["seed"]) == (["stribeck"], 0.01, 4)
     assert settings["model"]["joints"][0]["terms"][0] == {"name": "coulomb", "values": [2]}
 
 

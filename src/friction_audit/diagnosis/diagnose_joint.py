@@ -27,6 +27,7 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 FEWEST_CYCLES = 6
+ALPHA = 0.05  # family-wise error of the detection limit
 POWER_Z = 1.28  # normal quantile of 90 % power
 COMPETING_SHOWN = 6
 
@@ -62,7 +63,7 @@ def diagnose_joint(subject: Subject, effects: Sequence[Effect], settings: Diagno
     Args:
         subject: The joint.
         effects: Effects that may be named.
-        settings: Error probability; its seed is that of the screening test alone.
+        settings: Smallest effect that counts; its seed is that of the screening test alone.
     """
     wrong = faults(subject.findings)
     if wrong:
@@ -125,7 +126,7 @@ def _result(subject: Subject, state: State, said: Conclusion, settings: Diagnosi
         for group in (said.named, said.negligible)
     )
     events = residual_curves.contact_effects(problem, state.contacts, profiles)
-    limit = _detection_limit(state, after.rms, settings.alpha)
+    limit = _detection_limit(state, after.rms)
     return JointDiagnosis(
         joint=subject.number,
         name=subject.name,
@@ -202,11 +203,11 @@ def _without_gravity(state: State, floor: float) -> float:
     return float("nan") if before <= floor else (before - after) / (before - floor)
 
 
-def _detection_limit(state: State, left_nm: float, alpha: float) -> float:
+def _detection_limit(state: State, left_nm: float) -> float:
     """Rms of an effect, free of the nominal model, that would have been seen with 90 % power. [N m]"""
     from scipy.special import ndtri
 
-    needed = (float(ndtri(1.0 - alpha / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
+    needed = (float(ndtri(1.0 - ALPHA / (2 * max(len(state.gram.blocks), 1)))) + POWER_Z) ** 2
     noise = state.gram.noise
     # The information of an effect as broad as the residual itself: its power per independent sample.
     time = float(np.sum(noise.predictors[-1])) if noise.age.max() else 0.0

@@ -7,8 +7,6 @@ from friction_audit.effects.joint_model import ArmModel
 from friction_audit.effects.registry import NAMES
 from friction_audit.errors import UsageError
 
-HIGHEST_ALPHA = 0.5
-
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DiagnosisSettings:
@@ -16,17 +14,15 @@ class DiagnosisSettings:
 
     Attributes:
         candidates: Names of the effects that may be named; None for the whole catalogue.
-        alpha: Probability of naming an effect where none is missing, per joint.
         min_effect_nm: Effects whose rms torque is below it are negligible. [N m]
         seed: Seed of the bootstrap of the screening test; no verdict depends on it.
         model: Nominal model of each joint of the log; None for inertia, Coulomb and viscous friction, fitted.
 
     Raises:
-        UsageError: If there is no such effect, or alpha is out of range.
+        UsageError: If there is no such effect, or ``min_effect_nm`` is no torque.
     """
 
     candidates: tuple[str, ...] | None = None
-    alpha: float = 0.05
     min_effect_nm: float = 0.0
     seed: int = 0
     model: ArmModel | None = None
@@ -36,7 +32,5 @@ class DiagnosisSettings:
         unknown = [name for name in self.candidates or () if name not in NAMES]
         if unknown:
             raise UsageError(f"candidates: {', '.join(unknown)}: expected some of {', '.join(NAMES)}")
-        if not 0.0 < self.alpha < HIGHEST_ALPHA:
-            raise UsageError(f"alpha: {self.alpha:g}; expected a probability above 0 and below {HIGHEST_ALPHA:g}")
         if not 0.0 <= self.min_effect_nm < inf:
             raise UsageError(f"min_effect_nm: {self.min_effect_nm:g}; expected a torque of zero or more")
