@@ -12,12 +12,12 @@ from friction_audit.diagnosis.forward_gap import gap_in_motion
 from friction_audit.diagnosis.gram import Training
 from friction_audit.diagnosis.problem import FOLDS
 from friction_audit.diagnosis.procedure import State, nominal, select
+from friction_audit.diagnosis.profiles import with_own_axes
 from friction_audit.diagnosis.residual_checks import residual_of
 from friction_audit.diagnosis.result import Evidence, JointDiagnosis, NamedEffect, Traces, Verdict
 from friction_audit.diagnosis.samples import make_samples
 from friction_audit.diagnosis.selection import split
 from friction_audit.diagnosis.settings import DiagnosisSettings
-from friction_audit.diagnosis.shown_along import with_own_axes
 from friction_audit.diagnosis.validation import gap, held_out
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, strokes

@@ -81,7 +81,7 @@ class Gram:
 
     def of(self, block: Block) -> Float:
         """Whitened columns of a block, shape (p, m)."""
-        return self.sorted_noise.whiten(block.stored)
+        return self.sorted_noise.whiten(block.stored.astype(np.float64))
 
     def products(self, block: Block) -> Float:
         """Products of a block with all others within each fold, shape (folds, p, columns)."""

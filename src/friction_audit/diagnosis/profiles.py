@@ -1,17 +1,25 @@
-"""Where a residual lies: its mean along every axis, and which axes it depends on."""
+"""A residual along a quantity: its mean in bins with standard errors, and the quantity that shows an effect."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from friction_audit.diagnosis.problem import Curve
-from friction_audit.diagnosis.result import Profile
+from friction_audit.diagnosis.result import JointDiagnosis, NamedEffect, OwnAxis, Profile, Traces
 from friction_audit.joint_log import Float
 
 BINS = 12
 FEWEST_ROWS = 5
 FOLDS = 5
+STRETCHES = 24
+"""Of the axis, with equally many rows each."""
+MOST_HIDDEN = 0.5
+"""Share of the torque's mean square that may lie beside the curve."""
+ORDER = "ripple_order"  # parameter of an effect that repeats with the position: its waves per revolution
+SOURCE = "gravity_error_source"  # 0 where the error follows the joint's own angle
+OF_SEVERAL_JOINTS = ("inertial_coupling", "torque_crosstalk")
 COPY = 1e-12
 """Eigenvalue, over the largest one, of the cross products of what is a copy."""
 
@@ -38,27 +46,31 @@ def profile_all(
 
 def _profile(residual: Float, curve: Curve, dq: Float, cycle: NDArray[np.int64], p_value: float) -> Profile:
     edges = np.unique(np.quantile(curve.values, np.linspace(0.0, 1.0, BINS + 1)))
-    bins = np.clip(np.searchsorted(edges, curve.values, side="right") - 1, 0, len(edges) - 2)
-    centre = np.array([_mean(curve.values[bins == k]) for k in range(len(edges) - 1)])
-    up = dq > 0
-    forwards, forwards_se = bin_means(residual, bins, cycle, up, len(centre))
-    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, len(centre))
+    bins = _bins(curve.values, edges)
+    centre = [curve.values[bins == k].mean() if (bins == k).any() else np.nan for k in range(len(edges) - 1)]
     return Profile(
         axis=curve.axis.name,
         label=curve.axis.label,
         edges=edges,
-        centre=centre,
-        forwards=forwards,
-        backwards=backwards,
-        forwards_se=forwards_se,
-        backwards_se=backwards_se,
+        centre=np.array(centre),
+        **_binned(residual, curve.values, edges, dq > 0, cycle),
         share=_share(residual, curve.columns.T, cycle),
         p_value=p_value,
     )
 
 
-def _mean(values: Float) -> float:
-    return float(values.mean()) if len(values) else float("nan")
+def _bins(values: Float, edges: Float) -> NDArray[np.int64]:
+    return np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
+
+
+def _binned(
+    residual: Float, values: Float, edges: Float, up: NDArray[np.bool_], cycle: NDArray[np.int64]
+) -> dict[str, Float]:
+    """Means and standard errors of both directions, by the names that a profile has for them."""
+    bins, count = _bins(values, edges), len(edges) - 1
+    forwards, forwards_se = bin_means(residual, bins, cycle, up, count)
+    backwards, backwards_se = bin_means(residual, bins, cycle, ~up, count)
+    return {"forwards": forwards, "forwards_se": forwards_se, "backwards": backwards, "backwards_se": backwards_se}
 
 
 def bin_means(
@@ -104,3 +116,70 @@ def _share(residual: Float, columns: Float, cycle: NDArray[np.int64]) -> float:
         left[part] -= scaled[part] @ factors
     total = float(np.sum(residual**2))
     return max(0.0, 1.0 - float(np.sum(left**2)) / total) if total > 0 else 0.0
+
+
+def shows_along(torque: Float, along: Float, dq: Float) -> bool:
+    """Return whether most of a torque is a curve over a quantity, one for each direction of motion.
+
+    A torque that rings, comes late or follows other joints has both signs at each place of any axis of this joint's
+    motion: its mean there is next to nothing, and where that mean is largest is chance.
+
+    Args:
+        torque: Of an effect at the rows, free of noise, shape (m,). [N m]
+        along: The quantity, shape (m,).
+        dq: Velocity, shape (m,). [rad/s]
+    """
+    beside = sum(_beside(torque[which], along[which]) for which in (dq > 0, dq <= 0))
+    return beside <= MOST_HIDDEN * float(torque @ torque)
+
+
+def _beside(torque: Float, along: Float) -> float:
+    """Return the sum of squares beside the means of the stretches. [N^2 m^2]"""
+    parts = np.array_split(torque[np.argsort(along, kind="stable")], STRETCHES)
+    return float(sum(len(part) * part.var() for part in parts if len(part)))
+
+
+def with_own_axes(joint: JointDiagnosis) -> JointDiagnosis:
+    """Return the joint, its effects with the axis of their own where no axis of the motion shows them."""
+    if joint.traces is None:
+        return joint
+    effects = joint.added
+    found = {effect.name: own_axis(effect, joint.traces) for effect in effects}
+    return replace(joint, effects=tuple(replace(effect, own=found.get(effect.name)) for effect in joint.effects))
+
+
+def own_axis(effect: NamedEffect, traces: Traces) -> OwnAxis | None:
+    """Return what an effect is drawn along; None where the axis of its curve shows it.
+
+    A ripple is drawn over one wave, for bins in place would average it away. What follows several joints, or is no
+    curve over its axis, as the ringing of a spring, is drawn over the torque that was fitted: on the diagonal the log
+    holds all of the effect.
+    """
+    if ORDER in effect.parameters:
+        waves = effect.parameters[ORDER].value * traces.q / (2 * np.pi)
+        label, values = "Position within a wave [waves]", np.mod(waves, 1.0)
+    else:
+        source = effect.parameters.get(SOURCE)
+        alone = effect.name not in OF_SEVERAL_JOINTS and (source is None or source.value == 0.0)
+        if alone and shows_along(effect.torque, traces.along[effect.curve.axis], traces.dq):
+            return None
+        label, values = f"Fitted torque of {effect.name} [N m]", effect.torque
+    before, after = traces.measured - traces.before, traces.measured - traces.after
+    profiles = (_over(label, values, traces, torque) for torque in (after + effect.torque, before, after))
+    curve, without, left = profiles
+    return OwnAxis(label=label, values=values, curve=curve, before=without, after=left)
+
+
+def _over(label: str, values: Float, traces: Traces, torque: Float) -> Profile:
+    """Means of a torque of shape (m,) over an axis in bins of equal width."""
+    edges = np.linspace(values.min(), values.max(), BINS + 1)
+    binned = _binned(torque, values, edges, traces.dq > 0, traces.cycle)
+    return Profile(
+        axis=label,
+        label=label,
+        edges=edges,
+        centre=0.5 * (edges[:-1] + edges[1:]),
+        **binned,
+        share=float("nan"),
+        p_value=float("nan"),
+    )

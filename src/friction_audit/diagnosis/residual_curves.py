@@ -15,16 +15,15 @@ from friction_audit.friction.history import Coefficient
 from friction_audit.joint_log import Float
 
 
-def profiles_of(problem: RegressionProblem, residual: Float, test: Screening | None) -> tuple[Profile, ...]:
+def profiles_of(problem: RegressionProblem, residual: Float, test: Screening) -> tuple[Profile, ...]:
     """The residual along every quantity, what takes most of it first."""
-    p_values = {} if test is None else test.curves
-    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, p_values)
+    return profile_all(residual, problem.curves, problem.kinematics[1], problem.samples.cycle, test.curves)
 
 
 def along_effect(problem: RegressionProblem, shown: Float, axis: str) -> Profile:
     """What an effect and the noise leave along the effect's quantity."""
-    profiles = profiles_of(problem, shown, None)
-    return next((one for one in profiles if one.axis == axis), profiles[0])
+    own = [one for one in problem.curves if one.axis.name == axis] or problem.curves
+    return profile_all(shown, own, problem.kinematics[1], problem.samples.cycle, {})[0]
 
 
 def contact_effects(
