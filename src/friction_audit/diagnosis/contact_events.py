@@ -26,12 +26,12 @@ ALIKE = 0.3  # distance of similar states of motion, in standard deviations of e
 FEWEST_AGAIN = 2  # similar states in other cycles from which it can be said what the motion repeats
 NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
 APART_S = 0.2  # pushes between which less time passes are one contact
-END_S = 1.0  # next to an end of the log a drive settles, and nothing is repeated (Panda, joints 2 and 6)
+END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
 LEAST_OF_MODEL = (
-    0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seeds 5, 23)
+    0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seed 5)
 )
-MOST_CYCLES, MOST_TIME = 0.6, 0.2  # share of the cycles, of the samples: what is more frequent is no event
+MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent is no event, and little is left to fit
 MOST = 100  # moments that are looked at: what stands out more often is no event
 TINY = float(np.finfo(float).tiny)
 SIGMA_PER_MEDIAN, SIGMA_PER_NINTH_DECILE = 1.4826, 0.6080  # of the absolute value of a normal variable
@@ -177,8 +177,8 @@ def detect(problem: RegressionProblem, residual: Float, noise: NoiseModel) -> tu
     first, last = problem.data.t[0] + END_S, problem.data.t[-1] - END_S
     contacts = _merged(sorted(span for span in spans if first <= span[0] and span[1] <= last))
     inside, cycle = touched(problem, contacts), problem.samples.cycle
-    rare = len(np.unique(cycle[inside])) <= MOST_CYCLES * len(np.unique(cycle)) and np.mean(inside) <= MOST_TIME
-    return contacts if rare else ()
+    often = len(np.unique(cycle[inside])) > MOST_CYCLES * len(np.unique(cycle))
+    return () if often else contacts
 
 
 def touched(problem: RegressionProblem, contacts: tuple[Contact, ...]) -> Marks:

@@ -1,7 +1,7 @@
 """The diagnosis of one joint, from the prepared motion to the result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from friction_audit.diagnosis.noise_model import NoiseModel
 from friction_audit.diagnosis.nonlinear import coefficients_beside, refine
 from friction_audit.diagnosis.problem import Nuisance, RegressionProblem
 from friction_audit.diagnosis.validation import gains
-from friction_audit.effects.contact_event import Contact, overlap
+from friction_audit.effects.contact_event import Contact
 from friction_audit.effects.effect import Effect
 from friction_audit.effects.joint_data import JointData, Nominal
 from friction_audit.effects.joint_model import JointModel
@@ -47,30 +47,12 @@ def select(data: JointData, model: JointModel | None, effects: Sequence[Effect])
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
     state = _selected(problem, effects)
-    contacts = _contacts(problem, state)
+    left = residual_checks.residual_of(state.gram, state.active)
+    contacts = contact_events.detect(problem, left, state.gram.noise)
     if contacts:
-        apart = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
-        # Effects that are better known without the contacts may explain them.
-        again = _contacts(problem, _on_all_samples(problem, apart))
-        apart.contacts = tuple(one for one in contacts if any(overlap(one, other) for other in again))
-        state = apart if apart.contacts else state
+        state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
+        state.contacts = contacts
     return state
-
-
-def _contacts(problem: RegressionProblem, state: State) -> tuple[Contact, ...]:
-    return contact_events.detect(problem, residual_checks.residual_of(state.gram, state.active), state.gram.noise)
-
-
-def _on_all_samples(problem: RegressionProblem, state: State) -> State:
-    """The active set of some of the samples, fitted to all of them."""
-    baseline = nominal(state.problem, state.search.training, state.active)
-    blocks = [replace(b, columns=problem.columns(state.dictionary.fine_at(b, b.shape, baseline))) for b in state.active]
-    dictionary = Dictionary(problem, state.dictionary.effects, baseline, blocks)
-    nuisances = plausible(problem, problem.nuisances(baseline), baseline)
-    noise = NoiseModel.fit(problem, _plain_and_bent(problem, nuisances), problem.model_error(baseline))
-    made = _state(problem, dictionary, nuisances, noise, state.search.most_numbers)
-    made.active = blocks
-    return _refitted(made, state.search.most_numbers)
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
