@@ -28,9 +28,7 @@ NEAR_S = 0.1  # what the motion repeats comes so much earlier or later
 APART_S = 0.2  # pushes between which less time passes are one contact
 END_S = 1.0  # next to an end of a log a drive settles, which no cycle repeats (measured Panda, joints 4 and 5)
 LEAST_SEEN = 0.2  # of the usual energy of a filter: next to a gap of the samples less of a push is seen
-LEAST_OF_MODEL = (
-    0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seed 5)
-)
+LEAST_OF_MODEL = 0.06  # of what a filter gives on the modelled torque: a smaller push is its error (smoothed, seed 5)
 MOST_CYCLES = 0.6  # share of the cycles with a contact: what is more frequent is no event, and little is left to fit
 MOST = 100  # moments that are looked at: what stands out more often is no event
 TINY = float(np.finfo(float).tiny)
