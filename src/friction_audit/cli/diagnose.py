@@ -10,7 +10,6 @@ from friction_audit.cli.chain import audit_settings, read_options
 from friction_audit.cli.choices import option
 from friction_audit.cli.console import Voice
 from friction_audit.cli.options import (
-    DIAGNOSIS,
     NO_EXPORT,
     OUTPUT,
     PNG,
@@ -18,7 +17,6 @@ from friction_audit.cli.options import (
     FigureFormats,
     LogOptions,
     LogPath,
-    MinEffect,
     figures_option,
 )
 from friction_audit.cli.outputs import ResultFolder, show
@@ -28,6 +26,8 @@ if TYPE_CHECKING:
     from friction_audit.diagnosis.settings import DiagnosisSettings
     from friction_audit.joint_log import JointLog
     from friction_audit.pipeline import AuditSettings, Diagnosis
+
+DIAGNOSIS = "Diagnosis"
 
 EXAMPLES = """Examples:
   friction-audit diagnose run.mcap
@@ -52,12 +52,15 @@ class DiagnosisOptions:
             metavar="NAME",
         ),
     ] = ()  # type: ignore[assignment] # a dataclass takes no list
-    min_effect: MinEffect = 0.0
+    alpha: Annotated[
+        float,
+        option(DIAGNOSIS, "Probability of saying of a joint that something is missing where nothing is.", metavar="P"),
+    ] = 0.05
     seed: Annotated[
         int,
         option(
             DIAGNOSIS,
-            "Of the screening test; no name and no verdict depends on it.",
+            "Of the choice of held-out cycles and of the tests; same seed, same answer.",
             metavar="INT",
             min=0,
         ),
@@ -93,7 +96,7 @@ def command(
     formats: FigureFormats = PNG,
     export: Exports = NO_EXPORT,
 ) -> None:
-    """Find what the model of each joint misses, name it, and show how much of the residual it explains."""
+    """Find what the model of each joint misses, name it, and show how far the gap closes."""
     voice = shared.general.voice
     audit, reading, output = audit_settings(shared.audit), read_options(shared.reading, shared.selection), shared.output
     settings = _settings(options)
@@ -128,7 +131,7 @@ def _settings(options: DiagnosisOptions) -> "DiagnosisSettings":
 
     return DiagnosisSettings(
         candidates=tuple(options.candidates) or None,
-        min_effect_nm=options.min_effect,
+        alpha=options.alpha,
         seed=options.seed,
         model=None if options.joint_model is None else load_model(options.joint_model),
     )
@@ -146,13 +149,13 @@ def _require_an_answer(found: "Diagnosis") -> None:
 
     joints = found.discrepancy.joints
     if all(joint.verdict in UNANSWERED and not joint.traceback for joint in joints):
-        lines = "".join(f"\n  joint {joint.joint}: {joint.reason}" for joint in joints)
+        lines = "".join(f"\n  joint {joint.joint}: {joint.message}" for joint in joints)
         raise AnalysisError(f"{found.estimate.log.source.path}: no joint can be diagnosed:{lines}")
 
 
 def joint_bugs(found: "Diagnosis") -> list[tuple[str, str]]:
     """Return a sentence and the traceback for each joint whose diagnosis ended in a bug."""
-    return [(f"joint {one.joint}: {one.reason}", one.traceback) for one in found.discrepancy.joints if one.traceback]
+    return [(f"joint {one.joint}: {one.message}", one.traceback) for one in found.discrepancy.joints if one.traceback]
 
 
 def _write(

@@ -47,11 +47,12 @@ class Conclusion:
     """What a log says of a joint.
 
     Attributes:
-        verdict: ``none``, ``named``, ``ambiguous`` or ``unexplained``.
+        verdict: ``adequate``, ``named``, ``ambiguous``, ``unexplained`` or ``not_testable``.
         named: Effects that count, the largest first.
         negligible: Effects that stand and are too small to count.
         checks: Structures in what is left.
         remainder: Share of the residual's power without a name, 0..1.
+        lacking: Motion that would test slow effects where the residual follows the time; empty elsewhere.
     """
 
     verdict: Verdict
@@ -59,6 +60,7 @@ class Conclusion:
     negligible: tuple[Named, ...]
     checks: tuple[ResidualCheck, ...]
     remainder: float
+    lacking: str
 
 
 def conclude(state: State, least_nm: float = 0.0) -> Conclusion:
@@ -75,32 +77,48 @@ def conclude(state: State, least_nm: float = 0.0) -> Conclusion:
     large = tuple(one for one in named if one.grade != "negligible")
     small = tuple(one for one in named if one.grade == "negligible")
     return Conclusion(
-        verdict=verdict_of(state, large, checks, remainder),
+        verdict=verdict_of(state, large, checks),
         named=large,
         negligible=small,
         checks=checks,
         remainder=remainder,
+        lacking=lacking(state, checks),
     )
 
 
-def verdict_of(state: State, named: Sequence[Named], checks: Sequence[ResidualCheck], remainder: float) -> Verdict:
+def verdict_of(state: State, named: Sequence[Named], checks: Sequence[ResidualCheck]) -> Verdict:
     """The one word."""
     if not named:
-        return "unexplained" if checks else ("named" if state.contacts else "adequate")
-    if checks:
-        before, after = (float(np.mean(residual_checks.residual_of(state.gram, a) ** 2)) for a in ((), state.active))
-        explained = before - after
-        if explained < ENOUGH * (explained + remainder * after):
-            return "unexplained"
+        if checks:
+            return "not_testable" if lacking(state, checks) else "unexplained"
+        return "named" if state.contacts else "adequate"
+    # No torque of a named effect holds a spectral line, so that a line says nothing against a name.
+    remainder = max((c.share for c in checks if c.code != "line"), default=0.0)
+    before, after = (float(np.mean(residual_checks.residual_of(state.gram, a) ** 2)) for a in ((), state.active))
+    if before - after < ENOUGH * (before - after + remainder * after):
+        return "unexplained"
     return "ambiguous" if any(one.alternatives for one in named) else "named"
 
 
+def lacking(state: State, checks: Sequence[ResidualCheck]) -> str:
+    """The motion that would test slow effects where the residual follows the time; empty elsewhere."""
+    if not checks or (checks[0].code, checks[0].along) != ("curve", "time"):
+        return ""
+    why = state.dictionary.not_testable
+    return next((why[e.name] for e in state.dictionary.effects if e.name in why and e.axis == "time"), "")
+
+
 def _stable(state: State) -> None:
-    """Drop effects that too few of the folds choose."""
+    """Drop effects that too few of the folds choose, or that a curve over another quantity replaces."""
     numbers = state.search.most_numbers
     while state.active:
         state.folds = selection.shares_of_folds(state.gram, state.active, numbers)
-        unsteady = [b for b in state.active if state.folds[b.name] < selection.LEAST_FOLDS * FOLDS]
+        unsteady = [
+            b
+            for b in state.active
+            if state.folds[b.name] < selection.LEAST_FOLDS * FOLDS
+            or residual_checks.competing_curve(state.gram, state.active, b)
+        ]
         if not unsteady:
             return
         kept = [b for b in state.active if b not in unsteady]

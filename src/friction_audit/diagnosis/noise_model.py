@@ -63,7 +63,8 @@ class NoiseModel:
             0.25 * float(np.mean(residual[calm] ** 2)),
         )
         weight = np.sqrt(variance / (variance + model_error**2))
-        scaled = residual * weight
+        # An offset that is not in the model yet would pass for noise with a long autocorrelation time.
+        scaled = (residual - np.average(residual, weights=weight**2)) * weight
         sums = np.array([_at_lag(scaled, problem.age, lag) for lag in range(MOST_LAGS + 1)])
         sums[0] *= 1.0 + LOADING
         predictors, errors = levinson_durbin(sums)

@@ -4,6 +4,7 @@ G. H. Golub, V. Pereyra, SIAM J. Numer. Anal. 10 (1973) 413; the Jacobian of L. 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -143,7 +144,7 @@ def refine(
             break
     if first - point.cost < DONE:
         return None
-    return block.moved(scale.at(point.x), point.columns)
+    return replace(block, shape=scale.at(point.x), columns=point.columns, refined=True, start=0)
 
 
 def _line_search(problem: Projection, scale: Scale, point: Point) -> Point | None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from friction_audit.diagnosis import contact_events, residual_checks, selection
+from friction_audit.diagnosis import contact_events, intervals, residual_checks, selection
 from friction_audit.diagnosis.dictionary import Block, Dictionary
 from friction_audit.diagnosis.gram import Gram, Training
 from friction_audit.diagnosis.noise_model import NoiseModel
@@ -20,11 +20,11 @@ from friction_audit.joint_log import Float
 
 LEAST_Z = 2.0  # standard errors by which a held-out residual must shrink
 LEAST_SHARE = 0.1  # rms of an effect over that of what is left: 0.5 % of the rms
-LEAST_OF_LARGER = 0.2  # of a larger effect's rms: what is smaller may be what that one's formula lacks
 REPEATS = 2
 ALTERNATIONS = 2
 EFFECT_ERROR = 0.1  # of the torque of a named effect
 TRANSMISSION_ERROR = 0.25  # the same of a spring or a gap: the link side is known roughly
+CONTACT_GAIN, LARGEST_CONTACT_GAIN = 30.0, 50.0  # 2 ln of the likelihood: of each, of the largest (smoothed, seed 122)
 PLAUSIBLE_SD = 2.5  # a nuisance that wants to be larger stands for something else
 CHANGED = 0.02  # rms of the change of the nominal torque from which columns that lean on it are built again
 
@@ -46,13 +46,32 @@ class State:
 def select(data: JointData, model: JointModel | None, effects: Sequence[Effect]) -> State:
     """Everything up to the active set."""
     problem = RegressionProblem.build(data, model)
+    contacts = contact_events.detect(problem)
     state = _selected(problem, effects)
-    left = residual_checks.residual_of(state.gram, state.active)
-    contacts = contact_events.detect(problem, left, state.gram.noise)
     if contacts:
+        torques, _ = fine_torques(state)
+        contacts = contact_events.detect(problem, np.sum(list(torques.values()), axis=0)) if torques else contacts
+    gains_of = {one: _contact_gain(state, one) for one in contacts}
+    largest = max(gains_of.values(), default=0.0)
+    contacts = tuple(one for one in contacts if gains_of[one] > CONTACT_GAIN and largest > LARGEST_CONTACT_GAIN)
+    if contacts:
+        whole = state
         state = _selected(problem.without(contact_events.touched(problem, contacts)), effects)
-        state.contacts = contacts
+        torques, left = fine_torques(state)
+        contacts = contact_events.confirmed(problem, contacts, torques, left)
+        state = state if contacts else whole
+    state.contacts = contacts
     return state
+
+
+def _contact_gain(state: State, contact: Contact) -> float:
+    """What squared innovations within a contact add up to above those elsewhere; the model error is in their scale."""
+    gram, fit = state.gram, state.search.training.fit(state.active)
+    rows = np.vstack([gram.base[fit.kept], *(gram.of(b) for b in state.active)])
+    power = (gram.y - fit.coefficients @ rows) ** 2
+    inside = contact_events.touched(state.problem, (contact,))[gram.order]
+    usual = float(np.mean(power[~inside]))
+    return float(np.sum(power[inside])) / usual - np.count_nonzero(inside)
 
 
 def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
@@ -75,7 +94,24 @@ def _selected(problem: RegressionProblem, effects: Sequence[Effect]) -> State:
         state.active = accepted(state, state.search.run(state.search.settle(state.active)))
         if [b.name for b in state.active] == names or not state.active:
             break
+    state.active = _identifiable(state)
     return state
+
+
+def _identifiable(state: State) -> list[Block]:
+    """The active set; an effect of whose nonlinear parameters the log shows none is in its simplest form."""
+    baseline, chosen = nominal(state.problem, state.search.training, state.active), []
+    found = intervals.of(state.gram, state.dictionary, state.active, baseline).not_identifiable
+    for block, unknown in zip(state.active, found, strict=True):
+        simple = [b for b in state.gram.blocks if b.effect is block.effect and len(b.shape) < len(block.shape)]
+        if simple and set(unknown) == set(state.dictionary.bounds(block)):
+            gained, coefficients = state.search.training.gain([b for b in state.active if b is not block])
+            fits = {id(b): (g, b.possible(c)) for b, g, c in zip(state.gram.blocks, gained, coefficients, strict=True)}
+            able = [b for b in simple if fits[id(b)][1]]
+            chosen.append(max(able, key=lambda b: float(fits[id(b)][0]), default=block))
+        else:
+            chosen.append(block)
+    return chosen
 
 
 def _state(
@@ -137,10 +173,15 @@ def effect_error(state: State) -> Float:
     """Standard deviation of what the formulas of the named effects get wrong, shape (m,). [N m]"""
     fit, total = state.search.training.fit(state.active), np.zeros(len(state.problem.y))
     for block, coefficients in zip(state.active, selection.split(fit, state.active), strict=True):
-        if not block.effect.exact:
-            share = TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
-            total = np.hypot(total, share * (coefficients @ block.columns))
+        total = np.hypot(total, _formula_error(block) * (coefficients @ block.columns))
     return total
+
+
+def _formula_error(block: Block) -> float:
+    """Share of an effect's torque that its formula may get wrong."""
+    if block.effect.exact:
+        return 0.0
+    return TRANSMISSION_ERROR if block.effect.transmits else EFFECT_ERROR
 
 
 def accepted(state: State, active: Sequence[Block]) -> list[Block]:
@@ -151,20 +192,14 @@ def accepted(state: State, active: Sequence[Block]) -> list[Block]:
         left = float(np.std(residual_checks.residual_of(state.gram, kept)))
         worth = []
         for k, block in enumerate(kept):
-            larger = max(
-                (
-                    s
-                    for s, other in zip(size, kept, strict=True)
-                    if other is not block and not other.effect.exact and block.effect.may_absorb_error_of(other.effect)
-                ),
-                default=0.0,
-            )
-            bad = (
-                found[k].z < LEAST_Z
-                or not found[k].shrinks
-                or size[k] < max(LEAST_OF_LARGER * larger, LEAST_SHARE * left)
-            )
-            worth.append(found[k].z if bad else np.inf)
+            others = [
+                (other, s)
+                for s, other in zip(size, kept, strict=True)
+                if block.effect.may_absorb_error_of(other.effect)
+            ]
+            lacks = max((_formula_error(other) * s for other, s in others if other is not block), default=0.0)
+            stands = found[k].z >= LEAST_Z and found[k].shrinks and size[k] >= max(lacks, LEAST_SHARE * left)
+            worth.append(np.inf if stands else found[k].z)
         if not np.isfinite(min(worth)):
             break
         kept.pop(int(np.argmin(worth)))

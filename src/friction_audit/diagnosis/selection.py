@@ -158,16 +158,16 @@ class Search:
         """Forward selection; after every step effects are deleted, exchanged, split and merged."""
         chosen = list(active)
         for _ in range(self.rounds):
-            step = next(
-                (s for s in self.best(chosen)[:3] if s.evidence >= self.prior and self.carried([*chosen, s.block])),
-                None,
+            least = self.objective(chosen) + TOLERANCE
+            tries = (
+                self.settle([*chosen, s.block])
+                for s in self.best(chosen)
+                if s.evidence >= self.prior and self.carried([*chosen, s.block])
             )
-            if step is None:
+            better = next((trial for trial in tries if self.objective(trial) > least), None)
+            if better is None:
                 break
-            trial = self.settle([*chosen, step.block])
-            if self.objective(trial) <= self.objective(chosen) + TOLERANCE:
-                break
-            chosen = trial
+            chosen = better
         return chosen
 
     def settle(self, active: Sequence[Block]) -> list[Block]:
